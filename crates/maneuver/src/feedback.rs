@@ -27,7 +27,7 @@ refusal::choices! {
 #[serde(deny_unknown_fields)]
 pub struct Controller {
     /// What it reads.
-    #[serde(default = "own")]
+    #[serde(default = "own_sensors")]
     pub sensors: Sensors,
     /// Its period \[s\]; by default that of the samples.
     pub every_s: Option<f64>,
@@ -36,7 +36,7 @@ pub struct Controller {
     pub strength: f64,
 }
 
-fn own() -> Sensors {
+fn own_sensors() -> Sensors {
     Sensors::Own
 }
 
@@ -46,7 +46,7 @@ fn one() -> f64 {
 
 impl Default for Controller {
     fn default() -> Self {
-        Self { sensors: own(), every_s: None, strength: one() }
+        Self { sensors: own_sensors(), every_s: None, strength: one() }
     }
 }
 
@@ -230,8 +230,8 @@ impl Tracked {
             nominal.states.as_chunks::<3>().0.iter().zip(exogenous.chunks_exact(vessel.model.exogenous()))
         {
             linearised.look(*state, row);
-            let own = linearised.decay();
-            (0..3).for_each(|d| decay[d] = decay[d].max(own[d]));
+            let now = linearised.decay();
+            (0..3).for_each(|d| decay[d] = decay[d].max(now[d]));
             let inverse = linearised.corrections(&free, rows, nominal.coupled);
             let first = corrections.len();
             corrections.resize(first + 3 * width, 0.0);
@@ -253,7 +253,7 @@ impl Tracked {
             inputs: nominal.inputs.to_vec(),
             reference: nominal.states.to_vec(),
             corrections,
-            ranges: vessel.actuators.iter().map(|own| own.range).collect(),
+            ranges: vessel.actuators.iter().map(|actuator| actuator.range).collect(),
             gains: Gains::of(decay).times(controller.strength),
             period,
             sensors: controller.sensors,
@@ -268,7 +268,7 @@ impl Program for Tracked {
             sample: 0,
             wanted: [0.0; 3],
             errors: [0.0; 3],
-            own: Loop::default(),
+            control: Loop::default(),
         })
     }
 
@@ -284,7 +284,7 @@ struct Tracking {
     /// Increments that are wanted beside those of the motion, since the controller last looked.
     wanted: [f64; 3],
     errors: [f64; 3],
-    own: Loop,
+    control: Loop,
 }
 
 impl Command for Tracking {
@@ -297,7 +297,7 @@ impl Command for Tracking {
                 Sensors::Logged => seen.state,
             };
             self.errors = [0, 1, 2].map(|d| of.reference[3 * k + d] - state[d]);
-            self.wanted = self.own.wanted(&of.gains, self.errors);
+            self.wanted = self.control.wanted(&of.gains, self.errors);
         }
         let mut is_limited = false;
         let nominal = &of.inputs[k * width..][..width];
@@ -310,7 +310,7 @@ impl Command for Tracking {
             is_limited |= *input != u + wanted;
         }
         if !is_limited {
-            self.own.learn(&of.gains, self.errors);
+            self.control.learn(&of.gains, self.errors);
         }
         self.sample += 1;
     }
@@ -368,8 +368,8 @@ impl Command for Following {
         self.commanded.clear();
         self.commanded.extend_from_slice(inputs);
         let ends = self.command.ends();
-        for (i, (acting, own)) in self.acting.iter_mut().zip(&*self.actuators).enumerate() {
-            inputs[i] = acting.follow(own, SampleCommand::of(i, inputs[i], ends), self.sample_s);
+        for (i, (acting, actuator)) in self.acting.iter_mut().zip(&*self.actuators).enumerate() {
+            inputs[i] = acting.follow(actuator, SampleCommand::of(i, inputs[i], ends), self.sample_s);
         }
     }
 

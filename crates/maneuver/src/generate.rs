@@ -93,7 +93,7 @@ impl Generator {
                 check_approach(maneuver, vessel)?;
             }
         }
-        let own = Self {
+        let generator = Self {
             vessel: vessel.clone(),
             parameters: vessel.parameters(source)?,
             maneuvers,
@@ -104,14 +104,14 @@ impl Generator {
             tables,
             helms: BTreeMap::new(),
         };
-        own.check_holds()?;
-        Ok(own)
+        generator.check_holds()?;
+        Ok(generator)
     }
 
     /// Refuses a maneuver that reacts and ends before an actuator takes a second command.
     fn check_holds(&self) -> Result<(), Invalid> {
         let actuators = self.vessel.actuators.iter().zip(self.vessel.model.input_variables());
-        let Some((own, input)) = actuators.max_by(|(a, _), (b, _)| a.hold_s.total_cmp(&b.hold_s)) else {
+        let Some((actuator, input)) = actuators.max_by(|(a, _), (b, _)| a.hold_s.total_cmp(&b.hold_s)) else {
             return Ok(());
         };
         let seconds = |index: usize| match self.tables.get(&index) {
@@ -120,12 +120,12 @@ impl Generator {
         };
         let mut reacting = (0..self.maneuvers.len()).filter(|index| self.reacts(*index));
         let ended =
-            reacting.find_map(|index| Some((index, seconds(index).filter(|all| own.hold_s >= *all)?)));
+            reacting.find_map(|index| Some((index, seconds(index).filter(|all| actuator.hold_s >= *all)?)));
         match ended {
             None => Ok(()),
             Some((index, duration_s)) => Err(Invalid::new(
                 format!("maneuver `{}` of {duration_s} s", self.maneuvers[index].name),
-                format!("`hold_s` = {} s of input `{}` in the vessel's file", own.hold_s, input.name),
+                format!("`hold_s` = {} s of input `{}` in the vessel's file", actuator.hold_s, input.name),
                 "a shorter hold, so that a command can follow the ship's motion",
                 "shorten the hold, or lengthen the maneuver with `duration_s`",
             )),
@@ -189,8 +189,8 @@ impl Generator {
     pub fn samples(&self, index: usize) -> Result<usize, Invalid> {
         let maneuver = &self.maneuvers[index];
         let endless = || format!("maneuver `{}`, `duration_s`", maneuver.name);
-        let own = maneuver.duration(self.default_s).map(|s| self.vessel.samples(s));
-        match self.tables.get(&index).map(|table| table.samples).or(own) {
+        let stated = maneuver.duration(self.default_s).map(|s| self.vessel.samples(s));
+        match self.tables.get(&index).map(|table| table.samples).or(stated) {
             Some(samples) if samples > 0 => refuse_endless(endless(), samples).map(|()| samples),
             _ => Err(Invalid::new(
                 format!("maneuver `{}`", maneuver.name),
@@ -218,7 +218,7 @@ impl Generator {
             || self.helms.values().any(Helm::tracks);
         let reacts = (0..self.maneuvers.len()).any(|index| self.reacts(index));
         let actuators = self.vessel.actuators.iter().enumerate();
-        let followed = actuators.filter(|(_, own)| reacts && !own.is_immediate()).map(|(i, _)| i).collect();
+        let followed = actuators.filter(|(_, actuator)| reacts && !actuator.is_immediate()).map(|(i, _)| i).collect();
         Reacting { tracks, followed }
     }
 
@@ -356,7 +356,7 @@ impl Generator {
         }
         let samples = states.len() / 3 - 1;
         let plan = Plan::new(&maneuver.kind, rate_hz, samples);
-        let wanted: Vec<[f64; 2]> = (0..samples).map(|k| plan.motion(k)).map(|own| [own.u, own.r]).collect();
+        let wanted: Vec<[f64; 2]> = (0..samples).map(|k| plan.motion(k)).map(|motion| [motion.u, motion.r]).collect();
         limits::of_motion(&wanted, states, rate_hz, &self.tolerance)
     }
 

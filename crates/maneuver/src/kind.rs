@@ -150,12 +150,12 @@ impl Kind {
     /// The standard maneuver that it is, if it is one.
     pub fn standard(&self) -> Option<Standard<'_>> {
         match self {
-            Self::ZigZagTest(own) => Some(Standard::ZigZagTest(own)),
-            Self::TurningCircle(own) => Some(Standard::TurningCircle(own)),
-            Self::PullOut(own) => Some(Standard::PullOut(own)),
-            Self::SpiralTest(own) => Some(Standard::SpiralTest(own)),
-            Self::ReverseSpiral(own) => Some(Standard::ReverseSpiral(own)),
-            Self::Stop(own) => Some(Standard::Stop(own)),
+            Self::ZigZagTest(test) => Some(Standard::ZigZagTest(test)),
+            Self::TurningCircle(turn) => Some(Standard::TurningCircle(turn)),
+            Self::PullOut(turn) => Some(Standard::PullOut(turn)),
+            Self::SpiralTest(spiral) => Some(Standard::SpiralTest(spiral)),
+            Self::ReverseSpiral(spiral) => Some(Standard::ReverseSpiral(spiral)),
+            Self::Stop(stop) => Some(Standard::Stop(stop)),
             _ => None,
         }
     }
@@ -210,7 +210,7 @@ impl Kind {
                 signals.chain(start_m_s.map(|start| ("start_m_s", start))).collect()
             }
             Self::Inputs { speed_m_s, .. } => keyed![speed_m_s],
-            _ => self.standard().map_or(Vec::new(), |own| own.numbers()),
+            _ => self.standard().map_or(Vec::new(), |standard| standard.numbers()),
         }
     }
 
@@ -309,7 +309,7 @@ impl<'a> Plan<'a> {
             | Kind::PullOut(_)
             | Kind::SpiralTest(_)
             | Kind::ReverseSpiral(_)
-            | Kind::Stop(_) => self.kind.standard().map_or(0.0, |own| own.speed_m_s()),
+            | Kind::Stop(_) => self.kind.standard().map_or(0.0, |standard| standard.speed_m_s()),
             Kind::Combined { start_m_s, .. } => start_m_s.unwrap_or_else(|| self.motion(0).u),
         }
     }

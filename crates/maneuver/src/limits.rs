@@ -67,18 +67,18 @@ impl Limits {
             Exceeded { limit: key.to_owned(), allowed, found }
         });
         let variables = || model.input_variables().iter().enumerate();
-        let settings = variables().filter_map(|(i, own)| {
-            let limit = self.inputs.get(&own.name)?;
+        let settings = variables().filter_map(|(i, input)| {
+            let limit = self.inputs.get(&input.name)?;
             let away = most(&mut inputs.iter().skip(i).step_by(width).map(|x| (x - limit.middle()).abs()));
-            Some(Exceeded { limit: format!("inputs.{}", own.name), allowed: limit.half(), found: away })
+            Some(Exceeded { limit: format!("inputs.{}", input.name), allowed: limit.half(), found: away })
         });
-        let changes = variables().filter_map(|(i, own)| {
-            let allowed = *self.rates.get(&own.name)?;
+        let changes = variables().filter_map(|(i, input)| {
+            let allowed = *self.rates.get(&input.name)?;
             let places = (i..inputs.len().saturating_sub(width)).step_by(width);
             let found = most(&mut places.map(|e| (inputs[e + width] - inputs[e]).abs() * rate_hz));
-            Some(Exceeded { limit: format!("rates.{}", own.name), allowed, found })
+            Some(Exceeded { limit: format!("rates.{}", input.name), allowed, found })
         });
-        let share = |own: &Exceeded| own.found / own.allowed;
+        let share = |exceeded: &Exceeded| exceeded.found / exceeded.allowed;
         let exceeded = states.chain(settings).chain(changes).max_by(|a, b| share(a).total_cmp(&share(b)))?;
         // An amplitude at its limit may exceed it by rounding.
         (exceeded.found > exceeded.allowed * (1.0 + 1e-9)).then_some(exceeded)
@@ -210,9 +210,9 @@ impl Kept {
     pub fn check_states(&self, maneuver: &str, states: &[f64]) -> Result<(), Invalid> {
         for (state, unit, [low, high]) in self.ranges() {
             let slack = ROUNDING * low.abs().max(high.abs());
-            let own = states.iter().skip(state).step_by(3);
+            let values = states.iter().skip(state).step_by(3);
             let beyond = |x: &f64| !(low - slack..=high + slack).contains(x);
-            if let Some((sample, x)) = own.enumerate().find(|(_, x)| beyond(x)) {
+            if let Some((sample, x)) = values.enumerate().find(|(_, x)| beyond(x)) {
                 return Err(Invalid::new(
                     format!("maneuver `{maneuver}`, sample {sample}"),
                     format!("{} = {x} {unit}", NAMES[state]),
@@ -291,9 +291,9 @@ impl Aim {
 
     /// One of a turn to the side of the greatest of `changes`; a ship that turned to the other side reached less than 0.
     fn turned(what: impl Into<String>, wanted: f64, changes: impl Iterator<Item = f64>) -> Self {
-        let [own, other] =
-            changes.fold([0.0, 0.0], |[own, other]: [f64; 2], psi| [own.max(psi), other.max(-psi)]);
-        Self::passed(what, wanted, if is_turned_away(own, other) { -other } else { own })
+        let [ordered, other] =
+            changes.fold([0.0, 0.0], |[ordered, other]: [f64; 2], psi| [ordered.max(psi), other.max(-psi)]);
+        Self::passed(what, wanted, if is_turned_away(ordered, other) { -other } else { ordered })
     }
 
     /// Whether the ship turned to the other side.

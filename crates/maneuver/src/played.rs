@@ -42,15 +42,15 @@ impl PlayedTable {
         }
         let (inputs, pace) = table.played(width, rate_hz, *resample).map_err(named)?;
         let (samples, maneuver_name) = (inputs.len() / width, maneuver.name.clone());
-        let own = Self { maneuver: maneuver_name, file: file.clone(), samples, pace, rate_hz, inputs };
+        let played = Self { maneuver: maneuver_name, file: file.clone(), samples, pace, rate_hz, inputs };
         match maneuver.duration_s {
             Some(s) if vessel.samples(s) != samples => Err(Invalid::new(
                 format!("maneuver `{}`, `duration_s`", maneuver.name),
                 format!("{s} s"),
-                format!("{} s, as long as its table {file}", own.duration_s()),
+                format!("{} s, as long as its table {file}", played.duration_s()),
                 "remove it",
             )),
-            _ => Ok(Some(own)),
+            _ => Ok(Some(played)),
         }
     }
 
@@ -81,10 +81,10 @@ impl fmt::Display for PlayedTable {
         match self.pace {
             Resampling::Samples => write!(f, "a row per sample of {rate_hz} Hz (it has no column `t`)"),
             Resampling::Stamps => write!(f, "by its column `t`"),
-            Resampling::Resampled(own) => {
+            Resampling::Resampled(table_hz) => {
                 // To three figures: stamps are rounded.
-                let own = format!("{own:.3}").parse().unwrap_or(own);
-                write!(f, "resampled from {own} to {rate_hz} Hz on straight lines")
+                let table_hz = format!("{table_hz:.3}").parse().unwrap_or(table_hz);
+                write!(f, "resampled from {table_hz} to {rate_hz} Hz on straight lines")
             }
         }
     }
@@ -99,7 +99,7 @@ pub(super) fn check_range(vessel: &Vessel, inputs: &[f64], what: impl Fn() -> St
         None => ("its `range` in the vessel's file", "correct the range"),
         Some(_) => ("about what the logs of the model cover", "allow more with --beyond-range"),
     };
-    if inputs[i] < low && vessel.model.forces.as_ref().is_some_and(|own| own.forces.is_ahead_only(i)) {
+    if inputs[i] < low && vessel.model.forces.as_ref().is_some_and(|model| model.forces.is_ahead_only(i)) {
         return Err(Invalid::new(
             what(),
             format!("{} = {} {}", variable.name, inputs[i], variable.unit),
@@ -338,8 +338,8 @@ fn channels(
 /// A column whose name suggests times: its rows must not be played without them.
 fn time(header: &csv::StringRecord, model: &Model) -> Result<Option<usize>, Invalid> {
     let names = header.iter().map(|name| name.trim_start_matches('\u{feff}'));
-    let own = |name: &str| model.variables[3..].iter().any(|variable| variable.name == name);
-    let others: Vec<(usize, &str)> = names.enumerate().filter(|(_, name)| !own(name)).collect();
+    let is_channel = |name: &str| model.variables[3..].iter().any(|variable| variable.name == name);
+    let others: Vec<(usize, &str)> = names.enumerate().filter(|(_, name)| !is_channel(name)).collect();
     if let Some((place, _)) = others.iter().find(|(_, name)| *name == TIME) {
         return Ok(Some(*place));
     }

@@ -104,8 +104,8 @@ fn wrong_key<'a>(table: &'a toml::Table, error: &toml::de::Error) -> Option<&'a 
     let without = |key: &&str| {
         let rest: toml::Table = table
             .iter()
-            .filter(|(own, _)| own != key)
-            .map(|(own, value)| (own.clone(), value.clone()))
+            .filter(|(other, _)| other != key)
+            .map(|(other, value)| (other.clone(), value.clone()))
             .collect();
         strictly::<Kind, _>(rest).err().is_none_or(|other| other.message() != error.message())
     };
@@ -143,13 +143,13 @@ impl JsonSchema for ManeuverSpec {
     /// Each kind with the keys that all kinds share.
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         let (mut kinds, common) = (Kind::json_schema(generator), CommonKeys::json_schema(generator));
-        let shared = common.get("properties").and_then(|own| own.as_object()).cloned().unwrap_or_default();
+        let shared = common.get("properties").and_then(|keys| keys.as_object()).cloned().unwrap_or_default();
         let kinds_of = kinds.get_mut("oneOf").and_then(|all| all.as_array_mut()).into_iter().flatten();
         for kind in kinds_of.filter_map(|kind| kind.as_object_mut()) {
-            if let Some(own) = kind.get_mut("properties").and_then(|own| own.as_object_mut()) {
-                own.extend(shared.clone());
+            if let Some(properties) = kind.get_mut("properties").and_then(|keys| keys.as_object_mut()) {
+                properties.extend(shared.clone());
             }
-            if let Some(required) = kind.get_mut("required").and_then(|own| own.as_array_mut()) {
+            if let Some(required) = kind.get_mut("required").and_then(|keys| keys.as_array_mut()) {
                 required.push("name".into());
             }
             kind.insert("additionalProperties".to_owned(), false.into());
@@ -162,8 +162,8 @@ impl JsonSchema for ManeuverSpec {
 fn with_common_keys(message: &str) -> String {
     match message.split_once(", expected ") {
         Some((found, known)) if found.starts_with("unknown field") => {
-            let own = known.split('`').skip(1).step_by(2);
-            let all: Vec<String> = own.chain(COMMON_KEYS).map(|key| format!("`{key}`")).collect();
+            let names = known.split('`').skip(1).step_by(2);
+            let all: Vec<String> = names.chain(COMMON_KEYS).map(|key| format!("`{key}`")).collect();
             format!("{found}, expected one of {}", all.join(", "))
         }
         _ => message.to_owned(),
@@ -179,12 +179,12 @@ impl ManeuverSpec {
     /// Whether its inputs follow the noise of the logged sensors, and no instruments are known that do not: rates of turn are held
     /// by what they show. Triggers are reached once; a tracked motion has the inputs of the nominal ship as instruments.
     pub fn is_steered_by_the_log(&self) -> bool {
-        matches!(&self.kind, Kind::ReverseSpiral(own) if own.sensors == Sensors::Logged)
+        matches!(&self.kind, Kind::ReverseSpiral(spiral) if spiral.sensors == Sensors::Logged)
     }
 
     /// Whether it is commanded by what logged sensors show.
     pub fn reads_logged_sensors(&self) -> bool {
-        let by_kind = self.kind.standard().is_some_and(|own| own.sensors() == Sensors::Logged);
+        let by_kind = self.kind.standard().is_some_and(|standard| standard.sensors() == Sensors::Logged);
         let tracked = self.executed == Executed::Feedback
             && self.feedback.unwrap_or_default().sensors == Sensors::Logged;
         by_kind || tracked
@@ -296,9 +296,9 @@ impl ManeuverSpec {
         if signal.has_period() {
             self.above_zero(&format!("{key}.period_s"), signal.period_s)?;
         }
-        signal.check_shape().map_err(|(own, found, expected)| {
+        signal.check_shape().map_err(|(shape_key, found, expected)| {
             let found = found.map_or("none".into(), |found| found.to_string());
-            let thing = format!("maneuver `{}`, `{key}.{own}`", self.name);
+            let thing = format!("maneuver `{}`, `{key}.{shape_key}`", self.name);
             Invalid::new(thing, found, expected, "correct it")
         })
     }

@@ -237,7 +237,7 @@ impl<'a> Starts<'a> {
     }
 
     fn scales(&self, level: usize) -> Vec<f64> {
-        let input = |own: &Actuator| own.range.map_or(MAGNITUDES[level], |[low, high]| 0.5 * (high - low));
+        let input = |actuator: &Actuator| actuator.range.map_or(MAGNITUDES[level], |[low, high]| 0.5 * (high - low));
         let sway = self.wanted.sway_free.then(|| self.wanted.motion.u.abs().max(0.1));
         self.vessel.actuators.iter().map(input).chain(sway).collect()
     }

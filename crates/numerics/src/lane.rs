@@ -126,16 +126,16 @@ pub trait Arithmetic:
     type Place: Copy;
     /// The number at an index.
     fn at(&self, place: Self::Place) -> f64;
-    /// Applies `f` to `own`, place by place. The loop over the lanes stays in one piece until it is
+    /// Applies `f` to `numbers`, place by place. The loop over the lanes stays in one piece until it is
     /// vectorized, so that the compiler produces whole vectors even for values that are carried from sample
     /// to sample.
-    fn change<const N: usize>(own: &mut [Self; N], f: impl Fn(Self::Place, [f64; N]) -> [f64; N]);
+    fn change<const N: usize>(numbers: &mut [Self; N], f: impl Fn(Self::Place, [f64; N]) -> [f64; N]);
     /// Built from the number at every place.
     #[inline(always)]
     fn of(f: impl Fn(Self::Place) -> f64) -> Self {
-        let mut own = [Self::ZERO];
-        Self::change(&mut own, |place, _| [f(place)]);
-        own[0]
+        let mut whole = [Self::ZERO];
+        Self::change(&mut whole, |place, _| [f(place)]);
+        whole[0]
     }
 }
 
@@ -195,11 +195,11 @@ impl Arithmetic for Lane {
         self.0[lane]
     }
     #[inline(always)]
-    fn change<const N: usize>(own: &mut [Self; N], f: impl Fn(usize, [f64; N]) -> [f64; N]) {
+    fn change<const N: usize>(numbers: &mut [Self; N], f: impl Fn(usize, [f64; N]) -> [f64; N]) {
         for lane in 0..LANES {
-            let found = f(lane, std::array::from_fn(|i| own[i].0[lane]));
+            let found = f(lane, std::array::from_fn(|i| numbers[i].0[lane]));
             for i in 0..N {
-                own[i].0[lane] = found[i];
+                numbers[i].0[lane] = found[i];
             }
         }
     }
@@ -239,8 +239,8 @@ impl Arithmetic for f64 {
         *self
     }
     #[inline(always)]
-    fn change<const N: usize>(own: &mut [Self; N], f: impl Fn((), [f64; N]) -> [f64; N]) {
-        *own = f((), *own);
+    fn change<const N: usize>(numbers: &mut [Self; N], f: impl Fn((), [f64; N]) -> [f64; N]) {
+        *numbers = f((), *numbers);
     }
 }
 
@@ -288,8 +288,8 @@ macro_rules! group_by_group {
             type Output = Self;
             #[inline(always)]
             fn $method(mut self, other: Self) -> Self {
-                for (own, other) in self.0.iter_mut().zip(other.0) {
-                    *own = own.$method(other);
+                for (lane, other) in self.0.iter_mut().zip(other.0) {
+                    *lane = lane.$method(other);
                 }
                 self
             }
@@ -339,11 +339,11 @@ impl<const G: usize> Arithmetic for Wide<G> {
     }
     #[allow(clippy::needless_range_loop)] // What iterators make of arrays is not always inlined, and then has no vectors.
     #[inline(always)]
-    fn change<const N: usize>(own: &mut [Self; N], f: impl Fn([usize; 2], [f64; N]) -> [f64; N]) {
+    fn change<const N: usize>(numbers: &mut [Self; N], f: impl Fn([usize; 2], [f64; N]) -> [f64; N]) {
         for group in 0..G {
             let mut here = [[0.0; LANES]; N];
             for i in 0..N {
-                here[i] = own[i].0[group].0;
+                here[i] = numbers[i].0[group].0;
             }
             for lane in 0..LANES {
                 let mut now = [0.0; N];
@@ -356,7 +356,7 @@ impl<const G: usize> Arithmetic for Wide<G> {
                 }
             }
             for i in 0..N {
-                own[i].0[group].0 = here[i];
+                numbers[i].0[group].0 = here[i];
             }
         }
     }
@@ -376,7 +376,7 @@ impl<const G: usize> Row<Wide<G>> for &[Lane] {
 impl<const G: usize> Row<Wide<G>> for [&[Lane]; G] {
     #[inline(always)]
     fn up_to(self, count: usize) -> Self {
-        self.map(|own| &own[..count])
+        self.map(|rows| &rows[..count])
     }
     #[inline(always)]
     fn entry(&self, i: usize, [group, lane]: [usize; 2]) -> f64 {

@@ -74,11 +74,11 @@ pub fn inverse(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<()> {
 /// `None` where it is singular.
 pub fn scaled_inverse(n: usize, a: &[f64]) -> Option<Vec<f64>> {
     let scale: Vec<f64> = (0..n).map(|i| a[i * n + i].sqrt()).collect();
-    let mut own: Vec<f64> = (0..n * n).map(|k| a[k] / (scale[k / n] * scale[k % n])).collect();
+    let mut correlations: Vec<f64> = (0..n * n).map(|k| a[k] / (scale[k / n] * scale[k % n])).collect();
     let mut out = vec![0.0; n * n];
-    inverse(n, &mut own, &mut out)?;
+    inverse(n, &mut correlations, &mut out)?;
     (0..n * n).for_each(|k| out[k] /= scale[k / n] * scale[k % n]);
-    out.iter().all(|own| own.is_finite()).then_some(out)
+    out.iter().all(|entry| entry.is_finite()).then_some(out)
 }
 
 /// The inverse of A (n × n, destroyed) into `out` (n × n), with the determinant.

@@ -192,17 +192,17 @@ pub fn quadratic_of_inverse(mut v: Vec<f64>, mut s: Vec<f64>, whole: &[f64], lea
 pub fn dependent_columns(n: usize, a: &[f64], least: f64) -> Vec<usize> {
     let (mut rows, mut found): (Vec<(usize, Vec<f64>)>, Vec<usize>) = (Vec::new(), Vec::new());
     for i in 0..n {
-        let mut own: Vec<f64> = Vec::with_capacity(rows.len() + 1);
+        let mut row: Vec<f64> = Vec::with_capacity(rows.len() + 1);
         for (j, before) in &rows {
-            let rest = a[i * n + j] - dot(&own, &before[..own.len()]);
-            own.push(rest / before[own.len()]);
+            let rest = a[i * n + j] - dot(&row, &before[..row.len()]);
+            row.push(rest / before[row.len()]);
         }
-        let rest = a[i * n + i] - dot(&own, &own);
+        let rest = a[i * n + i] - dot(&row, &row);
         if rest <= least * a[i * n + i] {
             found.push(i);
         } else {
-            own.push(rest.sqrt());
-            rows.push((i, own));
+            row.push(rest.sqrt());
+            rows.push((i, row));
         }
     }
     found

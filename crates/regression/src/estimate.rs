@@ -82,12 +82,12 @@ impl Instruments {
         let (mut sums, kept) = (BTreeMap::new(), Kept::of(batch.any()));
         let means: [Vec<Group>; LANES] = std::array::from_fn(|lane| {
             let group = |(start, end): (usize, usize)| {
-                let own = sums.entry((start, end));
-                let own = own
+                let entry = sums.entry((start, end));
+                let entry = entry
                     .or_insert_with(|| LaneSums::of_instruments(batch.any(), &kept, start..end))
                     .lane(lane);
                 let centred = removal != MeanRemoval::None;
-                let means = own.degrees.iter().flat_map(|d| d.instrument_means(centred)).collect();
+                let means = entry.degrees.iter().flat_map(|d| d.instrument_means(centred)).collect();
                 Group { start, constants: means }
             };
             ranges(batch, removal, lane).map(group).collect()
@@ -115,7 +115,7 @@ impl Instruments {
     /// [`Instruments::estimate`], and per run the [`Excitation`] of surge, sway and yaw.
     pub fn estimate_with_excitation<X: Number>(&self, batch: &Batch<X>) -> Vec<(Outcome, [Excitation; 3])> {
         let fit = self.fit(batch);
-        let excitation = |lane: usize| fit.normals.each_ref().map(|own| own.lane(lane).excitation());
+        let excitation = |lane: usize| fit.normals.each_ref().map(|normal| normal.lane(lane).excitation());
         let excitations: Vec<_> = (0..LANES).map(excitation).collect();
         self.outcomes(batch, fit).into_iter().zip(excitations).collect()
     }
@@ -145,9 +145,9 @@ impl Instruments {
         let squares = self.squares.get_or_init(|| InstrumentSquares::over(batch.any(), &self.kept, means()));
         let (errors, meats) = self.standard_errors(squares, &solved, &residuals);
         let covariance = |lane: usize| {
-            let own = solved.iter().zip(&meats);
-            block_diagonal(own.map(|(own, meat)| {
-                congruence(own.theta.len(), &lane_of(&own.inverse, lane), &lane_of(meat, lane))
+            let pairs = solved.iter().zip(&meats);
+            block_diagonal(pairs.map(|(degree, meat)| {
+                congruence(degree.theta.len(), &lane_of(&degree.inverse, lane), &lane_of(meat, lane))
             }))
         };
         let found = |(lane, unsolved): (usize, Option<Unsolved>)| match unsolved {
@@ -166,7 +166,7 @@ impl Instruments {
         let sums: BTreeMap<_, LaneSums> = self
             .sums
             .iter()
-            .map(|(range, own)| (range, own.with_measured(batch.any(), &self.kept)))
+            .map(|(range, sums)| (range, sums.with_measured(batch.any(), &self.kept)))
             .collect();
         if self.sums.len() == 1 {
             return sums.into_values().map(LaneSums::whole).collect();
@@ -183,13 +183,13 @@ impl Instruments {
 
     /// Why a lane has no estimate.
     fn unsolved(&self, solved: &[SolvedLanes; 3], samples: usize, lane: usize) -> Option<Unsolved> {
-        solved.iter().enumerate().find_map(|(degree, own)| {
-            let (p, inverse) = (own.theta.len(), &own.inverse);
+        solved.iter().enumerate().find_map(|(degree, fit)| {
+            let (p, inverse) = (fit.theta.len(), &fit.inverse);
             let held = || (0..p * p).all(|k| inverse[k][lane] == 0.0);
             if samples <= p + self.intercepts_of(degree, lane) {
                 return Some(Unsolved::TooShort);
             }
-            let unexcited = own.unexcited[lane].or_else(|| held().then_some(0));
+            let unexcited = fit.unexcited[lane].or_else(|| held().then_some(0));
             unexcited.map(|parameter| Unsolved::NotIdentifiable(Direction { degree, parameter }))
         })
     }
@@ -205,17 +205,17 @@ impl Instruments {
         let of = |group: &[DegreeSums<Lane>; 3]| {
             let mut theta = theta;
             group.each_ref().map(|degree| {
-                let (own, rest) = theta.split_at(degree.parameters());
+                let (slopes, rest) = theta.split_at(degree.parameters());
                 theta = rest;
-                degree.intercept(own, centred)
+                degree.intercept(slopes, centred)
             })
         };
         let lanes: Vec<[Lane; 3]> = groups.iter().map(of).collect();
         std::array::from_fn(|lane| {
-            let own = self.means[lane].iter().zip(&lanes);
-            own.map(|(group, lanes)| Group {
+            let groups = self.means[lane].iter().zip(&lanes);
+            groups.map(|(group, lanes)| Group {
                 start: group.start,
-                constants: lanes.map(|own| own[lane]).to_vec(),
+                constants: lanes.map(|constant| constant[lane]).to_vec(),
             })
             .collect()
         })
@@ -239,7 +239,7 @@ impl Instruments {
             }))
         };
         let freedom = [0, 1, 2].map(freedom);
-        let gammas = residuals.each_ref().map(|own| autocovariances(own));
+        let gammas = residuals.each_ref().map(|sequence| autocovariances(sequence));
         numerics::vectorized!({
             let (mut errors, mut meats) = (Vec::new(), Vec::new());
             let mut pairs = squares.squares.iter().zip(&squares.neighbours);
@@ -342,8 +342,8 @@ impl Solved {
 
     /// The covariance of θ̂, of these meats.
     pub(crate) fn covariance(&self, meats: &[Vec<f64>; 3]) -> Vec<f64> {
-        let own = self.inverses.iter().zip(meats);
-        block_diagonal(own.map(|(inverse, meat)| congruence(inverse.len().isqrt(), inverse, meat)))
+        let pairs = self.inverses.iter().zip(meats);
+        block_diagonal(pairs.map(|(inverse, meat)| congruence(inverse.len().isqrt(), inverse, meat)))
     }
 }
 
@@ -355,9 +355,9 @@ fn block_diagonal(blocks: impl Iterator<Item = Vec<f64>>) -> Vec<f64> {
     let mut first = 0;
     for block in blocks {
         let p = block.len().isqrt();
-        for (row, own) in block.chunks_exact(p.max(1)).enumerate() {
+        for (row, entries) in block.chunks_exact(p.max(1)).enumerate() {
             let at = (first + row) * all + first;
-            matrix[at..at + p].copy_from_slice(own);
+            matrix[at..at + p].copy_from_slice(entries);
         }
         first += p;
     }

@@ -39,13 +39,13 @@ impl LaneSums {
     fn zero(model: &Model, range: Range<usize>) -> Self {
         let mut degrees = model.degrees.each_ref().map(DegreeSums::of);
         let count = Lane::splat(range.len() as f64);
-        degrees.iter_mut().flat_map(|own| own.a.last_mut()).for_each(|corner| *corner = count);
+        degrees.iter_mut().flat_map(|degree| degree.a.last_mut()).for_each(|corner| *corner = count);
         Self { degrees, range }
     }
 
     /// The sums of one lane.
     pub(crate) fn lane(&self, lane: usize) -> Sums {
-        let degrees = self.degrees.iter().map(|own| own.lane(lane)).collect();
+        let degrees = self.degrees.iter().map(|degree| degree.lane(lane)).collect();
         Sums { samples: self.range.len() as u64, degrees }
     }
 
@@ -56,7 +56,7 @@ impl LaneSums {
 
     /// Writes these sums into one lane of `degrees`.
     pub(crate) fn put(&self, lane: usize, degrees: &mut [DegreeSums<Lane>; 3]) {
-        degrees.iter_mut().zip(&self.degrees).for_each(|(own, other)| own.take(lane, other));
+        degrees.iter_mut().zip(&self.degrees).for_each(|(degree, other)| degree.take(lane, other));
     }
 }
 
@@ -74,13 +74,13 @@ impl DegreeSums<Lane> {
 
     /// Copies one lane of `other`.
     fn take(&mut self, lane: usize, other: &Self) {
-        for (own, other) in [
+        for (lanes, other) in [
             (&mut self.a, &other.a),
             (&mut self.b, &other.b),
             (&mut self.instrument_squares, &other.instrument_squares),
             (&mut self.regressor_squares, &other.regressor_squares),
         ] {
-            own.iter_mut().zip(other).for_each(|(own, other)| own[lane] = other[lane]);
+            lanes.iter_mut().zip(other).for_each(|(entry, other)| entry[lane] = other[lane]);
         }
     }
 }

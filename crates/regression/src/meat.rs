@@ -40,8 +40,8 @@ impl Noise {
 /// to the batch: B of a whole run is exact, sums over maneuvers ignore that neighbours share a draw.
 pub fn middle(batch: &Batch, theta: &[f64], noise: &Noise) -> Vec<Vec<Vec<f64>>> {
     let theta: Vec<Lane> = theta.iter().copied().map(Lane::splat).collect();
-    let mut own = Compiled::new(batch.model, &theta);
-    let degrees = numerics::vectorized!(draws(batch, &mut own.clone(), &mut own, noise));
+    let mut compiled = Compiled::new(batch.model, &theta);
+    let degrees = numerics::vectorized!(draws(batch, &mut compiled.clone(), &mut compiled, noise));
     let of = |lane: usize| degrees.iter().map(|d| lane_of(&d.sum, lane)).collect();
     (0..LANES).map(of).collect()
 }
@@ -59,7 +59,7 @@ struct Degree {
 fn draws(
     batch: &Batch,
     nominal: &mut Compiled<Lane>,
-    own: &mut Compiled<Lane>,
+    measured_model: &mut Compiled<Lane>,
     noise: &Noise,
 ) -> [Degree; 3] {
     let Batch { model, measured, instrument_states, exogenous, instrument_exogenous, .. } = *batch;
@@ -69,9 +69,9 @@ fn draws(
     let mut degrees = sizes.map(|n| Degree { sum: zeros(n * n), zeta: [zeros(n), zeros(n)] });
     for k in 0..samples {
         let row = width * k..width * (k + 1);
-        own.look(measured.as_chunks().0[k], &exogenous[row.clone()], None);
+        measured_model.look(measured.as_chunks().0[k], &exogenous[row.clone()], None);
         nominal.look(instrument_states.as_chunks().0[k], &instrument_exogenous[row], None);
-        let slopes = own.slopes();
+        let slopes = measured_model.slopes();
         let mut first = 0;
         for (d, Degree { sum, zeta: [before, zeta] }) in degrees.iter_mut().enumerate() {
             let p = zeta.len() - 1;
@@ -159,8 +159,8 @@ impl Likelihood<'_> {
             // e with e(−1) = 0, and de/de(−1).
             let (mut e, mut response) = (Lane::ZERO, Lane::ONE);
             let [mut squares, mut product, mut responses] = [Lane::ZERO, Lane::ZERO, Lane::ONE];
-            for own in self.0 {
-                e = less.fused(e, *own);
+            for value in self.0 {
+                e = less.fused(e, *value);
                 response = less * response;
                 squares = e.fused(e, squares);
                 product = e.fused(response, product);

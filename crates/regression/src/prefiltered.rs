@@ -41,8 +41,8 @@ pub fn estimate_prefiltered(
     let solved: Vec<Result<Solved, Outcome>> = runs.iter().map(Run::solution).collect();
     let mut meats = [const { Meats([const { Vec::new() }; 3]) }; LANES];
     for (range, signals) in &signals {
-        let own = |lane: usize| ranges(batch, removal, lane).position(|other| other == *range);
-        signals.add_meats(&mut meats, &runs, &solved, noise, own);
+        let group_of = |lane: usize| ranges(batch, removal, lane).position(|other| other == *range);
+        signals.add_meats(&mut meats, &runs, &solved, noise, group_of);
     }
     let finish = |(solved, meats): (Result<Solved, Outcome>, Meats)| {
         solved.map_or_else(std::convert::identity, |solved| {
@@ -58,11 +58,11 @@ pub fn estimate_prefiltered(
 struct Meats([Vec<f64>; 3]);
 
 impl Meats {
-    fn add(&mut self, d: usize, own: impl Iterator<Item = f64>) {
+    fn add(&mut self, d: usize, entries: impl Iterator<Item = f64>) {
         if self.0[d].is_empty() {
-            self.0[d].extend(own);
+            self.0[d].extend(entries);
         } else {
-            self.0[d].iter_mut().zip(own).for_each(|(all, own)| *all += own);
+            self.0[d].iter_mut().zip(entries).for_each(|(all, entry)| *all += entry);
         }
     }
 }
@@ -132,10 +132,10 @@ impl Signals {
         for (d, degree) in self.degrees.iter().enumerate() {
             let (p, centred) = (degree.parameters, runs[0].centred);
             let (mut theta, mut means) = (vec![Lane::ZERO; p + 1], vec![Lane::ZERO; p]);
-            let mut own = [false; LANES];
+            let mut is_filtered = [false; LANES];
             for lane in 0..LANES {
                 let (Some(group), Ok(solved)) = (group(lane), &solved[lane]) else { continue };
-                own[lane] = true;
+                is_filtered[lane] = true;
                 let sums = &runs[lane].groups[group].degrees[d];
                 let found = &solved.theta[first..first + p];
                 theta.iter_mut().zip(found).for_each(|(lanes, value)| lanes[lane] = *value);
@@ -144,13 +144,13 @@ impl Signals {
                 centres.for_each(|(lanes, mean)| lanes[lane] = mean);
             }
             let means = &means;
-            let own = (0..LANES).filter(|lane| own[*lane]);
+            let lanes = (0..LANES).filter(|lane| is_filtered[*lane]);
             if let Some(noise) = noise {
                 let meat = numerics::vectorized!(degree.responses(d, means, noise));
-                own.for_each(|lane| meats[lane].add(d, meat.iter().map(|m| m[lane])));
+                lanes.for_each(|lane| meats[lane].add(d, meat.iter().map(|m| m[lane])));
             } else {
                 let blocks = numerics::vectorized!(degree.blocks(&theta, means));
-                for lane in own {
+                for lane in lanes {
                     if let Ok(solved) = &solved[lane] {
                         let left_out = |block: &Block| block.left_out(lane, solved.inverse(d));
                         let meat =
@@ -227,7 +227,7 @@ impl Degree {
     #[inline(always)]
     fn responses(&self, d: usize, means: &[Lane], noise: &Noise) -> Vec<Lane> {
         let p = self.parameters;
-        let own = Lane::splat(noise.measurement[d].powi(2));
+        let variance = Lane::splat(noise.measurement[d].powi(2));
         let others = noise.others(d).map(Lane::splat);
         let (mut pole, mut eta) = (Lane::ZERO, vec![Lane::ZERO; p]);
         let (mut centred, mut meat) = (eta.clone(), vec![Lane::ZERO; p * p]);
@@ -243,10 +243,10 @@ impl Degree {
                 share += others[i] * slopes[i] * slopes[i];
             }
             if k == 0 {
-                share += own * pole * pole;
+                share += variance * pole * pole;
             }
             for i in 0..p {
-                let (by_own, by_others) = (own * centred[i], share * eta[i]);
+                let (by_own, by_others) = (variance * centred[i], share * eta[i]);
                 for j in 0..p {
                     meat[i * p + j] += by_own * centred[j] + by_others * eta[j];
                 }

@@ -96,19 +96,19 @@ impl<'a> RunInstruments<'a> {
         let mut all: Vec<Prepared> =
             groups.into_iter().map(|(starts, runs)| Prepared::calm(self.vessel, runs, starts)).collect();
         match <&mut [Prepared; GROUPS]>::try_from(all.as_mut_slice()) {
-            Ok(groups) if groups.iter().all(|own| own.as_long_as(&groups[0])) => {
+            Ok(groups) if groups.iter().all(|prepared| prepared.as_long_as(&groups[0])) => {
                 Prepared::simulate_groups(groups, &self.nominal);
             }
-            _ => all.iter_mut().for_each(|own| own.simulate(&self.nominal)),
+            _ => all.iter_mut().for_each(|prepared| prepared.simulate(&self.nominal)),
         }
         let mut outcomes = Vec::with_capacity(all.len() * LANES);
-        for own in &all {
-            let count = own.starts.len();
-            let diverged = diverged_lanes(&own.instrument_states).into_iter().take(count).enumerate();
+        for prepared in &all {
+            let count = prepared.starts.len();
+            let diverged = diverged_lanes(&prepared.instrument_states).into_iter().take(count).enumerate();
             if let Some((lane, at)) = diverged.into_iter().find_map(|(lane, at)| Some((lane, at?))) {
                 return Err((outcomes.len() + lane, at));
             }
-            let batch = own.batch();
+            let batch = prepared.batch();
             outcomes.extend(Instruments::new(&batch, removal).parameters(&batch).into_iter().take(count));
         }
         for Prepared { runs, instrument_states, .. } in all {
@@ -139,8 +139,8 @@ impl<'a> RunInstruments<'a> {
 impl<'a> Prepared<'a> {
     /// Up to [`numerics::LANES`] `runs` whose instruments are their regressors.
     pub fn regressed(vessel: &'a Vessel, runs: &[Run]) -> Self {
-        let own = SideBySide::of(&runs.iter().map(Run::view).collect::<Vec<_>>());
-        Self::of(vessel, own, runs.iter().map(Run::starts).collect())
+        let lanes = SideBySide::of(&runs.iter().map(Run::view).collect::<Vec<_>>());
+        Self::of(vessel, lanes, runs.iter().map(Run::starts).collect())
     }
 
     /// Runs whose segments start at `starts`, and whose instruments are their regressors.
@@ -160,10 +160,10 @@ impl<'a> Prepared<'a> {
     /// [`Self::simulate`] for several batches of equal length.
     fn simulate_groups(groups: &mut [Self; GROUPS], parameters: &[Lane]) {
         let vessel = groups[0].vessel;
-        let initial = [0, 1, 2].map(|d: usize| Wide(groups.each_ref().map(|own| own.runs.initial[d])));
-        groups.iter_mut().for_each(|own| own.is_simulated = true);
+        let initial = [0, 1, 2].map(|d: usize| Wide(groups.each_ref().map(|group| group.runs.initial[d])));
+        groups.iter_mut().for_each(|group| group.is_simulated = true);
         let runs = groups.each_mut();
-        let runs = runs.map(|own| (own.runs.instrument_exogenous(), own.instrument_states.as_mut_slice()));
+        let runs = runs.map(|group| (group.runs.instrument_exogenous(), group.instrument_states.as_mut_slice()));
         simulate_groups(&vessel.model, parameters, initial, runs);
     }
 
@@ -355,12 +355,12 @@ pub fn collinear_run(vessel: &Vessel, run: &Run, removal: MeanRemoval) -> Option
         if diagnosis.index <= COLLINEAR {
             continue;
         }
-        let own = collinear(d, degree, &diagnosis, &[]);
+        let words = collinear(d, degree, &diagnosis, &[]);
         match &mut found {
-            Some(found) => found.words = format!("{}; {own}", found.words),
+            Some(found) => found.words = format!("{}; {words}", found.words),
             None => {
                 let parameter = first_named(degree, &diagnosis);
-                found = Some(CollinearRun { degree: d as usize, parameter, words: own });
+                found = Some(CollinearRun { degree: d as usize, parameter, words: words });
             }
         }
     }

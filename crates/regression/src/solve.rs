@@ -137,7 +137,7 @@ impl Normal<Lane> {
     /// The equations of one lane.
     pub(crate) fn lane(&self, lane: usize) -> Normal {
         let Self { a, b, zeta, phi, bounds } = self;
-        let [a, b, zeta, phi] = [a, b, zeta, phi].map(|own| lane_of(own, lane));
+        let [a, b, zeta, phi] = [a, b, zeta, phi].map(|lanes| lane_of(lanes, lane));
         Normal { a, b, zeta, phi, bounds: bounds.clone() }
     }
 
@@ -153,8 +153,8 @@ impl Normal<Lane> {
             }
             match self.lane(lane).solve() {
                 Ok((theta, inverse)) => {
-                    solved.theta.iter_mut().zip(theta).for_each(|(lanes, own)| lanes[lane] = own);
-                    solved.inverse.iter_mut().zip(inverse).for_each(|(lanes, own)| lanes[lane] = own);
+                    solved.theta.iter_mut().zip(theta).for_each(|(lanes, entry)| lanes[lane] = entry);
+                    solved.inverse.iter_mut().zip(inverse).for_each(|(lanes, entry)| lanes[lane] = entry);
                 }
                 Err(parameter) => solved.unexcited[lane] = Some(parameter),
             }

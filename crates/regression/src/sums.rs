@@ -60,17 +60,17 @@ impl Sums {
             return;
         }
         self.samples += other.samples;
-        for (own, other) in self.degrees.iter_mut().zip(&other.degrees) {
-            add(&mut own.a, &other.a);
-            add(&mut own.b, &other.b);
-            add(&mut own.instrument_squares, &other.instrument_squares);
-            add(&mut own.regressor_squares, &other.regressor_squares);
+        for (degree, other) in self.degrees.iter_mut().zip(&other.degrees) {
+            add(&mut degree.a, &other.a);
+            add(&mut degree.b, &other.b);
+            add(&mut degree.instrument_squares, &other.instrument_squares);
+            add(&mut degree.regressor_squares, &other.regressor_squares);
         }
     }
 }
 
-fn add(own: &mut [f64], other: &[f64]) {
-    own.iter_mut().zip(other).for_each(|(a, b)| *a += b);
+fn add(sum: &mut [f64], other: &[f64]) {
+    sum.iter_mut().zip(other).for_each(|(a, b)| *a += b);
 }
 
 impl<X: Number> DegreeSums<X> {
@@ -248,13 +248,13 @@ impl<'a, X: Number> Batch<'a, X> {
     /// This batch with its number type erased.
     pub(crate) fn any(&self) -> AnyBatch<'a> {
         let numbers =
-            [self.instrument_states, self.exogenous, self.instrument_exogenous].map(|own| X::numbers(own));
+            [self.instrument_states, self.exogenous, self.instrument_exogenous].map(|rows| X::numbers(rows));
         match numbers {
-            [Numbers::Lanes(states), Numbers::Lanes(own), Numbers::Lanes(instruments)] => {
-                AnyBatch::Lanes(self.of([states, own, instruments]))
+            [Numbers::Lanes(states), Numbers::Lanes(inputs), Numbers::Lanes(instruments)] => {
+                AnyBatch::Lanes(self.of([states, inputs, instruments]))
             }
-            [Numbers::Shared(states), Numbers::Shared(own), Numbers::Shared(instruments)] => {
-                AnyBatch::Shared(self.of([states, own, instruments]))
+            [Numbers::Shared(states), Numbers::Shared(inputs), Numbers::Shared(instruments)] => {
+                AnyBatch::Shared(self.of([states, inputs, instruments]))
             }
             _ => unreachable!("all are made of X"),
         }

@@ -29,8 +29,8 @@ pub struct Found {
 /// maneuver, or of none.
 pub fn figures(standard: Option<Standard>, record: &Record, hull: &Hull) -> Result<Found, Invalid> {
     let spiral = match standard {
-        Some(Standard::SpiralTest(own)) => Some(helm::direct(own, record, hull)),
-        Some(Standard::ReverseSpiral(own)) => Some(helm::reverse(own, record, hull)),
+        Some(Standard::SpiralTest(spiral)) => Some(helm::direct(spiral, record, hull)),
+        Some(Standard::ReverseSpiral(spiral)) => Some(helm::reverse(spiral, record, hull)),
         _ => None,
     };
     if let Some((standard, figures)) = standard.zip(spiral) {
@@ -43,19 +43,19 @@ pub fn figures(standard: Option<Standard>, record: &Record, hull: &Hull) -> Resu
         _ => Sailed::logged(standard, record, hull)?,
     };
     let speed_m_s = sailed.speed_m_s;
-    let own = Measured { record, hull, sailed: &sailed, speed_m_s };
-    let (mut figures, mut remarks) = (own.all()?, sailed.remarks.clone());
+    let measured = Measured { record, hull, sailed: &sailed, speed_m_s };
+    let (mut figures, mut remarks) = (measured.all()?, sailed.remarks.clone());
     if !record.is_held {
-        remarks.extend(own.unjudged(&figures));
+        remarks.extend(measured.unjudged(&figures));
     }
     if !record.is_held && record.is_placed && sailed.sort != Sort::PullOut {
         match sailed.without_current(record) {
             Ok(Some((remark, still))) => {
                 remarks.push(remark);
-                let corrected = Measured { record: &still, speed_m_s: sailed.speed(&still), ..own }.all()?;
+                let corrected = Measured { record: &still, speed_m_s: sailed.speed(&still), ..measured }.all()?;
                 for figure in &mut figures {
-                    let same = corrected.iter().find(|own| own.name == figure.name);
-                    figure.corrected = same.map(|own| own.value);
+                    let same = corrected.iter().find(|other| other.name == figure.name);
+                    figure.corrected = same.map(|other| other.value);
                 }
             }
             Ok(None) => {}
@@ -150,7 +150,7 @@ impl Measured<'_> {
     }
 
     fn is_helm(&self, degrees: f64) -> bool {
-        self.sailed.helm.is_some_and(|helm| helm.iter().any(|own| is_degrees(*own, degrees)))
+        self.sailed.helm.is_some_and(|helm| helm.iter().any(|angle| is_degrees(*angle, degrees)))
     }
 
     fn zig_zag(&self) -> Result<Vec<Figure>, Invalid> {
@@ -192,9 +192,9 @@ impl Measured<'_> {
         }
         all.extend(late);
         // A simulated helm goes over at the heading itself.
-        for ((own, sign), (name, what)) in executes.iter().zip([1.0, -1.0]).zip(EXECUTES) {
+        for ((execute, sign), (name, what)) in executes.iter().zip([1.0, -1.0]).zip(EXECUTES) {
             if !self.sailed.is_exact {
-                let heading = self.executed(&values(sign), own);
+                let heading = self.executed(&values(sign), execute);
                 all.push(Figure::aside(name, what, heading.to_degrees(), "deg"));
             }
         }
@@ -212,10 +212,10 @@ impl Measured<'_> {
             return heading;
         }
         // An order changes the second derivative, which the curve through both sides does not mind in its middle.
-        let own = self.sailed.smoother.at(at, turned.len(), |k| turned[k]);
+        let smoothed = self.sailed.smoother.at(at, turned.len(), |k| turned[k]);
         let [_, change] = self.sailed.smoother.slope((at.round() as usize).min(turned.len() - 1), turned);
         let within = order.doubt * change.abs();
-        if (own - heading).abs() <= within { heading } else { own }
+        if (smoothed - heading).abs() <= within { heading } else { smoothed }
     }
 
     /// Gain and time constant of T r' + r = K (helm + constant), of least squares over its integral from the order to the end.
@@ -238,9 +238,9 @@ impl Measured<'_> {
             })
         };
         match least_squares((from + 1..=last).filter_map(row)) {
-            Some(own) if own.iter().all(|own| own.is_finite()) => vec![
-                Figure::aside("nomoto_gain", "Nomoto's K", own[0].abs(), "1/s"),
-                Figure::aside("nomoto_time", "Nomoto's T", own[1], "s"),
+            Some(factors) if factors.iter().all(|factor| factor.is_finite()) => vec![
+                Figure::aside("nomoto_gain", "Nomoto's K", factors[0].abs(), "1/s"),
+                Figure::aside("nomoto_time", "Nomoto's T", factors[1], "s"),
             ],
             _ => Vec::new(),
         }
@@ -303,7 +303,7 @@ impl Measured<'_> {
     }
 
     fn pull_out(&self) -> Result<Vec<Figure>, Invalid> {
-        let amidships = self.sailed.orders.get(1).map_or(self.sailed.orders[0].to, |own| own.from);
+        let amidships = self.sailed.orders.get(1).map_or(self.sailed.orders[0].to, |order| order.from);
         let over = amidships.round() as usize;
         if !self.sailed.smoother.is_inside(over, self.record.last()) {
             let found = format!("{:.1} s", self.record.last() as f64 / self.record.rate_hz);
@@ -363,7 +363,7 @@ impl Sailed {
     pub fn without_current(&self, record: &Record) -> Result<Option<(String, Record)>, String> {
         let end = self.end(record);
         let [first, half] = [self.order.ceil() as usize, (0.5 * (self.order + end as f64)) as usize];
-        let size = |own: [f64; 2]| libm::hypot(own[0], own[1]);
+        let size = |vector: [f64; 2]| libm::hypot(vector[0], vector[1]);
         // Between track and speeds.
         let off = |from: usize, to: usize| {
             let mut sum = [0.0; 2];
@@ -399,7 +399,7 @@ impl Sailed {
                 seconds += (other - one) / record.rate_hz;
                 moved = [0, 1].map(|axis| moved[axis] + other_place[axis] - one_place[axis]);
             }
-            let to = moved.map(|own| own / seconds);
+            let to = moved.map(|metres| metres / seconds);
             if size(to) < least || size(to).is_nan() {
                 return Ok(None);
             }

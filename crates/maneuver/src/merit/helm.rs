@@ -106,7 +106,7 @@ impl Helm {
         };
         let smooth: Vec<f64> = (0..raw.len()).map(around).collect();
         // A helm that rests or moves evenly has no second difference but that of its noise.
-        let bends = raw.windows(3).map(|own| (own[0] - 2.0 * own[1] + own[2]).abs());
+        let bends = raw.windows(3).map(|three| (three[0] - 2.0 * three[1] + three[2]).abs());
         let rough = 1.4826 * median(bends) / 6_f64.sqrt();
         let noise = if half == 0 { rough } else { 1.25 * rough / ((2 * half + 1) as f64).sqrt() };
         Some(Self { smooth, is_angle: angles.is_some(), noise, is_held: record.is_held })
@@ -117,13 +117,13 @@ impl Helm {
         let inputs = hull.vessel.model.input_variables().iter().zip(&hull.vessel.couplings);
         let rudders = inputs.filter(|(_, follows)| follows.is_none());
         // Equal angles of all are one of that size.
-        let equal = rudders.filter_map(|(own, _)| Some((own.name.clone(), 1.0 / radians(&own.unit)?)));
+        let equal = rudders.filter_map(|(input, _)| Some((input.name.clone(), 1.0 / radians(&input.unit)?)));
         Self::of(record, hull.vessel, &equal.collect(), window)
     }
 
     /// How far it departs from `level` from sample `from` on, at the most.
     pub fn departs(&self, level: f64, from: usize) -> f64 {
-        self.smooth[from..].iter().map(|own| (own - level).abs()).fold(0.0, f64::max)
+        self.smooth[from..].iter().map(|angle| (angle - level).abs()).fold(0.0, f64::max)
     }
 
     /// When a move from one level to another, which is half done at sample `over`, began: where the line through its first half
@@ -180,9 +180,9 @@ impl Helm {
         let (mut runs, mut now): (Vec<(i8, usize)>, i8) = (Vec::new(), 0);
         for k in from..self.smooth.len() {
             now = match part(k) {
-                own if own >= OVER => 1,
-                own if own <= -OVER => -1,
-                own if own.abs() <= AMIDSHIPS => 0,
+                share if share >= OVER => 1,
+                share if share <= -OVER => -1,
+                share if share.abs() <= AMIDSHIPS => 0,
                 _ => now,
             };
             if runs.last().map_or(now != 0, |(last, _)| *last != now) {
@@ -203,7 +203,7 @@ impl Helm {
             // Where it moves to and stays: most of the time it is there, and never much beyond.
             side => {
                 let toward = f64::from(side) * helm.signum();
-                let all = self.smooth[kept[i].1..ends(i)].iter().map(|own| Some(toward * own));
+                let all = self.smooth[kept[i].1..ends(i)].iter().map(|angle| Some(toward * angle));
                 toward * quantile(&statistics::sorted(all), 0.7).unwrap_or(0.0)
             }
         };
@@ -239,7 +239,7 @@ impl Approach {
         let from = |lengths: f64| ((order - lengths * window).ceil().max(0.0) as usize).clamp(first, end - 1);
         let samples = from(APPROACH)..end;
         let [course, speed_m_s] = [&record.heading[from(1.0)..end], &record.speed[samples.clone()]]
-            .map(|own| mean(own).unwrap_or(0.0));
+            .map(|values| mean(values).unwrap_or(0.0));
         Self { samples, motion: [course, speed_m_s], length: (order - begin as f64).max(0.0) / window }
     }
 
@@ -262,10 +262,10 @@ impl Approach {
             unsteady.push(format!("her speed changed by {:.0} %", 100.0 * slower));
         }
         if let Some(helm) = helm {
-            let own = &helm.smooth[self.samples.start..self.samples.end.min(helm.smooth.len())];
+            let angles = &helm.smooth[self.samples.start..self.samples.end.min(helm.smooth.len())];
             // The order itself may be in the last of them.
-            let own = &own[..own.len().saturating_sub(2).max(1)];
-            let spread = spread(own).unwrap_or(0.0);
+            let angles = &angles[..angles.len().saturating_sub(2).max(1)];
+            let spread = spread(angles).unwrap_or(0.0);
             if spread > STEADY_HELM.max(3.0 * helm.noise) {
                 unsteady.push(format!("the helm moved with a standard deviation of {}", degrees(spread)));
             }
@@ -289,10 +289,10 @@ fn slope(values: &[f64], of: std::ops::Range<usize>) -> f64 {
 fn rudder(helm: &Settings, hull: &Hull) -> (usize, String) {
     let vessel = hull.vessel;
     let inputs = vessel.model.input_variables();
-    let moved = |(i, own): (usize, &ship::model::Variable)| {
-        let change = helm.get(&own.name)?;
+    let moved = |(i, input): (usize, &ship::model::Variable)| {
+        let change = helm.get(&input.name)?;
         let range = vessel.actuators[i].range.map_or(1.0, |[low, high]| high - low);
-        Some((i, own.unit.clone(), change.abs() / range))
+        Some((i, input.unit.clone(), change.abs() / range))
     };
     let most = inputs.iter().enumerate().filter_map(moved).max_by(|a, b| a.2.total_cmp(&b.2));
     most.map_or((0, String::new()), |(i, unit, _)| (i, unit))

@@ -79,18 +79,18 @@ impl Record {
     /// speeds are over ground, too.
     #[must_use]
     fn without(&self, [north, east]: [f64; 2], from: f64, over_ground: bool) -> Self {
-        let mut own = self.clone();
-        for (k, place) in own.place.iter_mut().enumerate() {
+        let mut still = self.clone();
+        for (k, place) in still.place.iter_mut().enumerate() {
             let seconds = (k as f64 - from) / self.rate_hz;
             *place = [place[0] - north * seconds, place[1] - east * seconds];
             if over_ground {
                 let (sin, cos) = libm::sincos(self.heading[k]);
-                own.surge[k] -= north * cos + east * sin;
-                own.sway[k] -= east * cos - north * sin;
-                own.speed[k] = libm::hypot(own.surge[k], own.sway[k]);
+                still.surge[k] -= north * cos + east * sin;
+                still.sway[k] -= east * cos - north * sin;
+                still.speed[k] = libm::hypot(still.surge[k], still.sway[k]);
             }
         }
-        own
+        still
     }
 
     /// The same with recorded north, east \[m\] and heading \[rad\] of every sample; headings may jump by whole turns.

@@ -89,7 +89,7 @@ impl Sailed {
     /// The last sample before the helm is taken off, or of the record.
     pub fn end(&self, record: &Record) -> usize {
         match (self.sort, self.orders.first()) {
-            (Sort::Circle, Some(own)) if self.orders.len() > 1 => own.to.floor() as usize,
+            (Sort::Circle, Some(order)) if self.orders.len() > 1 => order.to.floor() as usize,
             _ => record.last(),
         }
     }
@@ -121,29 +121,29 @@ impl Sailed {
         let approach = [record.heading[from], standard.speed_m_s()];
         let smoother = Smoother::new(hull.length_m, approach[1], record.rate_hz)?;
         let (settings, window) = (standard.settings().1, smoother.length);
-        let mut own = Self::of(sort, from, from as f64, approach, smoother);
+        let mut sailed = Self::of(sort, from, from as f64, approach, smoother);
         let helm = Helm::of(record, hull.vessel, settings, window);
-        own.to = to.unwrap_or(Board::Starboard);
-        own.helm = angle(settings, hull).map(|angle| [angle; 2]);
-        own.is_most = is_most(settings, 1.0, hull);
+        sailed.to = to.unwrap_or(Board::Starboard);
+        sailed.helm = angle(settings, hull).map(|angle| [angle; 2]);
+        sailed.is_most = is_most(settings, 1.0, hull);
         if let Standard::ZigZagTest(test) = standard {
-            own.heading = test.heading_rad;
-            own.is_exact = test.delay_s == 0.0 && test.every_s.is_none() && test.sensors == Sensors::Own;
+            sailed.heading = test.heading_rad;
+            sailed.is_exact = test.delay_s == 0.0 && test.every_s.is_none() && test.sensors == Sensors::Own;
             if let Some(helm) = &helm {
                 // To both sides of the approach, which a record of orders alone does not show.
                 let of = &helm.smooth[from.min(helm.smooth.len() - 1)..];
                 let low = of.iter().copied().fold(f64::MAX, f64::min);
                 let high = of.iter().copied().fold(f64::MIN, f64::max);
                 let size = 0.5 * (high - low).max(1e-9);
-                own.orders = helm.orders(from, 0.5 * (low + high), own.to.sign() * size, window);
+                sailed.orders = helm.orders(from, 0.5 * (low + high), sailed.to.sign() * size, window);
             }
         }
         if let Standard::PullOut(turn) = standard {
             let over = (turn.hold_s + turn.turn_s) * record.rate_hz;
-            own.orders = vec![Held { side: 1, from: from as f64, to: over, level: 0.0, doubt: 0.0 }];
+            sailed.orders = vec![Held { side: 1, from: from as f64, to: over, level: 0.0, doubt: 0.0 }];
         }
-        own.angle = helm.filter(|helm| helm.is_angle);
-        Ok(own)
+        sailed.angle = helm.filter(|helm| helm.is_angle);
+        Ok(sailed)
     }
 
     /// What was sailed, by its log; `wanted` is what the dictionary says of it.
@@ -158,11 +158,11 @@ impl Sailed {
         let window = Smoother::new(hull.length_m, usual, record.rate_hz)?.length;
         let all = Settings::new();
         let engines = match wanted {
-            Some(Standard::Stop(own)) => Some(&own.inputs),
+            Some(Standard::Stop(stop)) => Some(&stop.inputs),
             Some(_) => None,
             None => Some(&all),
         };
-        let mut own = match engines.and_then(|engines| stop(engines, record, hull, window)) {
+        let mut sailed = match engines.and_then(|engines| stop(engines, record, hull, window)) {
             Some((sort, order)) => {
                 let approach = Approach::of(record, 0, order, window);
                 let remarks = approach.remarks(record, None, window);
@@ -178,8 +178,8 @@ impl Sailed {
             }
             None => Self::steered(wanted, record, hull, window)?,
         };
-        own.compare(wanted, hull)?;
-        Ok(own)
+        sailed.compare(wanted, hull)?;
+        Ok(sailed)
     }
 
     /// A maneuver of the helm.
@@ -263,7 +263,7 @@ impl Sailed {
         let back = (over..helm.smooth.len()).find(|k| sign * off(*k) <= 0.3 * first);
         let held = &helm.smooth[over..back.unwrap_or(helm.smooth.len())];
         let near = (0.1 * (level - amidships).abs()).max(4.0 * helm.noise);
-        let is_held = held.iter().filter(|own| (**own - level).abs() <= near).count() * 3 > held.len() * 2;
+        let is_held = held.iter().filter(|angle| (**angle - level).abs() <= near).count() * 3 > held.len() * 2;
         let sort = match orders.get(1) {
             Some(next) if next.side == -1 && end.abs() <= MOST_HEADING => Sort::ZigZag,
             Some(next) if next.side == 0 && is_pull_out && is_held => Sort::PullOut,
@@ -285,7 +285,7 @@ impl Sailed {
         }
         let gone = orders.iter().skip(1).map(|order| turned(order.from).abs());
         let wanted_heading = match wanted {
-            Some(Standard::ZigZagTest(own)) => Some(own.heading_rad),
+            Some(Standard::ZigZagTest(test)) => Some(test.heading_rad),
             _ => None,
         };
         let heading = heading(median(gone), wanted_heading);
@@ -327,7 +327,7 @@ impl Sailed {
     fn compare(&mut self, wanted: Option<Standard>, hull: &Hull) -> Result<(), Invalid> {
         let Some(standard) = wanted else { return Ok(()) };
         if standard.name() != self.kind() {
-            let [found, said] = [self.words(), standard.name().to_owned()].map(|own| format!("a {own}"));
+            let [found, said] = [self.words(), standard.name().to_owned()].map(|name| format!("a {name}"));
             let remedy = "name the maneuver that was sailed, or leave out --dictionary";
             let expected = format!("{said}, as the dictionary says");
             return Err(Invalid::new("maneuver of the log", found, expected, remedy));
@@ -340,18 +340,18 @@ impl Sailed {
             ));
         }
         let settings = standard.settings().1;
-        let wanted = settings.values().map(|own| own.abs()).sum::<f64>() / settings.len().max(1) as f64;
+        let wanted = settings.values().map(|change| change.abs()).sum::<f64>() / settings.len().max(1) as f64;
         if let Some([change, angle]) = self.helm {
-            let differs = |own: f64| (own - wanted).abs() > (0.05 * wanted).max(0.018);
+            let differs = |seen: f64| (seen - wanted).abs() > (0.05 * wanted).max(0.018);
             if differs(change) && differs(angle) {
                 let [found, said] = [change, wanted].map(degrees);
                 self.remarks.push(format!("the helm was {found}, the dictionary says {said}"));
             }
         }
-        if let Standard::ZigZagTest(own) = standard
-            && (own.heading_rad - self.heading).abs() > 1e-6
+        if let Standard::ZigZagTest(test) = standard
+            && (test.heading_rad - self.heading).abs() > 1e-6
         {
-            let [found, said] = [self.heading, own.heading_rad].map(degrees);
+            let [found, said] = [self.heading, test.heading_rad].map(degrees);
             self.remarks.push(format!("the helm went over at {found}, the dictionary says {said}"));
         }
         let speed = standard.speed_m_s();
@@ -367,8 +367,8 @@ impl Sailed {
 
 /// The change of heading at which a helm went over that was seen to do so at `seen`.
 fn heading(seen: f64, wanted: Option<f64>) -> f64 {
-    let away = |own: &f64| (seen - own).abs();
-    let is_near = |own: &f64| away(own) <= (0.1 * own).max(1_f64.to_radians());
+    let away = |angle: &f64| (seen - angle).abs();
+    let is_near = |angle: &f64| away(angle) <= (0.1 * angle).max(1_f64.to_radians());
     let usual = HEADINGS.map(f64::to_radians).into_iter().filter(is_near);
     let nearest = usual.min_by(|a, b| away(a).total_cmp(&away(b)));
     wanted.filter(is_near).or(nearest).unwrap_or(seen)
@@ -377,12 +377,12 @@ fn heading(seen: f64, wanted: Option<f64>) -> f64 {
 /// Of what is ordered: its sort, how long the approach is held \[s\], and the side.
 fn ordered(standard: Standard, hull: &Hull) -> (Sort, f64, Option<Board>) {
     match standard {
-        Standard::ZigZagTest(own) => (Sort::ZigZag, own.hold_s, Some(own.to)),
-        Standard::TurningCircle(own) => (Sort::Circle, own.hold_s, Some(own.to)),
-        Standard::PullOut(own) => (Sort::PullOut, own.hold_s, Some(own.to)),
-        Standard::Stop(own) => {
-            let is_full_astern = own.inputs.iter().any(|(name, setting)| is_astern(hull, name, *setting));
-            (Sort::Stop { is_inertial: own.inputs.is_empty(), is_full_astern }, own.hold_s, None)
+        Standard::ZigZagTest(test) => (Sort::ZigZag, test.hold_s, Some(test.to)),
+        Standard::TurningCircle(turn) => (Sort::Circle, turn.hold_s, Some(turn.to)),
+        Standard::PullOut(turn) => (Sort::PullOut, turn.hold_s, Some(turn.to)),
+        Standard::Stop(stop) => {
+            let is_full_astern = stop.inputs.iter().any(|(name, setting)| is_astern(hull, name, *setting));
+            (Sort::Stop { is_inertial: stop.inputs.is_empty(), is_full_astern }, stop.hold_s, None)
         }
         Standard::SpiralTest(_) | Standard::ReverseSpiral(_) => (Sort::PullOut, 0.0, None),
     }
@@ -393,7 +393,7 @@ const NEARLY: f64 = 0.98;
 
 /// The range of an input, where its vessel states one.
 fn range(hull: &Hull, input: &str) -> Option<[f64; 2]> {
-    let place = hull.vessel.model.input_variables().iter().position(|own| own.name == input)?;
+    let place = hull.vessel.model.input_variables().iter().position(|variable| variable.name == input)?;
     hull.vessel.actuators[place].range
 }
 
@@ -420,7 +420,7 @@ fn is_astern(hull: &Hull, input: &str, setting: f64) -> bool {
 fn angle(helm: &Settings, hull: &Hull) -> Option<f64> {
     let mut set = helm.iter().filter(|(_, change)| **change != 0.0);
     let (name, change) = set.next().filter(|_| helm.len() == 1)?;
-    let input = hull.vessel.model.input_variables().iter().find(|own| own.name == *name)?;
+    let input = hull.vessel.model.input_variables().iter().find(|variable| variable.name == *name)?;
     radians(&input.unit).map(|unit| change.abs() * unit)
 }
 
@@ -428,9 +428,9 @@ fn angle(helm: &Settings, hull: &Hull) -> Option<f64> {
 /// those that are `named`, or of all, does anything before.
 fn stop(named: &Settings, record: &Record, hull: &Hull, window: f64) -> Option<(Sort, f64)> {
     let engines =
-        hull.vessel.model.input_variables().iter().zip(&hull.vessel.couplings).filter(|(own, follows)| {
-            let is_named = named.is_empty() || named.contains_key(&own.name);
-            follows.is_none() && radians(&own.unit).is_none() && is_named
+        hull.vessel.model.input_variables().iter().zip(&hull.vessel.couplings).filter(|(variable, follows)| {
+            let is_named = named.is_empty() || named.contains_key(&variable.name);
+            follows.is_none() && radians(&variable.unit).is_none() && is_named
         });
     let one = |name: &String| {
         let engine = Helm::of(record, hull.vessel, &Settings::from([(name.clone(), 1.0)]), window)?;
@@ -453,6 +453,6 @@ fn stop(named: &Settings, record: &Record, hull: &Hull, window: f64) -> Option<(
         let sort = Sort::Stop { is_inertial: level.abs() <= 0.1 * before.abs(), is_full_astern };
         Some(((sort, orders.first()?.from), most / before.abs()))
     };
-    let found = engines.filter_map(|(own, _)| one(&own.name));
+    let found = engines.filter_map(|(variable, _)| one(&variable.name));
     found.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(stop, _)| stop)
 }

@@ -30,8 +30,8 @@ impl Board {
 
     /// The refusal of a ship that was ordered to this side and whose heading changed by `other` \[rad\] to the other one, by
     /// `own` to this at the most.
-    pub(crate) fn turned_away(self, own: f64, other: f64) -> Option<Invalid> {
-        if !is_turned_away(own, other) {
+    pub(crate) fn turned_away(self, ordered: f64, other: f64) -> Option<Invalid> {
+        if !is_turned_away(ordered, other) {
             return None;
         }
         let back = [Self::Port, Self::Starboard][self as usize];
@@ -42,8 +42,8 @@ impl Board {
 
 /// Whether a ship whose heading changed by `own` \[rad\] to the side that was ordered, at the most, and by `other` to the other
 /// one turned to that.
-pub(crate) fn is_turned_away(own: f64, other: f64) -> bool {
-    other > 2.0 * own && other > LEAST_TURN
+pub(crate) fn is_turned_away(ordered: f64, other: f64) -> bool {
+    other > 2.0 * ordered && other > LEAST_TURN
 }
 
 /// The least change of heading by which a ship turned \[rad\]: 10°.
@@ -67,7 +67,7 @@ fn starboard() -> Board {
     Board::Starboard
 }
 
-fn own() -> Sensors {
+fn own_sensors() -> Sensors {
     Sensors::Own
 }
 
@@ -97,7 +97,7 @@ pub struct ZigZagTest {
     /// Time between two looks at the compass \[s\]; by default it is watched all the time.
     pub every_s: Option<f64>,
     /// The compass.
-    #[serde(default = "own")]
+    #[serde(default = "own_sensors")]
     pub sensors: Sensors,
 }
 
@@ -180,7 +180,7 @@ pub struct ReverseSpiral {
     /// Time on a step \[s\].
     pub dwell_s: f64,
     /// The yaw rate's sensor.
-    #[serde(default = "own")]
+    #[serde(default = "own_sensors")]
     pub sensors: Sensors,
 }
 
@@ -245,20 +245,20 @@ impl Standard<'_> {
     /// Speed of the approach \[m/s\].
     pub fn speed_m_s(&self) -> f64 {
         match self {
-            Self::ZigZagTest(own) => own.speed_m_s,
-            Self::TurningCircle(own) => own.speed_m_s,
-            Self::PullOut(own) => own.speed_m_s,
-            Self::SpiralTest(own) => own.speed_m_s,
-            Self::ReverseSpiral(own) => own.speed_m_s,
-            Self::Stop(own) => own.speed_m_s,
+            Self::ZigZagTest(test) => test.speed_m_s,
+            Self::TurningCircle(turn) => turn.speed_m_s,
+            Self::PullOut(turn) => turn.speed_m_s,
+            Self::SpiralTest(spiral) => spiral.speed_m_s,
+            Self::ReverseSpiral(spiral) => spiral.speed_m_s,
+            Self::Stop(stop) => stop.speed_m_s,
         }
     }
 
     /// The sensor that decides when orders are given.
     pub fn sensors(&self) -> Sensors {
         match self {
-            Self::ZigZagTest(own) => own.sensors,
-            Self::ReverseSpiral(own) => own.sensors,
+            Self::ZigZagTest(test) => test.sensors,
+            Self::ReverseSpiral(spiral) => spiral.sensors,
             Self::TurningCircle(_) | Self::PullOut(_) | Self::SpiralTest(_) | Self::Stop(_) => Sensors::Own,
         }
     }
@@ -266,12 +266,12 @@ impl Standard<'_> {
     /// Its helm to starboard or, of a stop, its settings, and their key.
     pub(crate) fn settings(&self) -> (&'static str, &Settings) {
         match self {
-            Self::ZigZagTest(own) => ("helm", &own.helm),
-            Self::TurningCircle(own) => ("helm", &own.helm),
-            Self::PullOut(own) => ("helm", &own.helm),
-            Self::SpiralTest(own) => ("helm", &own.helm),
-            Self::ReverseSpiral(own) => ("helm", &own.helm),
-            Self::Stop(own) => ("inputs", &own.inputs),
+            Self::ZigZagTest(test) => ("helm", &test.helm),
+            Self::TurningCircle(turn) => ("helm", &turn.helm),
+            Self::PullOut(turn) => ("helm", &turn.helm),
+            Self::SpiralTest(spiral) => ("helm", &spiral.helm),
+            Self::ReverseSpiral(spiral) => ("helm", &spiral.helm),
+            Self::Stop(stop) => ("inputs", &stop.inputs),
         }
     }
 }
@@ -292,9 +292,9 @@ impl Standard<'_> {
     pub(crate) fn numbers(&self) -> Vec<(&'static str, f64)> {
         let speed = ("speed_m_s", self.speed_m_s());
         match self {
-            Self::ZigZagTest(own) => vec![speed, ("heading_rad", own.heading_rad)],
-            Self::TurningCircle(own) => vec![speed, ("turn_rad", own.turn_rad)],
-            Self::ReverseSpiral(own) => vec![speed, ("yaw_rate_rad_s", own.yaw_rate_rad_s)],
+            Self::ZigZagTest(test) => vec![speed, ("heading_rad", test.heading_rad)],
+            Self::TurningCircle(turn) => vec![speed, ("turn_rad", turn.turn_rad)],
+            Self::ReverseSpiral(spiral) => vec![speed, ("yaw_rate_rad_s", spiral.yaw_rate_rad_s)],
             Self::PullOut(_) | Self::SpiralTest(_) | Self::Stop(_) => vec![speed],
         }
     }
@@ -325,31 +325,31 @@ impl Standard<'_> {
         }
         above("speed_m_s", self.speed_m_s(), 100.0, "m/s")?;
         match self {
-            Self::ZigZagTest(own) => {
-                above("heading_rad", own.heading_rad, std::f64::consts::PI, "rad")?;
-                seconds("hold_s", own.hold_s, true)?;
-                seconds("delay_s", own.delay_s, true)?;
-                own.every_s.map_or(Ok(()), |every| seconds("every_s", every, false))
+            Self::ZigZagTest(test) => {
+                above("heading_rad", test.heading_rad, std::f64::consts::PI, "rad")?;
+                seconds("hold_s", test.hold_s, true)?;
+                seconds("delay_s", test.delay_s, true)?;
+                test.every_s.map_or(Ok(()), |every| seconds("every_s", every, false))
             }
-            Self::TurningCircle(own) => {
-                above("turn_rad", own.turn_rad, 100.0, "rad")?;
-                seconds("hold_s", own.hold_s, true)
+            Self::TurningCircle(turn) => {
+                above("turn_rad", turn.turn_rad, 100.0, "rad")?;
+                seconds("hold_s", turn.hold_s, true)
             }
-            Self::PullOut(own) => {
-                seconds("hold_s", own.hold_s, true)?;
-                seconds("turn_s", own.turn_s, false)?;
-                enough(name, own.hold_s + own.turn_s, duration_s)
+            Self::PullOut(turn) => {
+                seconds("hold_s", turn.hold_s, true)?;
+                seconds("turn_s", turn.turn_s, false)?;
+                enough(name, turn.hold_s + turn.turn_s, duration_s)
             }
-            Self::SpiralTest(own) => {
-                spiral(name, own.steps, own.dwell_s)?;
-                enough(name, own.dwell_s * steps(own.steps, true).count() as f64, duration_s)
+            Self::SpiralTest(test) => {
+                spiral(name, test.steps, test.dwell_s)?;
+                enough(name, test.dwell_s * steps(test.steps, true).count() as f64, duration_s)
             }
-            Self::ReverseSpiral(own) => {
-                above("yaw_rate_rad_s", own.yaw_rate_rad_s, 10.0, "rad/s")?;
-                spiral(name, own.steps, own.dwell_s)?;
-                enough(name, own.dwell_s * steps(own.steps, false).count() as f64, duration_s)
+            Self::ReverseSpiral(test) => {
+                above("yaw_rate_rad_s", test.yaw_rate_rad_s, 10.0, "rad/s")?;
+                spiral(name, test.steps, test.dwell_s)?;
+                enough(name, test.dwell_s * steps(test.steps, false).count() as f64, duration_s)
             }
-            Self::Stop(own) => seconds("hold_s", own.hold_s, true),
+            Self::Stop(stop) => seconds("hold_s", stop.hold_s, true),
         }
     }
 
@@ -370,7 +370,7 @@ pub(crate) fn check_names(
     let inputs = vessel.model.input_variables();
     let free = |i: &usize| vessel.couplings[*i].is_none();
     for input in settings.keys() {
-        let place = inputs.iter().position(|own| own.name == *input);
+        let place = inputs.iter().position(|variable| variable.name == *input);
         if place.filter(free).is_none() {
             let known: Vec<String> =
                 (0..inputs.len()).filter(free).map(|i| format!("`{}`", inputs[i].name)).collect();

@@ -198,10 +198,10 @@ impl Involved {
             .filter(|i| constant != Some(*i) && (named(*i) || hardly(i) && input(*i)))
             .partition(hardly);
         still.sort_by_key(|i| !input(*i));
-        let own = constant.is_some_and(named);
-        let intercept = named(p) || own || varying.is_empty() && !still.is_empty();
+        let is_named = constant.is_some_and(named);
+        let intercept = named(p) || is_named || varying.is_empty() && !still.is_empty();
         if still.is_empty() && varying.is_empty() {
-            varying.extend(constant.filter(|_| own));
+            varying.extend(constant.filter(|_| is_named));
         }
         Self { still, varying, intercept }
     }

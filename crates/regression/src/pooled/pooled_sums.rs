@@ -86,8 +86,8 @@ impl PooledSums {
         match &self.batch {
             Some((_, normals)) => normals[d].clone().finish(),
             None => {
-                let own = [&self.total.degrees[d]];
-                Normal::new(own.into_iter(), self.removal == MeanRemoval::Complete)
+                let degrees = [&self.total.degrees[d]];
+                Normal::new(degrees.into_iter(), self.removal == MeanRemoval::Complete)
             }
         }
     }
@@ -102,12 +102,12 @@ impl PooledSums {
         let mut first = 0;
         [0, 1, 2].map(|d| {
             let p = self.total.degrees.get(d).map_or(0, |degree| degree.parameters());
-            let own = first..first + p;
+            let range = first..first + p;
             first += p;
             if self.total.samples <= (p + self.intercepts(d)) as u64 {
                 return DegreeFit { status: Status::TooShort, solution: None };
             }
-            let prior = options.prior.map(|prior| (prior.strength, &prior.nominal[own]));
+            let prior = options.prior.map(|prior| (prior.strength, &prior.nominal[range]));
             match super::fit::solve(&self.normal(d), prior) {
                 Err(parameter) => DegreeFit { status: Status::NotExcited(parameter), solution: None },
                 Ok((theta, gain)) => self.judged(options, d, theta, gain),

@@ -66,9 +66,9 @@ impl Regression {
     pub fn left(&self, theta: &[f64]) -> [f64; 3] {
         let mut first = 0;
         self.degrees.each_ref().map(|degree| {
-            let own = &theta[first..first + degree.parameters];
+            let slopes = &theta[first..first + degree.parameters];
             first += degree.parameters;
-            degree.residuals(own).sum::<f64>() / self.samples.max(1) as f64
+            degree.residuals(slopes).sum::<f64>() / self.samples.max(1) as f64
         })
     }
 
@@ -104,9 +104,9 @@ fn terms(model: &Model, exogenous: &[f64], states: &[f64]) -> [Vec<f64>; 3] {
         compiled.look(*state, &exogenous[width * k..width * (k + 1)], None);
         let mut first = 0;
         for (out, degree) in out.iter_mut().zip(&model.degrees) {
-            let own = first..first + degree.terms.len();
-            first = own.end;
-            out.extend(own.map(|i| compiled.term(i)));
+            let range = first..first + degree.terms.len();
+            first = range.end;
+            out.extend(range.map(|i| compiled.term(i)));
         }
     }
     out
@@ -196,9 +196,9 @@ impl Strength {
         let mut projected = mixed.clone();
         numerics::solve(p, &mut instruments.clone(), &mut projected)?;
         let explained = product(p, &transposed(p, &mixed), &projected);
-        let (own, explained) = (inverse_diagonal(p, &regressors)?, inverse_diagonal(p, &explained)?);
+        let (total, explained) = (inverse_diagonal(p, &regressors)?, inverse_diagonal(p, &explained)?);
         let partial: Vec<f64> =
-            own.iter().zip(&explained).map(|(own, explained)| (own / explained).clamp(0.0, 1.0)).collect();
+            total.iter().zip(&explained).map(|(total, explained)| (total / explained).clamp(0.0, 1.0)).collect();
         partial.iter().all(|x| x.is_finite()).then_some(partial)
     }
 }
@@ -279,8 +279,8 @@ fn add_part(meat: &mut [f64], scores: &[f64], p: usize, bandwidth: usize) {
             let (now, before) = (&scores[k * p..(k + 1) * p], &scores[(k - lag) * p..(k - lag + 1) * p]);
             add_outer(&mut products, now, before);
         }
-        for ((entry, own), other) in meat.iter_mut().zip(&products).zip(transposed(p, &products)) {
-            *entry += weight * if lag == 0 { *own } else { own + other };
+        for ((entry, product), other) in meat.iter_mut().zip(&products).zip(transposed(p, &products)) {
+            *entry += weight * if lag == 0 { *product } else { product + other };
         }
     }
 }
@@ -344,26 +344,26 @@ fn lagged(a: &[f64], b: &[f64], lag: usize) -> f64 {
 }
 
 /// Sums of an instrument without its mean, and of its products with residuals.
-struct Signal {
+struct InstrumentSums {
     /// Σ ζ².
     power: f64,
     /// Σ ζ(k) ζ(k − lag) for lags from 1 on.
-    own: Vec<f64>,
+    lagged_squares: Vec<f64>,
     /// Σ ζ(k − lag) ε(k) for lags from −lags to lags, but for 0.
     crossed: Vec<f64>,
 }
 
-impl Signal {
+impl InstrumentSums {
     fn new(lags: usize) -> Self {
-        Self { power: 0.0, own: vec![0.0; lags], crossed: vec![0.0; 2 * lags] }
+        Self { power: 0.0, lagged_squares: vec![0.0; lags], crossed: vec![0.0; 2 * lags] }
     }
 
     /// Adds a part: no products across parts.
     fn add(&mut self, zeta: &[f64], residuals: &[f64]) {
-        let lags = self.own.len();
+        let lags = self.lagged_squares.len();
         zeta.iter().for_each(|z| self.power += z * z);
         for lag in 1..=lags {
-            self.own[lag - 1] += lagged(zeta, zeta, lag);
+            self.lagged_squares[lag - 1] += lagged(zeta, zeta, lag);
             self.crossed[lags - lag] += lagged(zeta, residuals, lag);
             self.crossed[lags + lag - 1] += lagged(residuals, zeta, lag);
         }
@@ -371,7 +371,7 @@ impl Signal {
 
     /// ρ_1 ….
     fn correlations(&self) -> impl Iterator<Item = f64> {
-        self.own.iter().map(|at| if self.power > 0.0 { at / self.power } else { 0.0 })
+        self.lagged_squares.iter().map(|at| if self.power > 0.0 { at / self.power } else { 0.0 })
     }
 }
 
@@ -383,8 +383,8 @@ pub struct ResidualTests {
     /// Σ ε².
     power: f64,
     /// Σ ε(k) ε(k − lag) for lags from 1 on.
-    own: Vec<f64>,
-    signals: Vec<Signal>,
+    lagged_squares: Vec<f64>,
+    signals: Vec<InstrumentSums>,
 }
 
 impl ResidualTests {
@@ -392,24 +392,24 @@ impl ResidualTests {
     pub fn new(lags: usize, instruments: usize) -> Self {
         // The start value of `Iterator::sum`, so that sums part by part have the same bits.
         let zero: f64 = std::iter::empty::<f64>().sum();
-        let signals = (0..instruments).map(|_| Signal::new(lags)).collect();
-        Self { samples: 0, pairs: vec![0; lags], power: zero, own: vec![zero; lags], signals }
+        let signals = (0..instruments).map(|_| InstrumentSums::new(lags)).collect();
+        Self { samples: 0, pairs: vec![0; lags], power: zero, lagged_squares: vec![zero; lags], signals }
     }
 
     /// Adds a part: its residuals, and its instruments without their means.
     pub fn add(&mut self, residuals: &[f64], instruments: &[Vec<f64>]) {
         self.samples += residuals.len();
         residuals.iter().for_each(|e| self.power += e * e);
-        for (lag, (pairs, own)) in self.pairs.iter_mut().zip(&mut self.own).enumerate() {
+        for (lag, (pairs, sum)) in self.pairs.iter_mut().zip(&mut self.lagged_squares).enumerate() {
             *pairs += residuals.len().saturating_sub(lag + 1);
-            *own += lagged(residuals, residuals, lag + 1);
+            *sum += lagged(residuals, residuals, lag + 1);
         }
         self.signals.iter_mut().zip(instruments).for_each(|(signal, zeta)| signal.add(zeta, residuals));
     }
 
     /// ρ_1 ….
     fn correlations(&self) -> Vec<f64> {
-        self.own.iter().map(|at| if self.power > 0.0 { at / self.power } else { 0.0 }).collect()
+        self.lagged_squares.iter().map(|at| if self.power > 0.0 { at / self.power } else { 0.0 }).collect()
     }
 
     /// See [`whiteness`].
@@ -420,8 +420,8 @@ impl ResidualTests {
         let statistic = n * (n + 2.0) * correlations.iter().zip(&self.pairs).map(term).sum::<f64>();
         Whiteness {
             statistic,
-            lags: self.own.len() as u64,
-            p_value: chi_square_tail(statistic, self.own.len() as f64),
+            lags: self.lagged_squares.len() as u64,
+            p_value: chi_square_tail(statistic, self.lagged_squares.len() as f64),
             first_autocorrelation: correlations.first().copied().unwrap_or(0.0),
         }
     }
@@ -429,11 +429,11 @@ impl ResidualTests {
     /// Correlates residuals with instruments some samples earlier and later, but not at the same time: there the
     /// estimate makes them orthogonal. `None` if nothing varies.
     pub fn strongest(&self) -> Option<CrossCorrelation> {
-        let (own, lags) = (self.correlations(), self.own.len());
+        let (correlations, lags) = (self.correlations(), self.lagged_squares.len());
         let mut strongest: Option<(f64, CrossCorrelation)> = None;
         for (instrument, signal) in self.signals.iter().enumerate() {
             let size = (self.power * signal.power).sqrt();
-            let both = signal.correlations().zip(&own).map(|(a, b)| a * b).sum::<f64>();
+            let both = signal.correlations().zip(&correlations).map(|(a, b)| a * b).sum::<f64>();
             let spread = ((1.0 + 2.0 * both).max(1e-3) / self.samples.max(1) as f64).sqrt();
             if size <= 0.0 {
                 continue;

@@ -275,8 +275,8 @@ impl<R: Recorded> PooledRuns<R> {
             let mut held = HashMap::new();
             self.visit(&wanted, |i| *i, |k, run| drop(held.insert(wanted[k], run.clone())))?;
             for (source, runs) in now {
-                let own = runs.iter().filter_map(|i| held.remove(i).map(|run| (*i, run)));
-                look(source, joined(own).iter().flat_map(|whole| cut(source, whole, length)).collect());
+                let runs_of_source = runs.iter().filter_map(|i| held.remove(i).map(|run| (*i, run)));
+                look(source, joined(runs_of_source).iter().flat_map(|whole| cut(source, whole, length)).collect());
             }
             rest = later;
         }
@@ -314,8 +314,8 @@ impl<R: Recorded> PooledRuns<R> {
         let mut blocks: Vec<usize> = wanted.iter().map(block).collect();
         blocks.dedup();
         let (mut rest, mut done) = (wanted, 0);
-        read(&self.recorded, &blocks, |own, runs| {
-            let (now, later) = rest.split_at(rest.partition_point(|thing| block(thing) <= own));
+        read(&self.recorded, &blocks, |at, runs| {
+            let (now, later) = rest.split_at(rest.partition_point(|thing| block(thing) <= at));
             for thing in now {
                 look(done, &runs[self.runs[run(thing)].place]);
                 done += 1;

@@ -33,17 +33,17 @@ pub(crate) fn add_instruments<X: Instrument>(
             columns.add::<Difference, 0>(all.part(orders[d].measured..all.count()), all, []);
         }
     }
-    for ((own, columns), Order { terms, measured }) in sums.iter_mut().zip(columns).zip(&orders) {
-        let p = own.parameters();
+    for ((degree, columns), Order { terms, measured }) in sums.iter_mut().zip(columns).zip(&orders) {
+        let p = degree.parameters();
         for (place, (i, (products, [total, square]))) in terms.iter().zip(columns.each()).enumerate() {
-            own.a[i * (p + 1) + p] = total;
-            own.instrument_squares[*i] = square;
+            degree.a[i * (p + 1) + p] = total;
+            degree.instrument_squares[*i] = square;
             for (j, product) in terms[*measured..].iter().zip(products) {
-                own.a[i * (p + 1) + j] = *product;
+                degree.a[i * (p + 1) + j] = *product;
             }
             if place >= *measured {
-                own.a[p * (p + 1) + i] = total;
-                own.regressor_squares[*i] = square;
+                degree.a[p * (p + 1) + i] = total;
+                degree.regressor_squares[*i] = square;
             }
         }
     }
@@ -68,21 +68,21 @@ pub(crate) fn add_measured<X: Instrument>(
             columns.add(zeta.terms(d), phi.terms(d), [phi.increments(d)]);
         }
     }
-    for ((own, columns), Order { terms, measured }) in sums.iter_mut().zip(columns).zip(&orders) {
-        let p = own.parameters();
+    for ((degree, columns), Order { terms, measured }) in sums.iter_mut().zip(columns).zip(&orders) {
+        let p = degree.parameters();
         for (place, (products, [total, square])) in columns.each().enumerate() {
             for (i, product) in terms.iter().zip(products) {
                 if place < *measured {
-                    own.a[i * (p + 1) + terms[place]] = *product;
+                    degree.a[i * (p + 1) + terms[place]] = *product;
                 } else {
-                    own.b[*i] = *product;
+                    degree.b[*i] = *product;
                 }
             }
             if place < *measured {
-                own.a[p * (p + 1) + terms[place]] = total;
-                own.regressor_squares[terms[place]] = square;
+                degree.a[p * (p + 1) + terms[place]] = total;
+                degree.regressor_squares[terms[place]] = square;
             } else {
-                own.b[p] = total;
+                degree.b[p] = total;
             }
         }
     }
@@ -176,13 +176,13 @@ impl To<'_> {
         simd: S,
         j: usize,
         at: usize,
-        own: [S::f64s; R],
+        row_sums: [S::f64s; R],
         ends: [S::f64s; 2],
     ) {
         let column = &mut self.sums[j * (self.height + 2)..(j + 1) * (self.height + 2)];
         let (products, both) = column.split_at_mut(self.height);
-        for (sum, own) in products[self.row..self.row + R].iter_mut().zip(own) {
-            add(simd, sum, at, own);
+        for (sum, row_sum) in products[self.row..self.row + R].iter_mut().zip(row_sums) {
+            add(simd, sum, at, row_sum);
         }
         if self.row == 0 {
             add(simd, &mut both[0], at, ends[0]);
@@ -211,7 +211,7 @@ impl<X: Signal, Y: Signal, Z: Signal, const R: usize, const C: usize, const E: u
         let zero = simd.splat_f64s(0.0);
         for at in 0..parts::<S>() {
             for block in (0..SPAN).step_by(BLOCK) {
-                let (mut own, mut ends) = ([[zero; R]; C], [[zero; 2]; C]);
+                let (mut row_sums, mut ends) = ([[zero; R]; C], [[zero; 2]; C]);
                 let (mut own_last, mut ends_last) = ([[zero; R]; E], [[zero; 2]; E]);
                 for t in block..block + BLOCK {
                     let mut now = [zero; R];
@@ -219,14 +219,14 @@ impl<X: Signal, Y: Signal, Z: Signal, const R: usize, const C: usize, const E: u
                         now[i] = x[i].at(simd, t, at);
                     }
                     for j in 0..C {
-                        add_one(simd, now, y[j].at(simd, t, at), &mut own[j], &mut ends[j]);
+                        add_one(simd, now, y[j].at(simd, t, at), &mut row_sums[j], &mut ends[j]);
                     }
                     for j in 0..E {
                         add_one(simd, now, last[j].at(simd, t, at), &mut own_last[j], &mut ends_last[j]);
                     }
                 }
                 for j in 0..C {
-                    to.put(simd, j, at, own[j], ends[j]);
+                    to.put(simd, j, at, row_sums[j], ends[j]);
                 }
                 for j in 0..E {
                     to.put(simd, C + j, at, own_last[j], ends_last[j]);
@@ -242,11 +242,11 @@ fn add_one<S: Simd, const R: usize>(
     simd: S,
     x: [S::f64s; R],
     y: S::f64s,
-    own: &mut [S::f64s; R],
+    row_sums: &mut [S::f64s; R],
     ends: &mut [S::f64s; 2],
 ) {
     for i in 0..R {
-        own[i] = simd.mul_add_f64s(x[i], y, own[i]);
+        row_sums[i] = simd.mul_add_f64s(x[i], y, row_sums[i]);
     }
     ends[0] = simd.add_f64s(ends[0], y);
     ends[1] = simd.mul_add_f64s(y, y, ends[1]);
@@ -357,7 +357,7 @@ impl Zeta for OfShared<'_> {
             padded
         };
         self.last =
-            (count < SPAN).then(|| self.columns.each_ref().map(|own| own.iter().map(padded).collect()));
+            (count < SPAN).then(|| self.columns.each_ref().map(|column| column.iter().map(padded).collect()));
     }
 
     #[inline(always)]

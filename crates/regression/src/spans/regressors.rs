@@ -89,13 +89,13 @@ pub(super) struct Regressors<'a> {
 impl<'a> Regressors<'a> {
     /// φ of a batch, with the terms of each degree of freedom whose indices are in `terms`; and Δy.
     pub(super) fn phi<X: Number>(batch: &Batch<'a, X>, terms: [Range<usize>; 3]) -> Self {
-        let mut own = Self::of(batch.model, batch.measured, X::numbers(batch.exogenous), terms);
+        let mut regressors = Self::of(batch.model, batch.measured, X::numbers(batch.exogenous), terms);
         for degree in &batch.model.degrees {
-            let known = degree.known.iter().map(|known| (known.coefficient, own.places(&known.factors)));
-            let (products, computed) = (known.collect(), own.place());
-            own.increments.push(Sum { products, computed });
+            let known = degree.known.iter().map(|known| (known.coefficient, regressors.places(&known.factors)));
+            let (products, computed) = (known.collect(), regressors.place());
+            regressors.increments.push(Sum { products, computed });
         }
-        own
+        regressors
     }
 
     /// ζ of a batch, likewise.
@@ -104,7 +104,7 @@ impl<'a> Regressors<'a> {
     }
 
     fn of(model: &'a Model, states: &'a [Lane], inputs: Numbers<'a>, terms: [Range<usize>; 3]) -> Self {
-        let mut own = Self {
+        let mut regressors = Self {
             model,
             states,
             inputs,
@@ -121,11 +121,11 @@ impl<'a> Regressors<'a> {
         };
         for (d, (order, range)) in Order::of(model).iter().zip(terms).enumerate() {
             for i in range.start..range.end.min(order.terms.len()) {
-                let factors = own.term(&model.degrees[d].terms[order.terms[i]]);
-                own.factors[d].push(factors);
+                let factors = regressors.term(&model.degrees[d].terms[order.terms[i]]);
+                regressors.factors[d].push(factors);
             }
         }
-        own
+        regressors
     }
 
     /// Two signals whose product is a term.
@@ -192,18 +192,18 @@ impl<'a> Regressors<'a> {
         self.copy_inputs(count);
         for i in 0..self.moduli.len() {
             let (_, place, computed) = self.moduli[i];
-            self.compute(computed, |own, out| fill(Modulus(own.column(place)), out));
+            self.compute(computed, |regressors, out| fill(Modulus(regressors.column(place)), out));
         }
         for i in 0..self.sums.len() {
-            self.compute(self.sums[i].computed, |own, out| {
-                let [(_, first), tied @ ..] = &own.sums[i].products[..] else { return };
-                own.multiply(first, out);
-                own.add(tied, out);
+            self.compute(self.sums[i].computed, |regressors, out| {
+                let [(_, first), tied @ ..] = &regressors.sums[i].products[..] else { return };
+                regressors.multiply(first, out);
+                regressors.add(tied, out);
             });
         }
         for d in 0..self.increments.len() {
             if !self.read_increments(d) {
-                self.compute(self.increments[d].computed, |own, out| own.increase(d, count, out));
+                self.compute(self.increments[d].computed, |regressors, out| regressors.increase(d, count, out));
             }
         }
     }
@@ -260,10 +260,10 @@ impl<'a> Regressors<'a> {
     /// Adds products with their coefficients.
     #[inline(always)]
     fn add(&self, products: &[(f64, Vec<Place>)], out: &mut Table) {
-        let mut own = vec![Lane::ZERO; 3 * SPAN];
+        let mut product = vec![Lane::ZERO; 3 * SPAN];
         for (coefficient, factors) in products {
-            self.multiply(factors, &mut own);
-            (0..SPAN).for_each(|t| out[3 * t] += Lane::splat(*coefficient) * own[3 * t]);
+            self.multiply(factors, &mut product);
+            (0..SPAN).for_each(|t| out[3 * t] += Lane::splat(*coefficient) * product[3 * t]);
         }
     }
 

@@ -50,13 +50,13 @@ pub(crate) fn add_squares<X: Instrument>(
         }
     }
     let mut first = 0;
-    for (Order { terms, .. }, own) in orders.iter().zip(&sums) {
+    for (Order { terms, .. }, sum) in orders.iter().zip(&sums) {
         let p = terms.len();
         for (i, j) in (0..p).flat_map(|i| (i..p).map(move |j| (i, j))) {
             let (row, column) = (terms[i].min(terms[j]), terms[i].max(terms[j]));
             let to = first + place(p, row, column);
-            squares[to] = own[0][place(p, i, j)];
-            neighbours[to] = own[1][place(p, i, j)];
+            squares[to] = sum[0][place(p, i, j)];
+            neighbours[to] = sum[1][place(p, i, j)];
         }
         first += p * (p + 1) / 2;
     }
@@ -182,13 +182,13 @@ impl<T: Signal, const N: usize> WithSimd for Triangle<'_, T, N> {
         for at in 0..parts::<S>() {
             let mut before = all.before(simd, at);
             for block in all.blocks.starts() {
-                let (mut own, mut followed) = ([[zero; N]; N], [[zero; N]; N]);
+                let (mut squared, mut followed) = ([[zero; N]; N], [[zero; N]; N]);
                 for t in 0..BLOCK {
                     let now = all.at(simd, block, t, at);
                     for i in 0..N {
                         for j in 0..N {
                             if j >= i {
-                                own[i][j] = simd.mul_add_f64s(now[i], now[j], own[i][j]);
+                                squared[i][j] = simd.mul_add_f64s(now[i], now[j], squared[i][j]);
                             }
                             followed[i][j] = simd.mul_add_f64s(before[i], now[j], followed[i][j]);
                         }
@@ -198,7 +198,7 @@ impl<T: Signal, const N: usize> WithSimd for Triangle<'_, T, N> {
                 let mut place = 0;
                 for i in 0..N {
                     for j in i..N {
-                        add(simd, &mut squares[place + j - i], at, own[i][j]);
+                        add(simd, &mut squares[place + j - i], at, squared[i][j]);
                         add(simd, &mut neighbours[place + j - i], at, followed[i][j]);
                         add(simd, &mut neighbours[place + j - i], at, followed[j][i]);
                     }
@@ -230,18 +230,18 @@ impl<T: Signal, const N: usize> WithSimd for Row<'_, T, N> {
         for at in 0..parts::<S>() {
             let ([mut one_before], mut before) = (one.before(simd, at), others.before(simd, at));
             for block in one.blocks.starts() {
-                let (mut own, mut after, mut ahead) = ([zero; N], [zero; N], [zero; N]);
+                let (mut squared, mut after, mut ahead) = ([zero; N], [zero; N], [zero; N]);
                 for t in 0..BLOCK {
                     let ([one_now], now) = (one.at(simd, block, t, at), others.at(simd, block, t, at));
                     for j in 0..N {
-                        own[j] = simd.mul_add_f64s(one_now, now[j], own[j]);
+                        squared[j] = simd.mul_add_f64s(one_now, now[j], squared[j]);
                         after[j] = simd.mul_add_f64s(one_before, now[j], after[j]);
                         ahead[j] = simd.mul_add_f64s(one_now, before[j], ahead[j]);
                     }
                     (one_before, before) = (one_now, now);
                 }
                 for j in 0..N {
-                    add(simd, &mut squares[j], at, own[j]);
+                    add(simd, &mut squares[j], at, squared[j]);
                     add(simd, &mut neighbours[j], at, after[j]);
                     add(simd, &mut neighbours[j], at, ahead[j]);
                 }
@@ -261,7 +261,7 @@ pub(crate) fn put_residuals<X: Instrument>(
     intercepts: Groups,
     all: &mut [Vec<Lane>; 3],
 ) {
-    all.iter_mut().for_each(|own| own.resize(batch.samples().next_multiple_of(SPAN), Lane::ZERO));
+    all.iter_mut().for_each(|residuals| residuals.resize(batch.samples().next_multiple_of(SPAN), Lane::ZERO));
     let mut intercepts = Constants::<BLOCK>::new(intercepts, 3);
     let orders = Order::of_batch(batch);
     let mut phi = Regressors::phi(batch, orders.each_ref().map(|order| 0..order.measured));
@@ -291,7 +291,7 @@ pub(crate) fn put_residuals<X: Instrument>(
             at = end;
         }
     }
-    all.iter_mut().for_each(|own| own.truncate(batch.samples()));
+    all.iter_mut().for_each(|residuals| residuals.truncate(batch.samples()));
 }
 
 /// Blocks of a degree of freedom, with the same intercepts in each.

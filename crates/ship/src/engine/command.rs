@@ -78,14 +78,14 @@ pub fn simulate_commanded(
         disturbing.noise(noise);
         let weather = disturbing.next(count);
         for i in 0..rows {
-            let state = follow.state.map(|own| own.0[0]);
+            let state = follow.state.map(|wide| wide.0[0]);
             let seen: [Lane; 3] = from_fn(|d| state[d] + noise[3 * i + d]);
             let k = first + i;
             for d in 0..3 {
                 measured[3 * k + d] = state[d];
                 mark_beyond(&mut beyond, state[d]);
-                if let Some(own) = truth.get_mut(3 * k + d) {
-                    *own = state[d];
+                if let Some(entry) = truth.get_mut(3 * k + d) {
+                    *entry = state[d];
                 }
             }
             if i == count {
@@ -93,9 +93,9 @@ pub fn simulate_commanded(
             }
             let row = &mut exogenous[width * k..width * (k + 1)];
             for (lane, helmsman) in helmsmen.iter_mut().enumerate() {
-                let of = |states: [Lane; 3]| states.map(|own| own[lane]);
-                let own = helmsman.commands(model, of(seen), of(state), rate_hz);
-                row.iter_mut().zip(own).for_each(|(to, from)| to[lane] = *from);
+                let of = |states: [Lane; 3]| states.map(|lanes| lanes[lane]);
+                let inputs = helmsman.commands(model, of(seen), of(state), rate_hz);
+                row.iter_mut().zip(inputs).for_each(|(to, from)| to[lane] = *from);
                 if !commands.is_empty() {
                     let to = commands[model.inputs * k..].iter_mut();
                     to.zip(helmsman.commanded(model)).for_each(|(to, from)| to[lane] = *from);
@@ -338,9 +338,9 @@ impl From<Pose> for Origin {
 impl Origin {
     /// The pose relative to the origin: ahead, to starboard, and the difference of headings.
     pub fn sees(&self, pose: Pose) -> Pose {
-        let Self { pose: own, sin, cos } = self;
-        let [north, east] = [pose.x - own.x, pose.y - own.y];
-        Pose { x: north * cos + east * sin, y: east * cos - north * sin, psi: pose.psi - own.psi }
+        let Self { pose: origin, sin, cos } = self;
+        let [north, east] = [pose.x - origin.x, pose.y - origin.y];
+        Pose { x: north * cos + east * sin, y: east * cos - north * sin, psi: pose.psi - origin.psi }
     }
 }
 

@@ -267,16 +267,16 @@ pub struct Disturbing {
 impl Disturbing {
     /// The disturbances of the next samples. Their number is even, except at the end.
     pub(crate) fn next(&mut self, samples: usize) -> Weather<'_> {
-        let Self { current, force, drawn: [own, forces], .. } = self;
+        let Self { current, force, drawn: [currents, forces], .. } = self;
         if let Some(current) = current {
-            own.resize(2 * samples, Lane::ZERO);
-            current.draw(own);
+            currents.resize(2 * samples, Lane::ZERO);
+            current.draw(currents);
         }
         if let Some(force) = force {
             forces.resize(3 * samples, Lane::ZERO);
             force.draw(forces);
         }
-        Weather { current: own, turning: self.turning, force: forces }
+        Weather { current: currents, turning: self.turning, force: forces }
     }
 
     /// The noise that [`Self::measure`] will add to the next samples, up to rounding, samples × 3.
@@ -372,7 +372,7 @@ impl<const WIDTH: usize> Noise<WIDTH> {
         vectorized!(self.change(
             out,
             #[inline(always)]
-            |own, noise, std| std.fused(noise, own)
+            |value, noise, std| std.fused(noise, value)
         ));
     }
 

@@ -109,7 +109,7 @@ impl Channels {
     pub(crate) fn next<const CHANNELS: usize>(&mut self) -> [Normals; CHANNELS] {
         let first = self.next;
         self.next += CHANNELS;
-        std::array::from_fn(|i| Normals::seeded(self.seeds.each_ref().map(|own| &own[first + i])))
+        std::array::from_fn(|i| Normals::seeded(self.seeds.each_ref().map(|seeds| &seeds[first + i])))
     }
 }
 

@@ -90,23 +90,23 @@ impl<T> Derivatives<T> {
         mut add: impl FnMut(&mut Self, usize, usize, &Written),
     ) -> Self {
         let products = Products::after(places.len());
-        let mut own = Self { signs: Vec::new(), products, parts: Vec::new() };
+        let mut all = Self { signs: Vec::new(), products, parts: Vec::new() };
         let (mut parameter, mut coefficients) = (0, first_coefficient(model)..);
         for (degree, terms) in model.degrees.iter().map(|d| &d.terms).enumerate() {
             for term in terms {
-                add(&mut own, parameter, degree, &Written { factors: &term.factors, coefficient: None });
+                add(&mut all, parameter, degree, &Written { factors: &term.factors, coefficient: None });
                 for (tied, coefficient) in term.tied.iter().zip(&mut coefficients) {
                     let coefficient = Some(coefficient);
-                    add(&mut own, parameter, degree, &Written { factors: &tied.factors, coefficient });
+                    add(&mut all, parameter, degree, &Written { factors: &tied.factors, coefficient });
                 }
                 parameter += 1;
             }
         }
         for (i, (degree, known)) in model.known().enumerate() {
-            add(&mut own, parameter + i, degree, &Written { factors: &known.factors, coefficient: None });
+            add(&mut all, parameter + i, degree, &Written { factors: &known.factors, coefficient: None });
         }
-        places.resize(places.len() + own.products.pairs.len(), X::ONE);
-        own
+        places.resize(places.len() + all.products.pairs.len(), X::ONE);
+        all
     }
 
     /// Two places whose product is `term` without its factors `dropped`, times the inner derivatives of these.
@@ -132,11 +132,11 @@ impl<T> Derivatives<T> {
 impl Derivatives<Slope> {
     /// By those variables that are states, or by the others.
     pub fn once<X: Arithmetic>(model: &Model, places: &mut Vec<X>, states: bool) -> Self {
-        Self::new(model, places, |own, parameter, degree, term| {
+        Self::new(model, places, |derivatives, parameter, degree, term| {
             for (i, Factor { variable, .. }) in term.factors.iter().enumerate() {
                 if (*variable < 3) == states {
-                    let places = own.rest(model, term, &[i]);
-                    own.parts.push(Slope { parameter, degree, variable: *variable, places });
+                    let places = derivatives.rest(model, term, &[i]);
+                    derivatives.parts.push(Slope { parameter, degree, variable: *variable, places });
                 }
             }
         })
@@ -146,12 +146,12 @@ impl Derivatives<Slope> {
 impl Derivatives<Curve> {
     /// By a state and by any variable.
     pub fn twice<X: Arithmetic>(model: &Model, places: &mut Vec<X>) -> Self {
-        Self::new(model, places, |own, parameter, degree, term| {
+        Self::new(model, places, |derivatives, parameter, degree, term| {
             for (i, Factor { variable: state, .. }) in term.factors.iter().enumerate() {
                 for (j, Factor { variable, .. }) in term.factors.iter().enumerate() {
                     if *state < 3 && i != j {
-                        let places = own.rest(model, term, &[i, j]);
-                        own.parts.push(Curve {
+                        let places = derivatives.rest(model, term, &[i, j]);
+                        derivatives.parts.push(Curve {
                             parameter,
                             degree,
                             state: *state,

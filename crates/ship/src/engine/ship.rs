@@ -50,14 +50,14 @@ impl<'a> Ship<'a> {
     /// Advances by one sample while the actuators follow `commands`; returns their settings. Commands that change
     /// within the sample have `ends`: those at its beginning and at its end.
     pub fn command(&mut self, commands: &[f64], ends: Option<[&[f64]; 2]>) -> &[f64] {
-        self.act(commands, |acting, own, i, command, seconds| {
-            acting.follow(own, SampleCommand::of(i, command, ends), seconds)
+        self.act(commands, |acting, actuator, i, command, seconds| {
+            acting.follow(actuator, SampleCommand::of(i, command, ends), seconds)
         })
     }
 
     /// Advances by one sample with the actuators as near to `wanted` as commands take them; returns their settings.
     pub fn reach(&mut self, wanted: &[f64]) -> &[f64] {
-        self.act(wanted, |acting, own, _, wanted, seconds| acting.reach(own, wanted, seconds))
+        self.act(wanted, |acting, actuator, _, wanted, seconds| acting.reach(actuator, wanted, seconds))
     }
 
     fn act(
@@ -70,12 +70,12 @@ impl<'a> Ship<'a> {
             self.acting
                 .iter_mut()
                 .zip(commands)
-                .for_each(|(own, command)| *own = ActuatorState::begun(*command));
+                .for_each(|(state, command)| *state = ActuatorState::begun(*command));
             return &self.exogenous[..self.vessel.model.inputs];
         }
         let each = self.acting.iter_mut().zip(commands).zip(&self.vessel.actuators);
-        for (i, (setting, ((acting, command), own))) in self.exogenous.iter_mut().zip(each).enumerate() {
-            *setting = next(acting, own, i, *command, self.sample_s);
+        for (i, (setting, ((acting, command), actuator))) in self.exogenous.iter_mut().zip(each).enumerate() {
+            *setting = next(acting, actuator, i, *command, self.sample_s);
         }
         self.advance();
         &self.exogenous[..self.vessel.model.inputs]

@@ -99,7 +99,7 @@ pub fn simulate_disturbed<const G: usize>(
     mut groups: [Recording; G],
 ) -> [Lane; G] {
     let mut follow = Follow::new(model, parameters, initial);
-    let samples = groups.first().map_or(0, |own| own.measured.len() / 3 - 1);
+    let samples = groups.first().map_or(0, |group| group.measured.len() / 3 - 1);
     let mut beyond = [Lane::ZERO; G];
     for first in (0..samples.max(1)).step_by(AT_ONCE) {
         let end = samples.min(first + AT_ONCE);
@@ -179,9 +179,9 @@ impl<'m, const G: usize> Follow<'m, G> {
         states: &mut [&mut [Lane]; G],
     ) {
         let count = samples.len();
-        let simple = |own: &Weather| own.turning == 0.0 && own.force.is_empty();
-        let flowing = weather.iter().filter(|own| own.current.len() >= 2 * count).count();
-        let still = weather.iter().filter(|own| own.current.is_empty()).count();
+        let simple = |weather: &Weather| weather.turning == 0.0 && weather.force.is_empty();
+        let flowing = weather.iter().filter(|group| group.current.len() >= 2 * count).count();
+        let still = weather.iter().filter(|group| group.current.is_empty()).count();
         if !weather.iter().all(simple) || flowing.max(still) < G {
             return self.go_in_all_weathers(exogenous, samples, weather, states);
         }
@@ -198,8 +198,8 @@ impl<'m, const G: usize> Follow<'m, G> {
             return;
         }
         let mut currents = [[].as_slice(); G];
-        for (group, own) in weather.iter().enumerate() {
-            currents[group] = &own.current.as_chunks::<2>().0[..count];
+        for (group, around) in weather.iter().enumerate() {
+            currents[group] = &around.current.as_chunks::<2>().0[..count];
         }
         for (i, k) in samples.enumerate() {
             put(states, i, &self.state);
@@ -272,11 +272,11 @@ impl<const G: usize> Rows<G> for [&[Lane]; G] {
     type Row = Self;
     #[inline(always)]
     fn rows(&self, width: usize) -> usize {
-        self.first().map_or(0, |own| own.len() / width)
+        self.first().map_or(0, |rows| rows.len() / width)
     }
     #[inline(always)]
     fn row(&self, k: usize, width: usize) -> Self {
-        self.map(|own| &own[width * k..width * (k + 1)])
+        self.map(|rows| &rows[width * k..width * (k + 1)])
     }
 }
 
@@ -285,15 +285,15 @@ impl<const G: usize> Rows<G> for [&[Lane]; G] {
 fn ambient<const G: usize>(weather: &[Weather; G], k: usize, heading: &Wide<G>) -> Ambient<Wide<G>> {
     let (mut current, mut force) = ([Wide::ZERO; 2], [Wide::ZERO; 3]);
     let (mut flowing, mut forced) = (false, false);
-    for (group, own) in weather.iter().enumerate() {
-        flowing |= !own.current.is_empty();
-        forced |= !own.force.is_empty();
-        if let Some(components) = own.current.as_chunks::<2>().0.get(k) {
+    for (group, around) in weather.iter().enumerate() {
+        flowing |= !around.current.is_empty();
+        forced |= !around.force.is_empty();
+        if let Some(components) = around.current.as_chunks::<2>().0.get(k) {
             let components =
-                if own.turning == 0.0 { *components } else { turned(components, &heading.0[group]) };
+                if around.turning == 0.0 { *components } else { turned(components, &heading.0[group]) };
             (0..2).for_each(|i| current[i].0[group] = components[i]);
         }
-        if let Some(components) = own.force.as_chunks::<3>().0.get(k) {
+        if let Some(components) = around.force.as_chunks::<3>().0.get(k) {
             (0..3).for_each(|i| force[i].0[group] = components[i]);
         }
     }

@@ -110,7 +110,7 @@ impl Propeller {
         let n = around.driven(self.revolutions);
         let (ahead, reversed) = (n.if_positive(n, X::ZERO), n.if_positive(X::ZERO, n));
         let (diameter, inflow) = (self.diameter.of(numbers), self.inflow(numbers, around));
-        let [k_0, k_1, k_2] = self.thrust.map(|own| own.of(numbers));
+        let [k_0, k_1, k_2] = self.thrust.map(|number| number.of(numbers));
         let tip = ahead * diameter;
         // Thrust over ρD².
         let thrust = k_0 * tip * tip + k_1 * tip * inflow + k_2 * inflow * inflow;
@@ -135,15 +135,15 @@ fn astern(
     spec: &PropellerSpec,
     pure: &mut impl FnMut(&str, Option<&Number>, f64) -> Result<At, Invalid>,
 ) -> Result<Option<[[At; 2]; 3]>, Invalid> {
-    let Some(own) = &spec.astern else { return Ok(None) };
+    let Some(reversed) = &spec.astern else { return Ok(None) };
     let mut both = |key: &str, numbers: Option<&[Number; 2]>| {
-        let mut one = |i: usize| pure(&format!("astern.{key}.{i}"), numbers.map(|own| &own[i]), 0.0);
+        let mut one = |i: usize| pure(&format!("astern.{key}.{i}"), numbers.map(|list| &list[i]), 0.0);
         Ok::<_, Invalid>([one(0)?, one(1)?])
     };
     Ok(Some([
-        both("surge", Some(&own.surge))?,
-        both("sway", own.sway.as_ref())?,
-        both("yaw", own.yaw.as_ref())?,
+        both("surge", Some(&reversed.surge))?,
+        both("sway", reversed.sway.as_ref())?,
+        both("yaw", reversed.yaw.as_ref())?,
     ]))
 }
 
@@ -256,7 +256,7 @@ impl Thruster {
     /// The channel of its angle, which goes around, and half a turn in its unit.
     pub fn turning(&self) -> Option<(usize, f64)> {
         match self.direction {
-            Direction::Azimuth(own) => Some((own.channel, PI / own.factor)),
+            Direction::Azimuth(angle) => Some((angle.channel, PI / angle.factor)),
             Direction::Fixed(_) => None,
         }
     }
@@ -266,11 +266,11 @@ impl Thruster {
     pub fn forces<X: Real>(&self, numbers: &[X], around: &Surroundings<X>) -> [X; 3] {
         let input = around.driven(self.input);
         let angle = match self.direction {
-            Direction::Azimuth(own) => around.driven(own),
-            Direction::Fixed(own) => own.of(numbers).times(PI / 180.0),
+            Direction::Azimuth(angle) => around.driven(angle),
+            Direction::Fixed(angle) => angle.of(numbers).times(PI / 180.0),
         };
         let (sine, cosine) = angle.sine_and_cosine();
-        let [x, y] = self.place.map(|own| own.of(numbers));
+        let [x, y] = self.place.map(|number| number.of(numbers));
         let coefficient = input.if_positive(self.ahead.of(numbers), self.astern.of(numbers));
         let force = match self.loss {
             None if self.curve == Curve::Force => coefficient * input,
@@ -425,9 +425,9 @@ impl Rudder {
 fn behind(spec: &RudderSpec, propellers: &[Propeller]) -> Result<Option<usize>, Invalid> {
     let Some(name) = &spec.behind else { return Ok(None) };
     let thing = format!("`behind` of rudder `{}`", foreign(&spec.name));
-    let Some(at) = propellers.iter().position(|own| own.name == *name) else {
+    let Some(at) = propellers.iter().position(|propeller| propeller.name == *name) else {
         let found = format!("`{}`", foreign(name));
-        let known: Vec<&str> = propellers.iter().map(|own| own.name.as_str()).collect();
+        let known: Vec<&str> = propellers.iter().map(|propeller| propeller.name.as_str()).collect();
         let expected = match known.is_empty() {
             true => "a [[propeller]], of which there is none".to_owned(),
             false => format!("a propeller: {}", known.join(", ")),

@@ -28,8 +28,8 @@ impl Forces {
 /// Adds one force to another.
 #[inline(always)]
 fn add<X: Real>(sum: &mut [X; 3], more: [X; 3]) {
-    for (own, more) in sum.iter_mut().zip(more) {
-        *own += more;
+    for (total, more) in sum.iter_mut().zip(more) {
+        *total += more;
     }
 }
 
@@ -52,16 +52,16 @@ impl<'f, X: Real> Body<'f, X> {
             length: forces.prime.length,
         };
         let mut sum = [X::ZERO; 3];
-        for (own, terms) in sum.iter_mut().zip(&forces.terms) {
+        for (total, terms) in sum.iter_mut().zip(&forces.terms) {
             for term in terms {
-                *own += term.value(numbers, &around.motion, channel);
+                *total += term.value(numbers, &around.motion, channel);
             }
         }
         // Of the few propellers of a ship; a rudder further back than the fourth is rare, and computes its wash again.
         let mut washes: [Option<Wash<X>>; 4] = [None; 4];
         for (i, propeller) in forces.propellers.iter().enumerate() {
-            let (own, wash) = propeller.forces(numbers, &around);
-            add(&mut sum, own);
+            let (thrust, wash) = propeller.forces(numbers, &around);
+            add(&mut sum, thrust);
             if let Some(to) = washes.get_mut(i) {
                 *to = Some(wash);
             }
@@ -137,7 +137,7 @@ impl<'f, X: Real> Body<'f, X> {
     #[inline(always)]
     fn between(&self, channel: usize, [begin, end]: [X; 2], share: f64) -> X {
         let mut change = end - begin;
-        if let Some((_, half)) = self.forces.turning.iter().find(|(own, _)| *own == channel) {
+        if let Some((_, half)) = self.forces.turning.iter().find(|(input, _)| *input == channel) {
             let half = X::from(*half);
             change = (change - half).if_positive(change - half - half, change);
             change = (change + half).if_positive(change, change + half + half);
@@ -189,29 +189,29 @@ impl Forces {
     /// does not fit, division by what can be 0; a free mass without a prior; a ship that her nominal masses cannot be.
     pub fn new(description: &Description, channels: &[Channel]) -> Result<Self, Invalid> {
         check_counts(description)?;
-        let step = description.step_s.map(|own| ("step_s", own));
-        check_numbers(step, "a step above 0 s", |own| own > 0.0)?;
+        let step = description.step_s.map(|step_s| ("step_s", step_s));
+        check_numbers(step, "a step above 0 s", |step| step > 0.0)?;
         let prime = Prime::new(description.density_kg_m3, &description.ship)?;
         let mut builder = Builder::default();
-        let own = &mut builder;
+        let reading = &mut builder;
         let mut terms = [Vec::new(), Vec::new(), Vec::new()];
         for (d, specs) in description.terms().into_iter().enumerate() {
             for spec in specs {
-                terms[d].push(Term::new(spec, d, channels, &prime, own)?);
+                terms[d].push(Term::new(spec, d, channels, &prime, reading)?);
             }
         }
-        let mass = Mass::new(&description.ship, &prime, own)?;
+        let mass = Mass::new(&description.ship, &prime, reading)?;
         let mut propellers: Vec<Propeller> = Vec::new();
         for spec in &description.propeller {
-            propellers.push(Propeller::new(spec, channels, &prime, own)?);
+            propellers.push(Propeller::new(spec, channels, &prime, reading)?);
         }
-        let rudder = |spec| Rudder::new(spec, &propellers, channels, &prime, own);
+        let rudder = |spec| Rudder::new(spec, &propellers, channels, &prime, reading);
         let rudders = description.rudder.iter().map(rudder).collect::<Result<Vec<_>, _>>()?;
-        let thruster = |spec| Thruster::new(spec, channels, &prime, own);
+        let thruster = |spec| Thruster::new(spec, channels, &prime, reading);
         let thrusters = description.thruster.iter().map(thruster).collect::<Result<Vec<_>, _>>()?;
-        let wind = |spec| Wind::new(spec, channels, &prime, own);
+        let wind = |spec| Wind::new(spec, channels, &prime, reading);
         let winds = description.wind.iter().map(wind).collect::<Result<Vec<_>, _>>()?;
-        let crossflow = |spec| Crossflow::new(spec, &prime, own);
+        let crossflow = |spec| Crossflow::new(spec, &prime, reading);
         let crossflows = description.crossflow.iter().map(crossflow).collect::<Result<Vec<_>, _>>()?;
         let turning =
             thrusters.iter().filter_map(Thruster::turning).chain(winds.iter().map(Wind::turning)).collect();
@@ -285,27 +285,27 @@ impl Forces {
 
     /// θ before any estimate.
     pub fn nominal(&self) -> Vec<f64> {
-        self.parameters().iter().map(|own| own.nominal).collect()
+        self.parameters().iter().map(|parameter| parameter.nominal).collect()
     }
 
     /// The channels that thrusters follow with a lag, and these lags \[s\] with parameters `theta`.
     pub fn lags(&self, theta: &[f64]) -> Vec<(usize, f64)> {
         let numbers = self.numbers.with(theta);
-        let lag = |own: &Thruster| own.delay.map(|[lag, _]| (own.input(), lag.of(&numbers)));
+        let lag = |thruster: &Thruster| thruster.delay.map(|[lag, _]| (thruster.input(), lag.of(&numbers)));
         self.thrusters.iter().filter_map(lag).filter(|(_, lag)| *lag > 0.0).collect()
     }
 
     /// Whether, with parameters `theta`, a thruster begins to follow its input only after some time.
     pub fn has_dead_time(&self, theta: &[f64]) -> bool {
         let numbers = self.numbers.with(theta);
-        let late = |own: &Thruster| own.delay.is_some_and(|[_, dead]| dead.of(&numbers) > 0.0);
+        let late = |thruster: &Thruster| thruster.delay.is_some_and(|[_, dead]| dead.of(&numbers) > 0.0);
         self.thrusters.iter().any(late)
     }
 
     /// Whether a channel drives a propeller whose thrust law holds ahead only.
     pub fn is_ahead_only(&self, channel: usize) -> bool {
-        let mut driven = self.propellers.iter().filter(|own| own.revolutions.channel == channel);
-        driven.any(|own| !own.is_reversed())
+        let mut driven = self.propellers.iter().filter(|propeller| propeller.revolutions.channel == channel);
+        driven.any(|propeller| !propeller.is_reversed())
     }
 
     /// As written.
@@ -364,7 +364,7 @@ impl<X: Real> Body<'_, X> {
             let channel = thruster.input();
             let commanded: Vec<X> = inputs.chunks_exact(width).map(|row| row[channel].into()).collect();
             let followed = late(&commanded, dead, lag, sample_s);
-            rows.chunks_exact_mut(width).zip(followed).for_each(|(row, own)| row[channel] = own);
+            rows.chunks_exact_mut(width).zip(followed).for_each(|(row, value)| row[channel] = value);
         }
         rows
     }
@@ -429,14 +429,14 @@ impl Forces {
     pub fn lateral_sums(&self, drift: f64) -> Vec<LateralSum> {
         let orders = [1, 2].into_iter().flat_map(|degree| (1..=3).map(move |order| (degree, order)));
         let all = orders.map(|(degree, order)| self.lateral_sum(degree, order, drift));
-        all.filter(|own| own.weights.iter().filter(|weight| **weight != 0.0).count() > 1).collect()
+        all.filter(|sum| sum.weights.iter().filter(|weight| **weight != 0.0).count() > 1).collect()
     }
 
     fn lateral_sum(&self, degree: usize, order: u32, drift: f64) -> LateralSum {
         let of = |theta: &[f64]| -> f64 {
             let numbers = self.numbers.with(theta);
-            let terms = self.terms[degree].iter().filter_map(|own| own.lateral(&numbers, drift));
-            terms.filter(|own| own.0 == order).map(|own| own.1).sum()
+            let terms = self.terms[degree].iter().filter_map(|term| term.lateral(&numbers, drift));
+            terms.filter(|pair| pair.0 == order).map(|pair| pair.1).sum()
         };
         let count = self.parameters().len();
         let known = of(&vec![0.0; count]);

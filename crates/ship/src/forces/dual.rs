@@ -19,17 +19,17 @@ impl<X: Real, const N: usize> Dual<X, N> {
 
     /// Unknown `i` itself; a constant where there are not so many.
     pub fn unknown(value: X, i: usize) -> Self {
-        let mut own = Self::constant(value);
-        if let Some(tangent) = own.tangents.get_mut(i) {
+        let mut unknown = Self::constant(value);
+        if let Some(tangent) = unknown.tangents.get_mut(i) {
             *tangent = X::ONE;
         }
-        own
+        unknown
     }
 
     /// A function of this number with that `value` and that `slope`.
     #[inline(always)]
     fn chain(self, value: X, slope: X) -> Self {
-        Self { value, tangents: self.tangents.map(|own| slope * own) }
+        Self { value, tangents: self.tangents.map(|tangent| slope * tangent) }
     }
 
     /// A function of two numbers with that `value` and those slopes.
@@ -95,10 +95,10 @@ impl<X: Real, const N: usize> Arithmetic for Dual<X, N> {
         self.value.at(place)
     }
     #[inline(always)]
-    fn change<const M: usize>(own: &mut [Self; M], f: impl Fn(X::Place, [f64; M]) -> [f64; M]) {
-        let mut values = own.map(|own| own.value);
+    fn change<const M: usize>(numbers: &mut [Self; M], f: impl Fn(X::Place, [f64; M]) -> [f64; M]) {
+        let mut values = numbers.map(|number| number.value);
         X::change(&mut values, f);
-        *own = values.map(Self::constant);
+        *numbers = values.map(Self::constant);
     }
 }
 

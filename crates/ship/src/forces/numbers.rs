@@ -114,7 +114,7 @@ impl Entry {
             ));
         }
         let [low, high] = self.measured.range;
-        let outside = |own: &&f64| !(low..=high).contains(&(**own * self.scale()));
+        let outside = |end: &&f64| !(low..=high).contains(&(**end * self.scale()));
         if let Some(number) = [nominal, prime, value].into_iter().flatten().find(outside) {
             let expected = match (low, high) {
                 (f64::MIN_POSITIVE, _) => "a number above 0".to_owned(),
@@ -122,7 +122,7 @@ impl Entry {
             };
             return Err(self.refused(number.to_string(), expected, "correct it"));
         }
-        let constrained = [*fixed, tied_to.is_some()].into_iter().filter(|own| *own).count();
+        let constrained = [*fixed, tied_to.is_some()].into_iter().filter(|is_set| *is_set).count();
         if constrained > 1 || (constrained == 1 && (prior.is_some() || bounds.is_some())) {
             let found = "`fixed` or `tied_to` with `prior`, `bounds` or each other";
             return Err(self.refused(found, "one of them", "remove the others"));
@@ -152,7 +152,7 @@ impl Entry {
                 Err(self.refused(found, "a lower and a higher bound", "swap or correct them"))
             }
             (Some(bounds), Some(number))
-                if ![Some(number), *value].into_iter().flatten().all(|own| inside(own, *bounds)) =>
+                if ![Some(number), *value].into_iter().flatten().all(|known| inside(known, *bounds)) =>
             {
                 let found = format!("{number} beyond its `bounds` [{}, {}]", bounds[0], bounds[1]);
                 Err(self.refused(found, "numbers within the bounds", "correct one of them"))
@@ -191,10 +191,10 @@ impl Builder {
     ) -> Result<At, Invalid> {
         let (spec, known) = match number {
             Some(Number::Table(spec)) => (spec.clone(), false),
-            Some(Number::Plain(own)) if measured.plain_prime => {
-                (NumberSpec { prime: Some(*own), ..NumberSpec::default() }, true)
+            Some(Number::Plain(plain)) if measured.plain_prime => {
+                (NumberSpec { prime: Some(*plain), ..NumberSpec::default() }, true)
             }
-            Some(Number::Plain(own)) => (NumberSpec { nominal: Some(*own), ..NumberSpec::default() }, true),
+            Some(Number::Plain(plain)) => (NumberSpec { nominal: Some(*plain), ..NumberSpec::default() }, true),
             None => (NumberSpec { nominal: Some(default), ..NumberSpec::default() }, true),
         };
         self.add(Entry { name: format!("{owner}.{key}"), spec, measured, known, stated: number.is_some() })
@@ -210,7 +210,7 @@ impl Builder {
     }
 
     fn add(&mut self, entry: Entry) -> Result<At, Invalid> {
-        if self.entries.iter().any(|own| own.name == entry.name) {
+        if self.entries.iter().any(|other| other.name == entry.name) {
             return Err(entry.refused("the same name twice", "one number of a name", "rename one of them"));
         }
         entry.check()?;
@@ -245,13 +245,13 @@ impl Builder {
 
     /// A number that is tied: both are in the system of the other, so that prime numbers are tied to prime numbers.
     fn tied(&self, entry: &Entry, to: &str, parameters: &[Parameter]) -> Result<Slot, Invalid> {
-        let Some(at) = parameters.iter().position(|own| own.name == to) else {
-            let known = parameters.iter().map(|own| own.name.as_str());
+        let Some(at) = parameters.iter().position(|parameter| parameter.name == to) else {
+            let known = parameters.iter().map(|parameter| parameter.name.as_str());
             let unknown = Invalid::unknown(format!("`{}`: tied_to", foreign(&entry.name)), to, known);
             return Err(Invalid { expected: format!("a free parameter: {}", unknown.expected), ..unknown });
         };
-        let other = self.entries.iter().find(|own| own.name == to);
-        let prime = other.is_some_and(|own| own.spec.prime.is_some());
+        let other = self.entries.iter().find(|entry| entry.name == to);
+        let prime = other.is_some_and(|entry| entry.spec.prime.is_some());
         let scale = match (prime, entry.measured.prime) {
             (true, Some(scale)) => scale,
             (true, None) => {
@@ -276,7 +276,7 @@ fn parameter(entry: &Entry) -> Parameter {
         nominal: entry.written().unwrap_or_default(),
         value: entry.spec.value,
         prior: entry.spec.prior,
-        bounds: entry.spec.bounds.unwrap_or(entry.measured.range.map(|own| own / entry.scale())),
+        bounds: entry.spec.bounds.unwrap_or(entry.measured.range.map(|end| end / entry.scale())),
         scale: entry.scale(),
         si_unit: entry.measured.unit.clone(),
         prime: entry.measured.prime,
@@ -449,17 +449,17 @@ pub(crate) fn driven(
     name: &str,
     units: &Units,
 ) -> Result<Driven, Invalid> {
-    let Some(channel) = channels.iter().position(|own| own.name == name) else {
-        let known = channels.iter().map(|own| own.name.as_str());
+    let Some(channel) = channels.iter().position(|channel| channel.name == name) else {
+        let known = channels.iter().map(|channel| channel.name.as_str());
         return Err(Invalid::unknown(format!("`{key}` of `{}`", foreign(owner)), name, known));
     };
     let unit = channels[channel].unit.as_str();
     if units.is_empty() {
         return Ok(Driven { channel, factor: 1.0 });
     }
-    let factor = units.iter().find(|(own, _)| *own == unit).map(|(_, factor)| *factor);
+    let factor = units.iter().find(|(known, _)| *known == unit).map(|(_, factor)| *factor);
     let factor = factor.ok_or_else(|| {
-        let expected: Vec<&str> = units.iter().map(|(own, _)| *own).collect();
+        let expected: Vec<&str> = units.iter().map(|(known, _)| *known).collect();
         let found = format!("channel `{}` in `{}`", foreign(name), foreign(unit));
         let thing = format!("`{key}` of `{}`", foreign(owner));
         Invalid::new(thing, found, expected.join(", "), "state the channel in one of these units")

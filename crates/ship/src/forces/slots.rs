@@ -51,13 +51,13 @@ impl Place<'_> {
             Self::Term(TermSpec { nominal, prime, value, prior, bounds, tied_to, factor, .. }) => {
                 Parts { numbers: [nominal, prime], value, prior, bounds, tied_to, factor }
             }
-            Self::Component(Number::Table(own)) => Parts {
-                numbers: [&mut own.nominal, &mut own.prime],
-                value: &mut own.value,
-                prior: &mut own.prior,
-                bounds: &mut own.bounds,
-                tied_to: &own.tied_to,
-                factor: &mut own.factor,
+            Self::Component(Number::Table(table)) => Parts {
+                numbers: [&mut table.nominal, &mut table.prime],
+                value: &mut table.value,
+                prior: &mut table.prior,
+                bounds: &mut table.bounds,
+                tied_to: &table.tied_to,
+                factor: &mut table.factor,
             },
             Self::Component(Number::Plain(_)) => return None,
         })
@@ -75,7 +75,7 @@ pub(crate) fn slots<'a>(
     let Description {
         density_kg_m3: _,
         step_s: _,
-        ship: own,
+        ship: ship,
         surge,
         sway,
         yaw,
@@ -97,7 +97,7 @@ pub(crate) fn slots<'a>(
             });
         }
     }
-    walk.ship(own);
+    walk.ship(ship);
     propellers.iter_mut().for_each(|propeller| walk.propeller(propeller));
     rudders.iter_mut().for_each(|rudder| walk.rudder(rudder));
     thrusters.iter_mut().for_each(|thruster| walk.thruster(thruster));
@@ -109,16 +109,16 @@ pub(crate) fn slots<'a>(
 /// What the number of a term of the equation of degree of freedom `d` is made of.
 fn of_term(spec: &TermSpec, d: usize, channels: &[Channel]) -> Result<Result<Dimension, String>, Invalid> {
     let mut sum = Dimension::FORCE.times(Dimension::length(1), i32::from(d == 2));
-    for own in factors(spec, channels)? {
-        let dimension = match own.channel() {
-            None if own.is_yaw_rate() => Dimension::RATE,
+    for factor in factors(spec, channels)? {
+        let dimension = match factor.channel() {
+            None if factor.is_yaw_rate() => Dimension::RATE,
             None => Dimension::SPEED,
             Some(channel) => match Dimension::of_unit(&channels[channel].unit) {
                 Some(dimension) => dimension,
                 None => return Ok(Err(channels[channel].unit.clone())),
             },
         };
-        sum = sum.times(dimension, -own.power());
+        sum = sum.times(dimension, -factor.power());
     }
     Ok(Ok(sum))
 }
@@ -241,7 +241,7 @@ impl<'a> Walk<'a, '_> {
         self.maybe(name, "reversed_flow", reversed_flow, Dimension::NONE);
     }
 
-    fn thruster(&mut self, own: &'a mut ThrusterSpec) {
+    fn thruster(&mut self, thruster_spec: &'a mut ThrusterSpec) {
         let ThrusterSpec {
             name,
             input,
@@ -255,8 +255,8 @@ impl<'a> Walk<'a, '_> {
             loss,
             lag_s,
             dead_time_s,
-        } = own;
-        let unit = self.channels.iter().find(|own| own.name == *input).map_or("", |own| own.unit.as_str());
+        } = thruster_spec;
+        let unit = self.channels.iter().find(|channel| channel.name == *input).map_or("", |channel| channel.unit.as_str());
         let unit = Dimension::of_unit(unit).ok_or_else(|| unit.to_owned());
         let over = |power: i32, speeds: i32| {
             unit.clone().map(|unit| Dimension::FORCE.times(unit, -power).times(Dimension::SPEED, -speeds))
@@ -268,14 +268,14 @@ impl<'a> Walk<'a, '_> {
         self.add(name, "x_m", x_m, Dimension::length(1));
         self.maybe(name, "y_m", y_m, Dimension::length(1));
         self.maybe(name, "angle_deg", angle_deg, Dimension::NONE);
-        if let Some(own) = ahead {
-            self.put(name, "ahead", own, coefficient.clone());
+        if let Some(number) = ahead {
+            self.put(name, "ahead", number, coefficient.clone());
         }
-        if let Some(own) = astern {
-            self.put(name, "astern", own, coefficient);
+        if let Some(number) = astern {
+            self.put(name, "astern", number, coefficient);
         }
-        if let Some(own) = loss {
-            self.put(name, "loss", own, over(1, 1));
+        if let Some(number) = loss {
+            self.put(name, "loss", number, over(1, 1));
         }
         self.maybe(name, "lag_s", lag_s, Dimension::TIME);
         self.maybe(name, "dead_time_s", dead_time_s, Dimension::TIME);
@@ -366,7 +366,7 @@ impl Dimension {
 
     /// That of a unit, if it is known.
     pub fn of_unit(unit: &str) -> Option<Self> {
-        UNITS.iter().find(|(units, _)| units.contains(&unit)).map(|(_, own)| *own)
+        UNITS.iter().find(|(units, _)| units.contains(&unit)).map(|(_, dimension)| *dimension)
     }
 
     /// This, times the `power`th power of another.

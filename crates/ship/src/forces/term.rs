@@ -129,12 +129,12 @@ impl Term {
     pub fn value<X: Real>(&self, numbers: &[X], motion: &Motion<X>, channel: &impl Fn(usize) -> X) -> X {
         let mut product = self.parameter.of(numbers);
         for factor in &self.factors {
-            let own = match motion.get(factor.variable) {
-                Some(own) => *own,
+            let variable = match motion.get(factor.variable) {
+                Some(value) => *value,
                 None => channel(factor.variable - MOTION.len()),
             };
-            let own = if factor.modulus { own.modulus() } else { own };
-            product = if factor.divides { product.over(own) } else { product * own };
+            let variable = if factor.modulus { variable.modulus() } else { variable };
+            product = if factor.divides { product.over(variable) } else { product * variable };
         }
         product
     }
@@ -239,8 +239,8 @@ impl Parser<'_> {
     }
 
     fn variable(&self, name: &str) -> Result<usize, Invalid> {
-        let known = || MOTION.into_iter().chain(self.channels.iter().map(|own| own.name.as_str()));
-        match known().position(|own| own == name) {
+        let known = || MOTION.into_iter().chain(self.channels.iter().map(|channel| channel.name.as_str()));
+        match known().position(|known| known == name) {
             Some(variable) => Ok(variable),
             None if name.is_empty() => Err(self.malformed("a character that begins no name")),
             None => {
@@ -259,8 +259,8 @@ impl Parser<'_> {
         if MOTION.get(variable) == Some(&"U") {
             return Ok(());
         }
-        let own = variable.checked_sub(MOTION.len()).and_then(|channel| self.channels.get(channel));
-        if own.and_then(|own| own.range).is_some_and(|[low, high]| low > 0.0 || high < 0.0) {
+        let channel = variable.checked_sub(MOTION.len()).and_then(|channel| self.channels.get(channel));
+        if channel.and_then(|channel| channel.range).is_some_and(|[low, high]| low > 0.0 || high < 0.0) {
             return Ok(());
         }
         let found = format!("a division by `{name}`, which can be 0");
@@ -378,8 +378,8 @@ impl Wind {
                 let thing = format!("`{key}` of wind `{name}`");
                 return Err(Invalid::new(thing, found, format!("at most {MOST}"), "remove the others"));
             }
-            let one = |(i, own)| {
-                builder.number(name, &format!("{key}.{}", i + 1), Some(own), 0.0, Measured::pure())
+            let one = |(i, number)| {
+                builder.number(name, &format!("{key}.{}", i + 1), Some(number), 0.0, Measured::pure())
             };
             numbers.iter().enumerate().map(one).collect::<Result<Vec<_>, _>>()
         };
@@ -412,13 +412,13 @@ impl Wind {
         let mut sums = [X::ZERO; 3];
         for k in 0..most {
             let (sine, cosine) = direction.times((k + 1) as f64).sine_and_cosine();
-            for (sum, (own, part)) in sums.iter_mut().zip(self.harmonics.iter().zip([cosine, sine, sine])) {
-                if let Some(coefficient) = own.get(k) {
+            for (sum, (series, part)) in sums.iter_mut().zip(self.harmonics.iter().zip([cosine, sine, sine])) {
+                if let Some(coefficient) = series.get(k) {
                     *sum += coefficient.of(numbers) * part;
                 }
             }
         }
-        let [frontal, lateral] = self.areas.map(|own| own.of(numbers) * pressure);
+        let [frontal, lateral] = self.areas.map(|area| area.of(numbers) * pressure);
         [frontal * sums[0], lateral * sums[1], lateral * sums[2].times(around.length)]
     }
 }

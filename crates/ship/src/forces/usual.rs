@@ -62,7 +62,7 @@ impl Description {
     /// What [`Forces::new`] refuses; a number of 0 for which nothing is usual.
     pub fn with_usual_priors(&self, channels: &[Channel]) -> Result<(Self, Vec<String>), Invalid> {
         let forces = Forces::new(self, channels)?;
-        let without = forces.parameters().iter().filter(|own| own.prior.is_none());
+        let without = forces.parameters().iter().filter(|parameter| parameter.prior.is_none());
         let all = without.map(|without| Ok((without.name.clone(), self.usual(without, channels)?)));
         let all: Vec<(String, f64)> = all.collect::<Result<_, Invalid>>()?;
         let with_priors = self.with_priors(&all, channels)?;
@@ -74,9 +74,9 @@ impl Description {
     /// # Errors
     /// A term that is none.
     pub fn with_priors(&self, deviations: &[(String, f64)], channels: &[Channel]) -> Result<Self, Invalid> {
-        self.changed(channels, |name, own| {
+        self.changed(channels, |name, number| {
             if let Some((_, deviation)) = deviations.iter().find(|known| known.0 == name) {
-                own.prior = Some(*deviation);
+                number.prior = Some(*deviation);
             }
         })
     }
@@ -92,31 +92,31 @@ impl Description {
     ) -> Result<Self, Invalid> {
         let mut ship = self.clone();
         for slot in &mut slots(&mut ship, channels)? {
-            let Some(own) = slot.place.parts() else { continue };
-            let [nominal, prime] = own.numbers;
+            let Some(parts) = slot.place.parts() else { continue };
+            let [nominal, prime] = parts.numbers;
             let mut number = NumberSpec {
                 nominal: *nominal,
                 prime: *prime,
-                value: *own.value,
-                prior: *own.prior,
-                bounds: *own.bounds,
-                tied_to: own.tied_to.clone(),
-                factor: *own.factor,
+                value: *parts.value,
+                prior: *parts.prior,
+                bounds: *parts.bounds,
+                tied_to: parts.tied_to.clone(),
+                factor: *parts.factor,
                 fixed: false,
             };
             change(&slot.name, &mut number);
-            (*nominal, *prime, *own.value) = (number.nominal, number.prime, number.value);
-            (*own.prior, *own.bounds, *own.factor) = (number.prior, number.bounds, number.factor);
+            (*nominal, *prime, *parts.value) = (number.nominal, number.prime, number.value);
+            (*parts.prior, *parts.bounds, *parts.factor) = (number.prior, number.bounds, number.factor);
         }
         Ok(ship)
     }
 
     /// The usual standard deviation of a number, in the system that it is written in.
-    fn usual(&self, own: &Parameter, channels: &[Channel]) -> Result<f64, Invalid> {
+    fn usual(&self, parameter: &Parameter, channels: &[Channel]) -> Result<f64, Invalid> {
         let terms = [&self.surge, &self.sway, &self.yaw];
-        let written = |terms: &[TermSpec]| terms.iter().position(|spec| spec.parameter == own.name);
+        let written = |terms: &[TermSpec]| terms.iter().position(|spec| spec.parameter == parameter.name);
         let place = terms.iter().enumerate().find_map(|(d, terms)| Some((d, &terms[written(terms)?])));
-        let share = SHARE * own.nominal.abs();
+        let share = SHARE * parameter.nominal.abs();
         let found = match place {
             Some((d, spec)) => {
                 // By ½ρL², where the ship's forces are, numbers are smaller.
@@ -124,27 +124,27 @@ impl Description {
                     Some(Area::LengthSquared) => self.ship.draught_m / self.ship.length_m,
                     _ => 1.0,
                 };
-                let one = area * own.prime.unwrap_or(own.scale) / own.scale;
+                let one = area * parameter.prime.unwrap_or(parameter.scale) / parameter.scale;
                 let least = DERIVATIVES[d][0].1 * one;
                 derivative(spec, d, channels)?.map_or(share.max(least), |deviation| deviation * one)
             }
             None => {
                 let all = of_component(self).into_iter();
-                let own = all.filter(|(owner, key, _)| own.name == format!("{owner}.{key}"));
-                own.map(|own| own.2).next().unwrap_or(share)
+                let usual = all.filter(|(owner, key, _)| parameter.name == format!("{owner}.{key}"));
+                usual.map(|number| number.2).next().unwrap_or(share)
             }
         };
         if found > 0.0 {
             return Ok(found);
         }
         let expected = "a `prior`: no standard deviation of such a number is usual";
-        Err(Invalid::new(format!("`{}`", foreign(&own.name)), "0 without a `prior`", expected, "add one"))
+        Err(Invalid::new(format!("`{}`", foreign(&parameter.name)), "0 without a `prior`", expected, "add one"))
     }
 }
 
 /// That of a derivative in the prime system; none where nothing is usual, as for products with `du` or a channel.
 fn derivative(spec: &TermSpec, d: usize, channels: &[Channel]) -> Result<Option<f64>, Invalid> {
-    Ok(powers(&factors(spec, channels)?).and_then(|own| of_powers(d, own)))
+    Ok(powers(&factors(spec, channels)?).and_then(|found_powers| of_powers(d, found_powers)))
 }
 
 /// The powers of v and r of a product; none for products with `du` or a channel, or with a division by v or r.
@@ -163,15 +163,15 @@ pub(crate) fn powers(factors: &[Factor]) -> Option<[usize; 2]> {
 
 /// The usual standard deviation of a derivative by powers of v and r, in the prime system.
 pub(crate) fn of_powers(d: usize, powers: [usize; 2]) -> Option<f64> {
-    DERIVATIVES[d].iter().find(|own| own.0 == powers).map(|own| own.1)
+    DERIVATIVES[d].iter().find(|known| known.0 == powers).map(|known| known.1)
 }
 
 /// The names and keys of the numbers of propellers and rudders that have a usual standard deviation, with it.
 pub(crate) fn of_component(ship: &Description) -> Vec<(&str, &'static str, f64)> {
-    let rudders = ship.rudder.iter().map(|own| (own.name.as_str(), RUDDER_DEDUCTION));
-    let propellers = ship.propeller.iter().map(|own| (own.name.as_str(), COMPONENTS[1].1));
+    let rudders = ship.rudder.iter().map(|rudder| (rudder.name.as_str(), RUDDER_DEDUCTION));
+    let propellers = ship.propeller.iter().map(|propeller| (propeller.name.as_str(), COMPONENTS[1].1));
     let of = |(name, deduction)| {
-        COMPONENTS.map(|(key, own)| (name, key, if key == "deduction" { deduction } else { own }))
+        COMPONENTS.map(|(key, usual)| (name, key, if key == "deduction" { deduction } else { usual }))
     };
     rudders.chain(propellers).flat_map(of).collect()
 }
@@ -224,12 +224,12 @@ impl Similarity {
 
     /// A number of this unit, for the similar ship; none where no rule scales the unit.
     pub fn in_unit(&self, number: f64, unit: &str) -> Option<f64> {
-        Dimension::of_unit(unit).map(|own| self.scaled(number, own))
+        Dimension::of_unit(unit).map(|dimension| self.scaled(number, dimension))
     }
 
     /// A change per second of this unit.
     pub fn per_second(&self, number: f64, unit: &str) -> Option<f64> {
-        Dimension::of_unit(unit).map(|own| self.scaled(number, own.times(Dimension::TIME, -1)))
+        Dimension::of_unit(unit).map(|dimension| self.scaled(number, dimension.times(Dimension::TIME, -1)))
     }
 
     /// A length \[m\].
@@ -263,24 +263,24 @@ impl Description {
     /// # Errors
     /// A number in SI units that depends on a channel whose unit no rule scales; a term that is none.
     pub fn similar(&self, by: &Similarity, channels: &[Channel]) -> Result<Self, Invalid> {
-        let mut own = self.clone();
-        own.density_kg_m3 = by.density_kg_m3;
-        own.step_s = own.step_s.map(|step| by.seconds(step));
-        own.ship.length_m = by.length_m;
-        own.ship.draught_m = by.metres(own.ship.draught_m);
-        own.ship.speed_m_s = by.scaled(own.ship.speed_m_s, Dimension::SPEED);
-        let mut all = slots(&mut own, channels)?;
+        let mut ship = self.clone();
+        ship.density_kg_m3 = by.density_kg_m3;
+        ship.step_s = ship.step_s.map(|step| by.seconds(step));
+        ship.ship.length_m = by.length_m;
+        ship.ship.draught_m = by.metres(ship.ship.draught_m);
+        ship.ship.speed_m_s = by.scaled(ship.ship.speed_m_s, Dimension::SPEED);
+        let mut all = slots(&mut ship, channels)?;
         let known: Vec<Tied> = all.iter_mut().map(tied).collect();
         for slot in &mut all {
             by.apply(slot, &known)?;
         }
         drop(all);
-        Ok(own)
+        Ok(ship)
     }
 }
 
 fn tied(slot: &mut Slot) -> Tied {
-    let prime = slot.place.parts().is_some_and(|own| own.numbers[1].is_some());
+    let prime = slot.place.parts().is_some_and(|parts| parts.numbers[1].is_some());
     (slot.name.clone(), prime, slot.dimension.clone().ok())
 }
 
@@ -293,9 +293,9 @@ impl Similarity {
             let remedy = "state the channel in such a unit, or write the number as `prime`";
             Invalid::new(format!("`{}`", foreign(&slot.name)), found, expected, remedy)
         };
-        if let Place::Component(Number::Plain(own)) = &mut slot.place {
-            if !slot.plain_prime && *own != 0.0 {
-                *own = self.scaled(*own, dimension.map_err(|unit| unscaled(&unit))?);
+        if let Place::Component(Number::Plain(plain)) = &mut slot.place {
+            if !slot.plain_prime && *plain != 0.0 {
+                *plain = self.scaled(*plain, dimension.map_err(|unit| unscaled(&unit))?);
             }
             return Ok(());
         }
@@ -304,16 +304,16 @@ impl Similarity {
             return Ok(());
         }
         if let Some(to) = parts.tied_to {
-            let Some((_, false, other)) = known.iter().find(|own| own.0 == *to) else { return Ok(()) };
-            let (Ok(own), Some(other)) = (dimension, *other) else { return Ok(()) };
-            *parts.factor = Some(self.scaled(parts.factor.unwrap_or(1.0), own.times(other, -1)))
+            let Some((_, false, other)) = known.iter().find(|tied| tied.0 == *to) else { return Ok(()) };
+            let (Ok(own_dimension), Some(other)) = (dimension, *other) else { return Ok(()) };
+            *parts.factor = Some(self.scaled(parts.factor.unwrap_or(1.0), own_dimension.times(other, -1)))
                 .filter(|factor| *factor != 1.0);
             return Ok(());
         }
         let dimension = dimension.map_err(|unit| unscaled(&unit))?;
         let [nominal, _] = parts.numbers;
-        for own in [nominal, parts.value, parts.prior].into_iter().flatten() {
-            *own = self.scaled(*own, dimension);
+        for number in [nominal, parts.value, parts.prior].into_iter().flatten() {
+            *number = self.scaled(*number, dimension);
         }
         for end in parts.bounds.iter_mut().flatten() {
             *end = self.scaled(*end, dimension);

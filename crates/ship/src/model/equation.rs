@@ -35,8 +35,8 @@ enum Role {
 impl<'a> Equation<'a> {
     /// `specs` are those of `degree` with their terms, `all` those of the vessel.
     pub fn new(degree: DegreeOfFreedom, specs: Vec<(&'a TermSpec, Term)>, all: &[&'a TermSpec]) -> Self {
-        let own = |name: &str| specs.iter().any(|(spec, _)| spec.parameter == name);
-        let others = all.iter().map(|spec| spec.parameter.as_str()).filter(|name| !own(name)).collect();
+        let is_of_degree = |name: &str| specs.iter().any(|(spec, _)| spec.parameter == name);
+        let others = all.iter().map(|spec| spec.parameter.as_str()).filter(|name| !is_of_degree(name)).collect();
         Self { degree, specs, others }
     }
 
@@ -51,14 +51,14 @@ impl<'a> Equation<'a> {
         let (mut degree, mut places) = (Degree::default(), BTreeMap::new());
         let (mut value, mut nominal) = (Vec::new(), Vec::new());
         for (i, ((spec, term), role)) in self.specs.iter().zip(&roles).enumerate() {
-            if let Role::Estimated { nominal: own, bounds } = role {
+            if let Role::Estimated { nominal: number, bounds } = role {
                 let place = degree.terms.len();
                 places.insert(i, place);
                 degree.parameters.push(spec.parameter.clone());
                 degree.terms.push(term.clone());
                 degree.bounds.extend(bounds.map(|bounds| (place, bounds)));
                 value.push(spec.value);
-                nominal.push(*own);
+                nominal.push(*number);
             }
         }
         if degree.terms.is_empty() {
@@ -143,16 +143,16 @@ impl<'a> Equation<'a> {
         }
         let (mut at, mut factor, mut seen) = (i, 1.0, vec![i]);
         while let (here, Some(next)) = (self.specs[at].0, &self.specs[at].0.tied_to) {
-            let own = here.factor.unwrap_or(1.0);
-            if !own.is_finite() || own == 0.0 {
+            let ratio = here.factor.unwrap_or(1.0);
+            if !ratio.is_finite() || ratio == 0.0 {
                 return Err(refused(
                     here,
-                    &format!("`factor` {own}"),
+                    &format!("`factor` {ratio}"),
                     "a finite number other than 0",
                     "correct it",
                 ));
             }
-            factor *= own;
+            factor *= ratio;
             let Some(place) = self.specs.iter().position(|(other, _)| other.parameter == *next) else {
                 return Err(self.unknown(here, next));
             };
@@ -180,13 +180,13 @@ impl<'a> Equation<'a> {
             );
         }
         let (target, _) = &self.specs[at];
-        for (what, own, other) in
+        for (what, number, other) in
             [("value", spec.value, target.value), ("nominal value", spec.nominal, target.nominal)]
         {
-            if let (Some(own), Some(other)) = (own, other)
-                && (own - factor * other).abs() > 1e-9 * own.abs()
+            if let (Some(number), Some(other)) = (number, other)
+                && (number - factor * other).abs() > 1e-9 * number.abs()
             {
-                let found = format!("a {what} of {own}, tied to `{}`", target.parameter);
+                let found = format!("a {what} of {number}, tied to `{}`", target.parameter);
                 return refuse(&found, &format!("{}", factor * other), "remove it: it follows from the tie");
             }
         }
@@ -203,11 +203,11 @@ impl<'a> Equation<'a> {
                 "tie parameters of one degree of freedom, or fix both",
             );
         }
-        let own = || {
-            self.specs.iter().map(|(other, _)| other.parameter.as_str()).filter(|own| *own != spec.parameter)
+        let others = || {
+            self.specs.iter().map(|(other, _)| other.parameter.as_str()).filter(|name| *name != spec.parameter)
         };
         let remedy =
-            nearest(name, own()).map_or("remove it".into(), |near| format!("did you mean `{near}`?"));
+            nearest(name, others()).map_or("remove it".into(), |near| format!("did you mean `{near}`?"));
         let expected = format!("a parameter of {}", self.degree.name());
         refused(spec, &format!("{found}, which no term has"), &expected, &remedy)
     }
@@ -317,12 +317,12 @@ impl Model {
     /// judged with these held.
     pub fn held_at_bounds(&self, parameters: &[f64]) -> (Self, Vec<f64>) {
         let (mut model, mut left, mut values) = (self.clone(), Vec::new(), parameters.iter());
-        for (degree, own) in model.degrees.iter_mut().zip(&self.degrees) {
+        for (degree, degree_terms) in model.degrees.iter_mut().zip(&self.degrees) {
             (degree.parameters, degree.terms) = (Vec::new(), Vec::new());
             degree.bounds.clear();
-            let each = own.parameters.iter().zip(&own.terms).zip(values.by_ref());
-            for (i, ((name, term), value)) in each.take(own.terms.len()).enumerate() {
-                if own.at_bound(i, *value) {
+            let each = degree_terms.parameters.iter().zip(&degree_terms.terms).zip(values.by_ref());
+            for (i, ((name, term), value)) in each.take(degree_terms.terms.len()).enumerate() {
+                if degree_terms.at_bound(i, *value) {
                     let mut known = |factors: &[Factor], coefficient: f64| {
                         degree.known.push(Product { coefficient, factors: factors.to_vec() });
                     };

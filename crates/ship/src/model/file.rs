@@ -105,7 +105,7 @@ impl Vessel {
         let inputs = file.input.len();
         let (constant, pace) = (file.constant, RateChange::Own);
         let model = Model { variables, inputs, simulated, derived, degrees, constant, forces, pace };
-        let own = Self {
+        let vessel = Self {
             name,
             sample_rate_hz: rate,
             model,
@@ -117,8 +117,8 @@ impl Vessel {
             motion: None,
             accepts_unusual: file.unusual.is_some() || file.fitted,
         };
-        own.check_rudders()?;
-        Ok(own)
+        vessel.check_rudders()?;
+        Ok(vessel)
     }
 
     /// One of the built-in vessels, by name.
@@ -175,8 +175,8 @@ impl Vessel {
     /// The parameters of degree of freedom `d` in the order of the file.
     pub fn written(&self, d: DegreeOfFreedom) -> Vec<Written<'_>> {
         let mut all: Vec<Written> = self.model.layout().degree(d as usize).map(Written::Estimated).collect();
-        for own in self.constrained.iter().filter(|own| own.degree == d) {
-            all.insert(own.place, Written::Constrained(own));
+        for parameter in self.constrained.iter().filter(|parameter| parameter.degree == d) {
+            all.insert(parameter.place, Written::Constrained(parameter));
         }
         all
     }
@@ -225,9 +225,9 @@ fn parts_per_sample(file: &VesselFile, variables: &[Variable]) -> Result<Parts, 
     let (all, mut terms) = (written.iter().flatten().collect::<Vec<_>>(), terms.into_iter());
     let mut parts = Parts::default();
     for d in DegreeOfFreedom::ALL {
-        let own = written[d as usize].iter().zip(terms.next().unwrap_or_default()).collect();
+        let specs = written[d as usize].iter().zip(terms.next().unwrap_or_default()).collect();
         let Reduced { degree, value, nominal, constrained } =
-            Equation::new(d, own, &all).reduced(parts.nominal.len())?;
+            Equation::new(d, specs, &all).reduced(parts.nominal.len())?;
         parts.degrees[d as usize] = degree;
         parts.value.extend(value);
         parts.nominal.extend(nominal);
@@ -291,7 +291,7 @@ fn variables(file: &VesselFile) -> Result<Vec<Variable>, Invalid> {
             check_name(format!("`unit` of channel `{}`", v.name), &v.unit)?;
         }
         let of_input = ["command_", "instrument_"].into_iter().find_map(|column| v.name.strip_prefix(column));
-        let of_input = of_input.is_some_and(|name| file.input.iter().any(|own| own.name == name));
+        let of_input = of_input.is_some_and(|name| file.input.iter().any(|input| input.name == name));
         let reserved = i >= 3 && (of_input || RESERVED.contains(&v.name.as_str()));
         let plain = v.name.chars().all(|c| c.is_alphanumeric() || c == '_') && !v.name.is_empty();
         if all[..i].iter().any(|w| w.name == v.name) || reserved || !plain {
@@ -414,17 +414,17 @@ impl Vessel {
             "deg" | "°" => HARD_OVER_DEG,
             _ => return None,
         };
-        let forces = self.model.forces.as_ref().map(|own| (&own.forces, own.forces.description()));
-        let drives = |(own, parts): &(&crate::forces::Forces, &crate::forces::Description)| {
-            (0..parts.rudder.len()).any(|k| own.rudder_input(k).0.channel == i)
+        let forces = self.model.forces.as_ref().map(|model| (&model.forces, model.forces.description()));
+        let drives = |(forces, parts): &(&crate::forces::Forces, &crate::forces::Description)| {
+            (0..parts.rudder.len()).any(|k| forces.rudder_input(k).0.channel == i)
         };
-        let turns = |(own, parts): &(&crate::forces::Forces, &crate::forces::Description)| {
+        let turns = |(forces, parts): &(&crate::forces::Forces, &crate::forces::Description)| {
             (0..parts.thruster.len())
-                .any(|k| own.thruster_inputs(k).1.is_some_and(|angle| angle.channel == i))
+                .any(|k| forces.thruster_inputs(k).1.is_some_and(|angle| angle.channel == i))
         };
         let name = input.name.to_lowercase();
         let is_called = !self.accepts_unusual && RUDDERS.iter().any(|rudder| name.starts_with(rudder));
-        let is_one = forces.is_some_and(|own| drives(&own) || (is_called && !turns(&own)));
+        let is_one = forces.is_some_and(|parts| drives(&parts) || (is_called && !turns(&parts)));
         (is_one || (forces.is_none() && is_called)).then_some(most * (1.0 + 1e-9))
     }
 
@@ -433,13 +433,13 @@ impl Vessel {
     /// # Errors
     /// Names the input.
     pub fn check_helm(&self, inputs: &[f64], what: impl Fn() -> String) -> Result<(), Invalid> {
-        let over = |(i, own): (usize, &f64)| {
-            self.hard_over(i).filter(|most| own.abs() > *most).map(|most| (i, *own, most))
+        let over = |(i, setting): (usize, &f64)| {
+            self.hard_over(i).filter(|most| setting.abs() > *most).map(|most| (i, *setting, most))
         };
-        let Some((i, own, most)) = inputs.iter().enumerate().find_map(over) else { return Ok(()) };
+        let Some((i, setting, most)) = inputs.iter().enumerate().find_map(over) else { return Ok(()) };
         let input = &self.model.input_variables()[i];
         let (name, unit) = (foreign(&input.name), foreign(&input.unit));
-        let found = format!("{name} = {own} {unit}");
+        let found = format!("{name} = {setting} {unit}");
         let expected = format!("a rudder angle of at most {most:.4} {unit}, {HARD_OVER_DEG}°");
         Err(Invalid::new(what(), found, expected, "give it in the unit of the input: 35° are 0.6109 rad"))
     }
@@ -447,7 +447,7 @@ impl Vessel {
     /// Refuses ranges of rudders beyond 90°.
     pub(crate) fn check_rudders(&self) -> Result<(), Invalid> {
         let ends =
-            [0, 1].map(|end| self.actuators.iter().map(move |own| own.range.map_or(0.0, |range| range[end])));
+            [0, 1].map(|end| self.actuators.iter().map(move |actuator| actuator.range.map_or(0.0, |range| range[end])));
         ends.into_iter().try_for_each(|ends| {
             self.check_helm(&ends.collect::<Vec<_>>(), || "`range` of an input".to_owned())
         })
@@ -458,8 +458,8 @@ impl Vessel {
     /// # Errors
     /// Names the speed.
     pub fn check_speed(&self, speed_m_s: f64, what: impl Fn() -> String) -> Result<(), Invalid> {
-        let Some(own) = self.model.forces.as_ref().filter(|_| !self.accepts_unusual) else { return Ok(()) };
-        let (froude, most) = own.forces.usual_speed();
+        let Some(model) = self.model.forces.as_ref().filter(|_| !self.accepts_unusual) else { return Ok(()) };
+        let (froude, most) = model.forces.usual_speed();
         if speed_m_s.abs() <= most {
             return Ok(());
         }
@@ -474,13 +474,13 @@ impl Vessel {
     /// # Errors
     /// Names both.
     pub fn check_length(&self, length_m: f64, what: &str, most: Option<f64>) -> Result<(), Invalid> {
-        let Some(own) = self.model.forces.as_ref().map(|own| own.forces.description().ship.length_m) else {
+        let Some(length) = self.model.forces.as_ref().map(|model| model.forces.description().ship.length_m) else {
             return Ok(());
         };
-        if (length_m / own - 1.0).abs() <= most.unwrap_or(ROUNDING) {
+        if (length_m / length - 1.0).abs() <= most.unwrap_or(ROUNDING) {
             return Ok(());
         }
-        let expected = format!("{own} m, as `length_m` of [ship] in the vessel's file");
+        let expected = format!("{length} m, as `length_m` of [ship] in the vessel's file");
         Err(Invalid::new(
             what,
             format!("{length_m} m"),

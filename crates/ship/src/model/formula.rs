@@ -89,10 +89,10 @@ impl Formula {
         if formula.products.iter().any(|product| !product.coefficient.is_finite()) {
             return Err(Malformed("numbers whose product is infinite".to_owned()));
         }
-        if formula.products.iter().any(|own| own.factors.is_empty()) {
+        if formula.products.iter().any(|product| product.factors.is_empty()) {
             return Err(Malformed("no channel".to_owned()));
         }
-        if formula.products.iter().map(|own| own.factors.len()).sum::<usize>() > MOST_FACTORS {
+        if formula.products.iter().map(|product| product.factors.len()).sum::<usize>() > MOST_FACTORS {
             return Err(Malformed(format!("more than {MOST_FACTORS} factors")));
         }
         Ok(formula)
@@ -126,14 +126,14 @@ impl Formula {
 
     /// The value, where `value` returns that of a channel by its index in [`Formula::channels`].
     pub fn of(&self, value: impl Fn(usize) -> f64) -> f64 {
-        let products = self.products.iter().map(|own| own.without(usize::MAX, &value));
-        products.reduce(|sum, own| sum + own).unwrap_or(0.0)
+        let products = self.products.iter().map(|product| product.without(usize::MAX, &value));
+        products.reduce(|sum, next| sum + next).unwrap_or(0.0)
     }
 
     /// Whether both are the same product of the same channels up to a constant factor; false for sums.
     pub fn is_multiple_of(&self, other: &Self) -> bool {
-        let [own, others] = [self, other].map(|formula| formula.powers());
-        own.is_some() && own == others
+        let [powers, others] = [self, other].map(|formula| formula.powers());
+        powers.is_some() && powers == others
     }
 
     /// Whether it is a sum or difference of channels, or half of one: what they measure is what it measures.
@@ -160,14 +160,14 @@ impl Formula {
     /// The formula in another language, in the order of evaluation; `operand` writes a function of the
     /// channel with this index. A power becomes a product of its own.
     pub fn written(&self, operand: impl Fn(Function, usize) -> String) -> String {
-        let products: Vec<String> = self.products.iter().map(|own| own.written(&operand)).collect();
+        let products: Vec<String> = self.products.iter().map(|product| product.written(&operand)).collect();
         products.join(" + ")
     }
 
     /// Its derivative by channel `by`, where `value` returns that of a channel by its index in
     /// [`Formula::channels`]. The derivative of a modulus at zero is 0.
     pub fn slope(&self, by: usize, value: impl Fn(usize) -> f64) -> f64 {
-        self.products.iter().flat_map(|own| own.slopes(by, &value)).sum()
+        self.products.iter().flat_map(|product| product.slopes(by, &value)).sum()
     }
 }
 
@@ -184,8 +184,8 @@ impl Product {
 
     /// The contributions of its factors to the derivative by channel `by`.
     fn slopes(&self, by: usize, value: &impl Fn(usize) -> f64) -> impl Iterator<Item = f64> {
-        let own = self.factors.iter().enumerate().filter(move |(_, factor)| factor.channel == by);
-        own.map(move |(i, factor)| factor.slope(value(by)) * self.without(i, value))
+        let factors = self.factors.iter().enumerate().filter(move |(_, factor)| factor.channel == by);
+        factors.map(move |(i, factor)| factor.slope(value(by)) * self.without(i, value))
     }
 
     fn written(&self, operand: &impl Fn(Function, usize) -> String) -> String {
@@ -365,8 +365,8 @@ fn source(of: &str, name: &str, names: &[&str]) -> Result<usize, Invalid> {
 fn ordered(mut left: Vec<DerivedChannel>, names: &[&str]) -> Result<Vec<DerivedChannel>, Invalid> {
     let mut ordered = Vec::with_capacity(left.len());
     while !left.is_empty() {
-        let waits = |own: &DerivedChannel| left.iter().find(|other| own.sources.contains(&other.variable));
-        match left.iter().position(|own| waits(own).is_none()) {
+        let waits = |channel: &DerivedChannel| left.iter().find(|other| channel.sources.contains(&other.variable));
+        match left.iter().position(|channel| waits(channel).is_none()) {
             Some(ready) => ordered.push(left.remove(ready)),
             None => return Err(circle(&left, names)),
         }
@@ -380,11 +380,11 @@ fn circle(waiting: &[DerivedChannel], names: &[&str]) -> Invalid {
     let name = |place: &usize| names[*place];
     let mut way: Vec<usize> = Vec::new();
     let mut at = waiting.first();
-    while let Some(own) = at.filter(|own| !way.contains(&own.variable)) {
-        way.push(own.variable);
-        at = waiting.iter().find(|other| own.sources.contains(&other.variable));
+    while let Some(channel) = at.filter(|channel| !way.contains(&channel.variable)) {
+        way.push(channel.variable);
+        at = waiting.iter().find(|other| channel.sources.contains(&other.variable));
     }
-    let start = at.map_or(0, |own| own.variable);
+    let start = at.map_or(0, |channel| channel.variable);
     let names: Vec<&str> =
         way.iter().skip_while(|place| **place != start).chain([&start]).map(name).collect();
     let found = format!("a circle: {}", names.join(" from "));

@@ -50,10 +50,10 @@ pub(crate) fn check_absent(file: &VesselFile) -> Result<(), Invalid> {
         return Err(Invalid::new(format!("`{key}`"), "a key of forces", expected, remedy));
     }
     let terms = [&file.surge, &file.sway, &file.yaw].into_iter().flatten();
-    match terms.into_iter().find(|own| own.prime.is_some() || own.prior.is_some()) {
-        Some(own) => {
-            let found = if own.prime.is_some() { "`prime`" } else { "`prior`" };
-            Err(Invalid::new(format!("parameter `{}`", own.parameter), found, expected, remedy))
+    match terms.into_iter().find(|spec| spec.prime.is_some() || spec.prior.is_some()) {
+        Some(spec) => {
+            let found = if spec.prime.is_some() { "`prime`" } else { "`prior`" };
+            Err(Invalid::new(format!("parameter `{}`", spec.parameter), found, expected, remedy))
         }
         None => Ok(()),
     }
@@ -73,17 +73,17 @@ pub(crate) fn moved(
         return Err(Invalid::new("`constant`", "increments", expected, "remove it, or add a term `1`"));
     }
     let description = description(file)?;
-    let range = |i: usize| actuators.get(i).and_then(|own| own.range);
-    let channel = |(i, own): (usize, &Variable)| Channel {
-        name: own.name.clone(),
-        unit: own.unit.clone(),
+    let range = |i: usize| actuators.get(i).and_then(|actuator| actuator.range);
+    let channel = |(i, variable): (usize, &Variable)| Channel {
+        name: variable.name.clone(),
+        unit: variable.unit.clone(),
         range: range(i),
     };
     let channels: Vec<Channel> = variables[3..].iter().enumerate().map(channel).collect();
     let forces = Forces::new(&description, &channels)?;
     let mut parts = Parts {
         nominal: forces.nominal(),
-        value: forces.parameters().iter().map(|own| own.value).collect(),
+        value: forces.parameters().iter().map(|parameter| parameter.value).collect(),
         ..Parts::default()
     };
     replace(file, &forces, &mut parts)?;
@@ -163,10 +163,10 @@ fn description(file: &VesselFile) -> Result<Description, Invalid> {
 
 /// Puts in the numbers of [value] and [nominal], in the system of each parameter.
 fn replace(file: &VesselFile, forces: &Forces, parts: &mut Parts) -> Result<(), Invalid> {
-    let names = || forces.parameters().iter().map(|own| own.name.as_str());
-    let both = file.value.iter().map(|own| (own, true)).chain(file.nominal.iter().map(|own| (own, false)));
+    let names = || forces.parameters().iter().map(|parameter| parameter.name.as_str());
+    let both = file.value.iter().map(|entry| (entry, true)).chain(file.nominal.iter().map(|entry| (entry, false)));
     for ((name, value), truth) in both {
-        let Some(i) = names().position(|own| own == name) else {
+        let Some(i) = names().position(|parameter| parameter == name) else {
             let unknown = Invalid::unknown(format!("parameter `{name}`"), name, names());
             return Err(Invalid { found: "a name that no free parameter has".to_owned(), ..unknown });
         };

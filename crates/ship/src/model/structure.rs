@@ -128,7 +128,7 @@ impl Model {
 
     /// The free parameters of its forces; none of terms per sample.
     fn free(&self) -> &[Parameter] {
-        self.forces.as_ref().map_or(&[], |own| own.forces.parameters())
+        self.forces.as_ref().map_or(&[], |model| model.forces.parameters())
     }
 
     /// The measured disturbances.
@@ -138,28 +138,28 @@ impl Model {
 
     /// The terms whose parameters are known, with their degrees of freedom.
     pub fn known(&self) -> impl Iterator<Item = (usize, &Product)> {
-        self.degrees.iter().enumerate().flat_map(|(d, degree)| degree.known.iter().map(move |own| (d, own)))
+        self.degrees.iter().enumerate().flat_map(|(d, degree)| degree.known.iter().map(move |product| (d, product)))
     }
 
     /// The bounds of all parameters, infinite where there are none; `None` without any.
     pub fn bounds(&self) -> Option<Vec<[f64; 2]>> {
-        if let Some(own) = &self.forces {
-            let all: Vec<[f64; 2]> = own.forces.parameters().iter().map(|own| own.bounds).collect();
-            return Some(all).filter(|all| all.iter().any(|own| *own != OPEN));
+        if let Some(model) = &self.forces {
+            let all: Vec<[f64; 2]> = model.forces.parameters().iter().map(|parameter| parameter.bounds).collect();
+            return Some(all).filter(|all| all.iter().any(|bounds| *bounds != OPEN));
         }
         let bounded = self.degrees.iter().any(|degree| !degree.bounds.is_empty());
         bounded.then(|| {
-            let own = |degree: &Degree, i: usize| degree.bounds.get(&i).copied().unwrap_or(OPEN);
+            let bounds = |degree: &Degree, i: usize| degree.bounds.get(&i).copied().unwrap_or(OPEN);
             self.degrees
                 .iter()
-                .flat_map(|degree| (0..degree.terms.len()).map(move |i| own(degree, i)))
+                .flat_map(|degree| (0..degree.terms.len()).map(move |i| bounds(degree, i)))
                 .collect()
         })
     }
 
     /// Names of all parameters: surge, sway, yaw.
     pub fn parameter_names(&self) -> impl Iterator<Item = &str> {
-        let free = self.free().iter().map(|own| own.name.as_str());
+        let free = self.free().iter().map(|parameter| parameter.name.as_str());
         self.degrees.iter().flat_map(|d| d.parameters.iter().map(String::as_str)).chain(free)
     }
 
@@ -178,7 +178,7 @@ impl Model {
         let of = |(d, degree): (DegreeOfFreedom, &Degree)| {
             degree.terms.iter().map(|term| self.unit(d, term)).collect::<Vec<_>>()
         };
-        let free = self.free().iter().map(|own| own.unit.clone());
+        let free = self.free().iter().map(|parameter| parameter.unit.clone());
         DegreeOfFreedom::ALL.into_iter().zip(&self.degrees).flat_map(of).chain(free).collect()
     }
 }
@@ -300,18 +300,18 @@ impl Model {
 
     /// Sets the derived channels of a row whose other channels are set.
     pub fn derive(&self, row: &mut [f64]) {
-        for own in &self.derived {
-            row[own.variable - 3] = own.value(row);
+        for channel in &self.derived {
+            row[channel.variable - 3] = channel.value(row);
         }
     }
 
     /// Adds to the derivatives by inputs and measured disturbances the part by way of derived channels, at
     /// `row`. `slopes`: a row per variable, of `N` quantities.
     pub fn by_sources<const N: usize>(&self, row: &[f64], slopes: &mut [[f64; N]]) {
-        for own in self.derived.iter().rev() {
-            let outer = slopes[own.variable];
-            for (channel, source) in own.sources.iter().enumerate() {
-                let inner = own.formula.slope(channel, |channel| row[own.sources[channel] - 3]);
+        for derived in self.derived.iter().rev() {
+            let outer = slopes[derived.variable];
+            for (channel, source) in derived.sources.iter().enumerate() {
+                let inner = derived.formula.slope(channel, |channel| row[derived.sources[channel] - 3]);
                 slopes[*source].iter_mut().zip(outer).for_each(|(slope, outer)| *slope += inner * outer);
             }
         }
@@ -323,8 +323,8 @@ impl Model {
             return inputs.to_vec();
         }
         let mut rows = vec![0.0; inputs.len() / self.inputs.max(1) * self.exogenous()];
-        for (row, own) in rows.chunks_exact_mut(self.exogenous()).zip(inputs.chunks_exact(self.inputs)) {
-            row[..self.inputs].copy_from_slice(own);
+        for (row, settings) in rows.chunks_exact_mut(self.exogenous()).zip(inputs.chunks_exact(self.inputs)) {
+            row[..self.inputs].copy_from_slice(settings);
             self.complete(row);
         }
         rows
@@ -343,7 +343,7 @@ impl Model {
     /// Names the first of them.
     pub fn check_simulated(&self) -> Result<(), Invalid> {
         let known = |variable: &usize| {
-            self.simulated.contains_key(variable) || self.derived.iter().any(|own| own.variable == *variable)
+            self.simulated.contains_key(variable) || self.derived.iter().any(|channel| channel.variable == *variable)
         };
         match (3 + self.inputs..self.variables.len()).find(|variable| !known(variable)) {
             None => Ok(()),
@@ -368,7 +368,7 @@ impl Model {
         let mut model = self.clone();
         let variable = |spec: &DerivedSpec| Variable { name: spec.name.clone(), unit: spec.unit.clone() };
         model.variables.extend(specs.iter().map(variable));
-        let names: Vec<&str> = model.variables.iter().map(|own| own.name.as_str()).collect();
+        let names: Vec<&str> = model.variables.iter().map(|variable| variable.name.as_str()).collect();
         model.derived.extend(derive(specs, &names, self.variables.len())?);
         Ok(model)
     }
@@ -376,9 +376,9 @@ impl Model {
     /// The model with the channels of `other`; `None` unless `other` has all of its own first, and computes
     /// the additional ones.
     pub fn with_channels_of(&self, other: &Self) -> Option<Self> {
-        let own = self.variables.len();
-        let first: Vec<&DerivedChannel> = other.derived.iter().filter(|d| d.variable < own).collect();
-        let computed = other.variables.len() - own.min(other.variables.len()) + first.len();
+        let count = self.variables.len();
+        let first: Vec<&DerivedChannel> = other.derived.iter().filter(|d| d.variable < count).collect();
+        let computed = other.variables.len() - count.min(other.variables.len()) + first.len();
         let same = other.variables.starts_with(&self.variables)
             && other.derived.len() == computed
             && first.into_iter().eq(&self.derived);

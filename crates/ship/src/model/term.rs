@@ -91,11 +91,11 @@ impl Term {
 impl Product {
     /// Adds its values at `N` samples to `out`, see [`Term::values`].
     fn add<X: Number, const N: usize>(&self, values: &[[X; N]], out: &mut [X; N]) {
-        let mut own = [X::ZERO; N];
-        multiply(&self.factors, values, &mut own);
+        let mut product = [X::ZERO; N];
+        multiply(&self.factors, values, &mut product);
         let coefficient = X::from(self.coefficient);
-        for (o, own) in out.iter_mut().zip(own) {
-            *o += coefficient * own;
+        for (o, product) in out.iter_mut().zip(product) {
+            *o += coefficient * product;
         }
     }
 }

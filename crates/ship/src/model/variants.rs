@@ -39,7 +39,7 @@ impl Vessel {
     /// The vessel with parameter `name` at its value, which is known from then on. A name that it has not changes nothing.
     #[must_use]
     pub fn with_held(self, name: &str) -> Self {
-        let kept: Vec<bool> = self.model.parameter_names().map(|own| own != name).collect();
+        let kept: Vec<bool> = self.model.parameter_names().map(|parameter| parameter != name).collect();
         self.estimating(&kept)
     }
 
@@ -52,12 +52,12 @@ impl Vessel {
         let constrained = self.constrained_but(kept);
         let mut model = self.model.clone();
         let mut first = 0;
-        for (degree, own) in model.degrees.iter_mut().zip(degrees) {
+        for (degree, whole) in model.degrees.iter_mut().zip(degrees) {
             let values =
                 self.nominal.iter().zip(&self.value).map(|(nominal, value)| value.unwrap_or(*nominal));
-            let each = values.zip(kept.iter().copied()).skip(first).take(own.terms.len());
-            *degree = without(own, each);
-            first += own.terms.len();
+            let each = values.zip(kept.iter().copied()).skip(first).take(whole.terms.len());
+            *degree = without(whole, each);
+            first += whole.terms.len();
         }
         let left = |i: &usize| kept[*i];
         let value = (0..kept.len()).filter(left).map(|i| self.value[i]).collect();
@@ -69,8 +69,8 @@ impl Vessel {
     fn held_variables(&self) -> Vec<bool> {
         let mut held = vec![false; self.model.variables.len()];
         self.model.simulated.keys().for_each(|variable| held[*variable] = true);
-        for own in &self.model.derived {
-            held[own.variable] = own.sources.iter().all(|source| held[*source]);
+        for channel in &self.model.derived {
+            held[channel.variable] = channel.sources.iter().all(|source| held[*source]);
         }
         held
     }
@@ -80,8 +80,8 @@ impl Vessel {
         let known = |i: usize| self.value[i].unwrap_or(self.nominal[i]);
         let place_of = |i: usize| kept[..i].iter().filter(|kept| **kept).count();
         let mut all = self.constrained.clone();
-        for own in &mut all {
-            own.constraint = match own.constraint {
+        for parameter in &mut all {
+            parameter.constraint = match parameter.constraint {
                 Constraint::Tied { to, factor } if kept[to] => Constraint::Tied { to: place_of(to), factor },
                 Constraint::Tied { to, factor } => Constraint::Fixed(factor * known(to)),
                 fixed => fixed,
@@ -109,7 +109,7 @@ impl Vessel {
                 }
             }
         }
-        all.sort_by_key(|own| (own.degree as usize, own.place));
+        all.sort_by_key(|parameter| (parameter.degree as usize, parameter.place));
         all
     }
 }
@@ -186,9 +186,9 @@ impl Vessel {
 fn channels(file: &VesselFile) -> Vec<Channel> {
     let channel =
         |name: &str, unit: &str, range| Channel { name: name.to_owned(), unit: unit.to_owned(), range };
-    let inputs = file.input.iter().map(|own| channel(&own.name, &own.unit, own.range));
-    let measured = file.measured.iter().map(|own| channel(&own.name, &own.unit, None));
-    let derived = file.derived.iter().map(|own| channel(&own.name, &own.unit, None));
+    let inputs = file.input.iter().map(|input| channel(&input.name, &input.unit, input.range));
+    let measured = file.measured.iter().map(|disturbance| channel(&disturbance.name, &disturbance.unit, None));
+    let derived = file.derived.iter().map(|derived| channel(&derived.name, &derived.unit, None));
     inputs.chain(measured).chain(derived).collect()
 }
 
@@ -200,12 +200,12 @@ impl VesselFile {
     pub fn completed(self) -> Result<Self, Invalid> {
         let file = if self.preset.is_some() { preset(self)? } else { self };
         Vessel::from_file(file.clone())?;
-        let own = described(&file)?.changed(&channels(&file), |name, own| {
+        let description = described(&file)?.changed(&channels(&file), |name, number| {
             if let Some(value) = file.value.get(name) {
-                own.value = Some(*value);
+                number.value = Some(*value);
             }
             if let Some(nominal) = file.nominal.get(name) {
-                let place = if own.prime.is_some() { &mut own.prime } else { &mut own.nominal };
+                let place = if number.prime.is_some() { &mut number.prime } else { &mut number.nominal };
                 *place = Some(*nominal);
             }
         })?;
@@ -213,7 +213,7 @@ impl VesselFile {
             preset: None,
             value: Default::default(),
             nominal: Default::default(),
-            ..file.with_forces(own)
+            ..file.with_forces(description)
         })
     }
 
@@ -225,8 +225,8 @@ impl VesselFile {
     pub fn with_usual_priors(self, deviations: &[(String, f64)]) -> Result<(Self, Vec<String>), Invalid> {
         let channels = channels(&self);
         let known = described(&self)?.with_priors(deviations, &channels)?;
-        let (own, usual) = known.with_usual_priors(&channels)?;
-        Ok((self.with_forces(own), usual))
+        let (description, usual) = known.with_usual_priors(&channels)?;
+        Ok((self.with_forces(description), usual))
     }
 
     /// The same ship without true values, which are not known of another one.
@@ -238,8 +238,8 @@ impl VesselFile {
             let known = number_spec.nominal.is_some() || number_spec.prime.is_some();
             number_spec.value = number_spec.value.filter(|_| !known && number_spec.tied_to.is_none());
         };
-        let own = described(&self)?.changed(&channels(&self), |_, own| plain(own))?;
-        Ok(self.with_forces(own))
+        let description = described(&self)?.changed(&channels(&self), |_, number| plain(number))?;
+        Ok(self.with_forces(description))
     }
 
     /// The geometrically similar ship of `length_m` at the same Froude number, in water of this density or in the same.
@@ -251,8 +251,8 @@ impl VesselFile {
     pub fn similar(self, length_m: f64, density_kg_m3: Option<f64>) -> Result<Self, Invalid> {
         let description = described(&self)?;
         let by = Similarity::new(&description, length_m, density_kg_m3)?;
-        let own = description.similar(&by, &channels(&self))?;
-        let mut file = self.with_forces(own);
+        let similar = description.similar(&by, &channels(&self))?;
+        let mut file = self.with_forces(similar);
         check_derived(&file, &by)?;
         file.sample_rate_hz = file.sample_rate_hz.map(|rate| by.hertz(rate));
         for input in &mut file.input {
@@ -263,13 +263,13 @@ impl VesselFile {
             if let Some(rate) = &mut input.rate_per_s {
                 *rate = by.per_second(*rate, &input.unit).ok_or_else(unscaled)?;
             }
-            input.lag_s = input.lag_s.map(|own| by.seconds(own));
-            input.hold_s = input.hold_s.map(|own| by.seconds(own));
+            input.lag_s = input.lag_s.map(|lag| by.seconds(lag));
+            input.hold_s = input.hold_s.map(|hold| by.seconds(hold));
         }
-        for own in &mut file.measured {
-            if let Some(simulated) = &mut own.simulated {
-                let scaled = by.in_unit(*simulated, &own.unit);
-                *simulated = scaled.ok_or_else(|| unscaled("measured disturbance", &own.name, &own.unit))?;
+        for disturbance in &mut file.measured {
+            if let Some(simulated) = &mut disturbance.simulated {
+                let scaled = by.in_unit(*simulated, &disturbance.unit);
+                *simulated = scaled.ok_or_else(|| unscaled("measured disturbance", &disturbance.name, &disturbance.unit))?;
             }
         }
         Vessel::from_file(file.clone())?;
@@ -298,9 +298,9 @@ fn check_derived(file: &VesselFile, by: &Similarity) -> Result<(), Invalid> {
     let all = channels(file);
     // Rows of a ship and of the similar one, in the order of the channels.
     let first: Vec<f64> = (0..all.len()).map(|i| 0.3 + 0.1 * i as f64).collect();
-    for own in &file.derived {
-        let thing = || format!("derived channel `{}`", foreign(&own.name));
-        let Ok(formula) = Formula::parse(&own.formula) else { continue };
+    for derived in &file.derived {
+        let thing = || format!("derived channel `{}`", foreign(&derived.name));
+        let Ok(formula) = Formula::parse(&derived.formula) else { continue };
         let mut scaled = Vec::new();
         let mut plain = Vec::new();
         for name in &formula.channels {
@@ -312,12 +312,12 @@ fn check_derived(file: &VesselFile, by: &Similarity) -> Result<(), Invalid> {
         if plain.len() < formula.channels.len() {
             continue;
         }
-        let expected = by.in_unit(formula.of(|i| plain[i]), &own.unit);
-        let expected = expected.ok_or_else(|| unscaled("derived channel", &own.name, &own.unit))?;
+        let expected = by.in_unit(formula.of(|i| plain[i]), &derived.unit);
+        let expected = expected.ok_or_else(|| unscaled("derived channel", &derived.name, &derived.unit))?;
         let found: f64 = formula.of(|i| scaled[i]);
         if (found - expected).abs() > 1e-9 * (found.abs() + expected.abs()) {
             let found =
-                format!("`{}` in `{}`, which do not scale alike", foreign(&own.formula), foreign(&own.unit));
+                format!("`{}` in `{}`, which do not scale alike", foreign(&derived.formula), foreign(&derived.unit));
             let expected = "a formula whose unit follows from those of its channels";
             return Err(Invalid::new(
                 thing(),
@@ -356,7 +356,7 @@ pub fn add(degree: &mut Degree, d: usize, base: &Model, factors: Vec<Factor>) {
     let form = form(&factors);
     let known = degree.known.iter().map(|known| known.factors.as_slice());
     if form.is_empty()
-        || degree.terms.iter().flat_map(Term::products).chain(known).any(|own| self::form(own) == form)
+        || degree.terms.iter().flat_map(Term::products).chain(known).any(|product| self::form(product) == form)
     {
         return;
     }
@@ -391,8 +391,8 @@ fn form(factors: &[Factor]) -> Vec<(usize, usize, bool)> {
     variables.sort_unstable();
     variables.dedup();
     let of = |variable: usize| {
-        let own = || factors.iter().filter(move |f| f.variable == variable);
-        (variable, own().count(), own().filter(|f| !f.modulus).count() % 2 == 1)
+        let powers = || factors.iter().filter(move |f| f.variable == variable);
+        (variable, powers().count(), powers().filter(|f| !f.modulus).count() % 2 == 1)
     };
     variables.into_iter().map(of).collect()
 }
