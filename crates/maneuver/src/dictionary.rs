@@ -10,7 +10,7 @@ use ship::model::Source;
 
 use super::spec::ManeuverSpec;
 use crate::feedback::Executed;
-use crate::kind::Kind;
+use crate::kind::ManeuverKind;
 use crate::limits::{Kept, Limits, Tolerance};
 use crate::signal::{MULTISINE_SAMPLES, SWING_SAMPLES, Shape, Signal, SignalShape, check_period};
 
@@ -153,8 +153,8 @@ refusal::choices! {
 
 impl GenerateSpec {
     pub(super) fn check(&self) -> Result<(), Invalid> {
-        let refuse = |key: &str, found: f64, expected: &str| {
-            Err(Invalid::new(format!("`generate.{key}`"), found.to_string(), expected, "correct it"))
+        let refuse = |key: &str, given: f64, expected: &str| {
+            Err(Invalid::new(format!("`generate.{key}`"), given.to_string(), expected, "correct it"))
         };
         if self.candidates == 0 || self.candidates > MOST {
             return refuse("candidates", f64::from(self.candidates), &format!("1 to {MOST}"));
@@ -201,9 +201,9 @@ impl GenerateSpec {
     /// Refuses initial speeds outside the range of speeds, and kinds that none of them allows.
     fn check_starts(&self) -> Result<(), Invalid> {
         let [low, high] = self.speeds();
-        let refuse = |found: String, expected: String| {
+        let refuse = |given: String, expected: String| {
             let remedy = "correct it, or widen `generate.speed_m_s`";
-            Err(Invalid::new("`generate.start_m_s`", found, expected, remedy))
+            Err(Invalid::new("`generate.start_m_s`", given, expected, remedy))
         };
         if let Some(outside) = self.start_m_s.iter().find(|start| !(low..=high).contains(*start)) {
             return refuse(format!("{outside} m/s"), format!("speeds from {low} to {high} m/s"));
@@ -310,12 +310,12 @@ impl<R: Rng> Draw<'_, R> {
         [Shape::Square, Shape::Sine, Shape::Triangle][(3.0 * self.share()) as usize]
     }
 
-    pub(super) fn kind(&mut self, kind: CandidateKind, index: u32) -> Kind {
+    pub(super) fn kind(&mut self, kind: CandidateKind, index: u32) -> ManeuverKind {
         let (sway, rate) = (self.spec.limits.v_m_s, self.spec.limits.r_rad_s);
         let seed = u64::from(index);
         match kind {
             CandidateKind::Accelerate | CandidateKind::Decelerate => self.change(kind),
-            CandidateKind::ZigZag => Kind::ZigZag {
+            CandidateKind::ZigZag => ManeuverKind::ZigZag {
                 shape: self.shape(),
                 speed_m_s: self.speed(),
                 yaw_rate_amplitude_rad_s: Some(self.amplitude(rate)),
@@ -323,19 +323,19 @@ impl<R: Rng> Draw<'_, R> {
                 sway_amplitude_m_s: if self.share() < 0.5 { Some(self.either(sway)) } else { None },
                 period_s: self.period(),
             },
-            CandidateKind::SwayZigZag => Kind::SwayZigZag {
+            CandidateKind::SwayZigZag => ManeuverKind::SwayZigZag {
                 shape: self.shape(),
                 speed_m_s: self.speed(),
                 sway_amplitude_m_s: self.amplitude(sway),
                 period_s: self.period(),
             },
-            CandidateKind::Spiral => Kind::Spiral {
+            CandidateKind::Spiral => ManeuverKind::Spiral {
                 speed_m_s: self.speed(),
                 yaw_rate_from_rad_s: self.within(-0.5 * rate, 0.5 * rate),
                 yaw_rate_to_rad_s: self.either(rate),
                 sway_speed_m_s: Some(self.within(-sway, sway)),
             },
-            CandidateKind::SteadyTurn => Kind::SteadyTurn {
+            CandidateKind::SteadyTurn => ManeuverKind::SteadyTurn {
                 speed_m_s: self.speed(),
                 yaw_rate_rad_s: self.either(rate),
                 sway_speed_m_s: Some(self.within(-sway, sway)),
@@ -343,7 +343,7 @@ impl<R: Rng> Draw<'_, R> {
             CandidateKind::PseudoRandomBinary => {
                 let [low, high] = self.spec.speeds();
                 let speed = self.start(low, high);
-                Kind::PseudoRandomBinary {
+                ManeuverKind::PseudoRandomBinary {
                     speed_m_s: speed,
                     speed_amplitude_m_s: self.within(0.0, (high - speed).min(speed - low)),
                     yaw_rate_amplitude_rad_s: self.amplitude(rate),
@@ -365,7 +365,7 @@ impl<R: Rng> Draw<'_, R> {
         [Constant, Square, Sine, Triangle, Ramp, PseudoRandom, Square][(7.0 * self.share()) as usize]
     }
 
-    fn combined(&mut self, seed: u64, shape: impl Fn(&mut Self) -> SignalShape) -> Kind {
+    fn combined(&mut self, seed: u64, shape: impl Fn(&mut Self) -> SignalShape) -> ManeuverKind {
         let [low, high] = self.spec.speeds();
         let (sway, rate) = (self.spec.limits.v_m_s, self.spec.limits.r_rad_s);
         let mut drawn = |low: f64, high: f64| {
@@ -377,7 +377,7 @@ impl<R: Rng> Draw<'_, R> {
         let sway_m_s = drawn(-sway, sway);
         let sway_m_s = (self.share() < 0.8).then_some(sway_m_s);
         let start_m_s = if self.spec.start_m_s.is_empty() { None } else { Some(self.start(low, high)) };
-        Kind::Combined { exact: false, start_m_s, speed_m_s, yaw_rate_rad_s, sway_m_s }
+        ManeuverKind::Combined { exact: false, start_m_s, speed_m_s, yaw_rate_rad_s, sway_m_s }
     }
 
     /// A signal within a range.
@@ -406,7 +406,7 @@ impl<R: Rng> Draw<'_, R> {
     }
 
     /// From one speed to another that differs by at least a quarter of the range.
-    fn change(&mut self, kind: CandidateKind) -> Kind {
+    fn change(&mut self, kind: CandidateKind) -> ManeuverKind {
         let [low, high] = self.spec.speeds();
         let far = 0.25 * (high - low);
         let starts = self.spec.starts_of(kind).filter(|_| !self.spec.start_m_s.is_empty());
@@ -421,8 +421,10 @@ impl<R: Rng> Draw<'_, R> {
             }
         };
         match kind {
-            CandidateKind::Accelerate => Kind::Accelerate { from_m_s: slow, to_m_s: fast, hold_s: 0.0 },
-            _ => Kind::Decelerate { from_m_s: fast, to_m_s: slow, hold_s: 0.0 },
+            CandidateKind::Accelerate => {
+                ManeuverKind::Accelerate { from_m_s: slow, to_m_s: fast, hold_s: 0.0 }
+            }
+            _ => ManeuverKind::Decelerate { from_m_s: fast, to_m_s: slow, hold_s: 0.0 },
         }
     }
 }

@@ -53,9 +53,9 @@ impl Default for Controller {
 impl Controller {
     /// Refuses what is no controller of maneuver `name`.
     pub(crate) fn check(&self, name: &str) -> Result<(), Invalid> {
-        let refuse = |key: &str, found: f64, expected: &str| {
+        let refuse = |key: &str, given: f64, expected: &str| {
             let thing = format!("maneuver `{name}`, `feedback.{key}`");
-            Err(Invalid::new(thing, found.to_string(), expected, "correct it"))
+            Err(Invalid::new(thing, given.to_string(), expected, "correct it"))
         };
         match self.every_s {
             Some(every) if !(every > 0.0 && every <= 1e6) => {

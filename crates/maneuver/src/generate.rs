@@ -4,7 +4,7 @@ use refusal::Invalid;
 use ship::engine::{Helm, check_diverged, refuse_endless, simulate_command, simulate_one};
 use ship::model::{Source, Vessel};
 
-use super::kind::{Kind, Plan};
+use super::kind::{ManeuverKind, Plan};
 use super::limits::Limits;
 use super::played::{PlayedTable, check_range};
 use super::spec::ManeuverSpec;
@@ -144,7 +144,7 @@ impl Generator {
     #[must_use]
     pub fn later(mut self, seconds: f64) -> Self {
         for maneuver in &mut self.maneuvers {
-            if let Kind::ZigZagTest(test) = &mut maneuver.kind {
+            if let ManeuverKind::ZigZagTest(test) = &mut maneuver.kind {
                 test.hold_s += seconds;
             }
         }
@@ -218,7 +218,8 @@ impl Generator {
             || self.helms.values().any(Helm::tracks);
         let reacts = (0..self.maneuvers.len()).any(|index| self.reacts(index));
         let actuators = self.vessel.actuators.iter().enumerate();
-        let followed = actuators.filter(|(_, actuator)| reacts && !actuator.is_immediate()).map(|(i, _)| i).collect();
+        let followed =
+            actuators.filter(|(_, actuator)| reacts && !actuator.is_immediate()).map(|(i, _)| i).collect();
         Reacting { tracks, followed }
     }
 
@@ -356,7 +357,8 @@ impl Generator {
         }
         let samples = states.len() / 3 - 1;
         let plan = Plan::new(&maneuver.kind, rate_hz, samples);
-        let wanted: Vec<[f64; 2]> = (0..samples).map(|k| plan.motion(k)).map(|motion| [motion.u, motion.r]).collect();
+        let wanted: Vec<[f64; 2]> =
+            (0..samples).map(|k| plan.motion(k)).map(|motion| [motion.u, motion.r]).collect();
         limits::of_motion(&wanted, states, rate_hz, &self.tolerance)
     }
 

@@ -13,7 +13,7 @@ use crate::steady::Motion;
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 #[allow(clippy::large_enum_variant)] // A dictionary has only dozens of these.
-pub enum Kind {
+pub enum ManeuverKind {
     /// The thrust for `to_m_s`, set at the speed `from_m_s`.
     Accelerate {
         /// Speed at the start \[m/s\].
@@ -146,7 +146,7 @@ pub enum Kind {
     Stop(Stop),
 }
 
-impl Kind {
+impl ManeuverKind {
     /// The standard maneuver that it is, if it is one.
     pub fn standard(&self) -> Option<Standard<'_>> {
         match self {
@@ -261,7 +261,7 @@ impl Kind {
 
 /// The wanted motion, sample by sample.
 pub(crate) struct Plan<'a> {
-    kind: &'a Kind,
+    kind: &'a ManeuverKind,
     rate_hz: f64,
     samples: usize,
     signs: [Vec<f64>; 3],
@@ -270,9 +270,9 @@ pub(crate) struct Plan<'a> {
 }
 
 impl<'a> Plan<'a> {
-    pub(crate) fn new(kind: &'a Kind, rate_hz: f64, samples: usize) -> Self {
+    pub(crate) fn new(kind: &'a ManeuverKind, rate_hz: f64, samples: usize) -> Self {
         let signs = match kind {
-            Kind::PseudoRandomBinary { dwell_s, seed, .. } => {
+            ManeuverKind::PseudoRandomBinary { dwell_s, seed, .. } => {
                 let dwells = ((samples as f64 / (dwell_s * rate_hz)).floor() as usize).min(samples) + 1;
                 let streams = Streams::new(*seed, "pseudo-random-binary");
                 [0, 1, 2].map(|c| {
@@ -283,7 +283,7 @@ impl<'a> Plan<'a> {
         };
         let duration_s = samples as f64 / rate_hz;
         let waves = match *kind {
-            Kind::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s, .. } => {
+            ManeuverKind::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s, .. } => {
                 let mut channel = 0;
                 [Some(speed_m_s), yaw_rate_rad_s, sway_m_s].map(|signal| {
                     channel += 1;
@@ -297,20 +297,20 @@ impl<'a> Plan<'a> {
 
     fn start_speed(&self) -> f64 {
         match *self.kind {
-            Kind::Accelerate { from_m_s, .. } | Kind::Decelerate { from_m_s, .. } => from_m_s,
-            Kind::ZigZag { speed_m_s, .. }
-            | Kind::SwayZigZag { speed_m_s, .. }
-            | Kind::Spiral { speed_m_s, .. }
-            | Kind::SteadyTurn { speed_m_s, .. }
-            | Kind::PseudoRandomBinary { speed_m_s, .. }
-            | Kind::Inputs { speed_m_s, .. } => speed_m_s,
-            Kind::ZigZagTest(_)
-            | Kind::TurningCircle(_)
-            | Kind::PullOut(_)
-            | Kind::SpiralTest(_)
-            | Kind::ReverseSpiral(_)
-            | Kind::Stop(_) => self.kind.standard().map_or(0.0, |standard| standard.speed_m_s()),
-            Kind::Combined { start_m_s, .. } => start_m_s.unwrap_or_else(|| self.motion(0).u),
+            ManeuverKind::Accelerate { from_m_s, .. } | ManeuverKind::Decelerate { from_m_s, .. } => from_m_s,
+            ManeuverKind::ZigZag { speed_m_s, .. }
+            | ManeuverKind::SwayZigZag { speed_m_s, .. }
+            | ManeuverKind::Spiral { speed_m_s, .. }
+            | ManeuverKind::SteadyTurn { speed_m_s, .. }
+            | ManeuverKind::PseudoRandomBinary { speed_m_s, .. }
+            | ManeuverKind::Inputs { speed_m_s, .. } => speed_m_s,
+            ManeuverKind::ZigZagTest(_)
+            | ManeuverKind::TurningCircle(_)
+            | ManeuverKind::PullOut(_)
+            | ManeuverKind::SpiralTest(_)
+            | ManeuverKind::ReverseSpiral(_)
+            | ManeuverKind::Stop(_) => self.kind.standard().map_or(0.0, |standard| standard.speed_m_s()),
+            ManeuverKind::Combined { start_m_s, .. } => start_m_s.unwrap_or_else(|| self.motion(0).u),
         }
     }
 
@@ -325,7 +325,7 @@ impl<'a> Plan<'a> {
 
     /// Whether each motion leads to the next.
     fn exact(&self) -> bool {
-        matches!(self.kind, Kind::Combined { exact: true, .. })
+        matches!(self.kind, ManeuverKind::Combined { exact: true, .. })
     }
 
     /// The state's increment until the next sample: zero where a steady motion is held.
@@ -340,11 +340,11 @@ impl<'a> Plan<'a> {
     pub(crate) fn motion(&self, k: usize) -> Motion {
         let t = k as f64 / self.rate_hz;
         match *self.kind {
-            Kind::Accelerate { from_m_s: from, to_m_s: to, hold_s }
-            | Kind::Decelerate { from_m_s: from, to_m_s: to, hold_s } => {
+            ManeuverKind::Accelerate { from_m_s: from, to_m_s: to, hold_s }
+            | ManeuverKind::Decelerate { from_m_s: from, to_m_s: to, hold_s } => {
                 Motion { u: if t < hold_s { from } else { to }, v: None, r: 0.0 }
             }
-            Kind::ZigZag {
+            ManeuverKind::ZigZag {
                 shape,
                 speed_m_s: u,
                 yaw_rate_amplitude_rad_s: rate,
@@ -353,20 +353,22 @@ impl<'a> Plan<'a> {
                 period_s,
             } => {
                 let swing = shape.at(t / period_s);
-                let amplitude = Kind::yaw_rate_amplitude(shape, rate, heading, period_s);
+                let amplitude = ManeuverKind::yaw_rate_amplitude(shape, rate, heading, period_s);
                 Motion { u, v: sway.map(|v| -v * swing), r: amplitude * swing }
             }
-            Kind::SwayZigZag { shape, speed_m_s: u, sway_amplitude_m_s, period_s } => {
+            ManeuverKind::SwayZigZag { shape, speed_m_s: u, sway_amplitude_m_s, period_s } => {
                 Motion { u, v: Some(sway_amplitude_m_s * shape.at(t / period_s)), r: 0.0 }
             }
-            Kind::Spiral {
+            ManeuverKind::Spiral {
                 speed_m_s: u,
                 yaw_rate_from_rad_s: from,
                 yaw_rate_to_rad_s: to,
                 sway_speed_m_s: v,
             } => Motion { u, v, r: from + (to - from) * (k as f64 + 0.5) / self.samples as f64 },
-            Kind::SteadyTurn { speed_m_s: u, yaw_rate_rad_s: r, sway_speed_m_s: v } => Motion { u, v, r },
-            Kind::PseudoRandomBinary {
+            ManeuverKind::SteadyTurn { speed_m_s: u, yaw_rate_rad_s: r, sway_speed_m_s: v } => {
+                Motion { u, v, r }
+            }
+            ManeuverKind::PseudoRandomBinary {
                 speed_m_s,
                 speed_amplitude_m_s,
                 yaw_rate_amplitude_rad_s,
@@ -382,19 +384,19 @@ impl<'a> Plan<'a> {
                     r: yaw_rate_amplitude_rad_s * sign(2),
                 }
             }
-            Kind::Combined { exact, .. } => {
+            ManeuverKind::Combined { exact, .. } => {
                 // Inputs hold the motion halfway between two samples; an exact motion is that at the sample.
                 let done = (k as f64 + if exact { 0.0 } else { 0.5 }) / self.samples as f64;
                 let [u, r, v] = self.waves.each_ref().map(|wave| wave.as_ref().map(|wave| wave.at(t, done)));
                 Motion { u: u.unwrap_or(0.0), v, r: r.unwrap_or(0.0) }
             }
-            Kind::Inputs { speed_m_s: u, .. } => Motion { u, v: None, r: 0.0 },
-            Kind::ZigZagTest(_)
-            | Kind::TurningCircle(_)
-            | Kind::PullOut(_)
-            | Kind::SpiralTest(_)
-            | Kind::ReverseSpiral(_)
-            | Kind::Stop(_) => Motion { u: self.start_speed(), v: None, r: 0.0 },
+            ManeuverKind::Inputs { speed_m_s: u, .. } => Motion { u, v: None, r: 0.0 },
+            ManeuverKind::ZigZagTest(_)
+            | ManeuverKind::TurningCircle(_)
+            | ManeuverKind::PullOut(_)
+            | ManeuverKind::SpiralTest(_)
+            | ManeuverKind::ReverseSpiral(_)
+            | ManeuverKind::Stop(_) => Motion { u: self.start_speed(), v: None, r: 0.0 },
         }
     }
 }

@@ -18,7 +18,7 @@ mod steady;
 pub use dictionary::{CandidateKind, DictionaryFile, GenerateSpec};
 pub use feedback::{Controller, Executed};
 pub use generate::{Generator, Reacting, Realized};
-pub use kind::Kind;
+pub use kind::ManeuverKind;
 pub use limits::{Aim, Exceeded, InputLimit, Kept, Limits, Tolerance, of_motion as aims_of_motion};
 pub use played::{InputTable, PlayedTable, Resampling};
 pub use signal::{Shape, Signal, SignalShape};

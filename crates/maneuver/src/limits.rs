@@ -63,8 +63,8 @@ impl Limits {
         let width = model.inputs.max(1);
         let limits = [("u_m_s", self.u_m_s), ("v_m_s", self.v_m_s), ("r_rad_s", self.r_rad_s)];
         let states = limits.into_iter().enumerate().map(|(d, (key, allowed))| {
-            let found = most(&mut states.iter().skip(d).step_by(3).map(|x| x.abs()));
-            Exceeded { limit: key.to_owned(), allowed, found }
+            let most_found = most(&mut states.iter().skip(d).step_by(3).map(|x| x.abs()));
+            Exceeded { limit: key.to_owned(), allowed, found: most_found }
         });
         let variables = || model.input_variables().iter().enumerate();
         let settings = variables().filter_map(|(i, input)| {
@@ -75,8 +75,8 @@ impl Limits {
         let changes = variables().filter_map(|(i, input)| {
             let allowed = *self.rates.get(&input.name)?;
             let places = (i..inputs.len().saturating_sub(width)).step_by(width);
-            let found = most(&mut places.map(|e| (inputs[e + width] - inputs[e]).abs() * rate_hz));
-            Some(Exceeded { limit: format!("rates.{}", input.name), allowed, found })
+            let fastest = most(&mut places.map(|e| (inputs[e + width] - inputs[e]).abs() * rate_hz));
+            Some(Exceeded { limit: format!("rates.{}", input.name), allowed, found: fastest })
         });
         let share = |exceeded: &Exceeded| exceeded.found / exceeded.allowed;
         let exceeded = states.chain(settings).chain(changes).max_by(|a, b| share(a).total_cmp(&share(b)))?;
@@ -131,13 +131,13 @@ impl InputLimit {
         if self.low < self.high && self.half().is_finite() {
             return Ok(());
         }
-        let found = if self.low == -self.high {
+        let given = if self.low == -self.high {
             self.high.to_string()
         } else {
             format!("[{}, {}]", self.low, self.high)
         };
         let expected = "a number above 0, or the lowest and a higher, highest value";
-        Err(Invalid::new(thing, found, expected, "correct it"))
+        Err(Invalid::new(thing, given, expected, "correct it"))
     }
 }
 

@@ -4,7 +4,7 @@ use refusal::Invalid;
 use ship::engine::refuse_endless;
 use ship::model::{DerivedChannel, Model, Vessel};
 
-use super::kind::Kind;
+use super::kind::ManeuverKind;
 use super::spec::ManeuverSpec;
 
 /// A maneuver whose inputs come from a table. It is played as written, at its own length.
@@ -33,7 +33,7 @@ impl PlayedTable {
         vessel: &Vessel,
         read: impl Fn(&str) -> Result<String, Invalid>,
     ) -> Result<Option<Self>, Invalid> {
-        let Kind::Inputs { file, resample, .. } = &maneuver.kind else { return Ok(None) };
+        let ManeuverKind::Inputs { file, resample, .. } = &maneuver.kind else { return Ok(None) };
         let (width, rate_hz) = (vessel.model.inputs, vessel.sample_rate_hz);
         let named = |e: Invalid| Invalid { thing: format!("{file}: {}", e.thing), ..e };
         let table = InputTable::parse(&read(file)?, &vessel.model).map_err(named)?;
@@ -142,15 +142,15 @@ impl Stamps {
         let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(1.0);
         for (line, step) in steps() {
             if step <= 0.0 {
-                let found = if step == 0.0 { "the time of the row before".to_owned() } else { back(step) };
-                return Err(refused(line, found, "later times row by row", "correct or remove the row"));
+                let given = if step == 0.0 { "the time of the row before".to_owned() } else { back(step) };
+                return Err(refused(line, given, "later times row by row", "correct or remove the row"));
             }
             if (step - usual).abs() > ROUNDED * usual {
-                let (found, expected) =
+                let (given, expected) =
                     (format!("{step} s after the row before"), format!("{usual} s, as mostly"));
                 return Err(refused(
                     line,
-                    found,
+                    given,
                     &expected,
                     "add the rows that are missing, or correct the times",
                 ));
@@ -174,10 +174,10 @@ impl Stamps {
         let off = |(k, t): &(usize, &f64)| (*t * rate_hz - *k as f64).abs() > ROUNDED;
         let Some((k, t)) = self.seconds.iter().enumerate().find(off) else { return Ok(()) };
         let expected = format!("{} s, a row per sample of the vessel's {rate_hz} Hz", k as f64 / rate_hz);
-        let found = format!("{t} s after the first row");
+        let given = format!("{t} s after the first row");
         Err(refused(
             self.lines[k],
-            found,
+            given,
             &expected,
             "add `resample = true` to the maneuver, or correct the times",
         ))
@@ -253,7 +253,7 @@ impl InputTable {
         let channels = channels(model, place)?;
         let time = time(&header, model)?;
         let (mut inputs, mut stamps) = (Vec::new(), Vec::new());
-        let (mut found, mut expected) = (vec![0.0; model.exogenous()], vec![0.0; model.exogenous()]);
+        let (mut read_row, mut expected) = (vec![0.0; model.exogenous()], vec![0.0; model.exogenous()]);
         for record in reader.records() {
             let record = record.map_err(not_csv)?;
             let line = record.position().map_or(0, csv::Position::line);
@@ -261,20 +261,20 @@ impl InputTable {
                 finite(&record[place]).ok_or_else(|| bad_cell(line, name, &record[place]))
             };
             for (channel, place, name) in &channels {
-                found[*channel] = cell(*place, name)?;
+                read_row[*channel] = cell(*place, name)?;
             }
-            expected[..model.inputs].copy_from_slice(&found[..model.inputs]);
+            expected[..model.inputs].copy_from_slice(&read_row[..model.inputs]);
             model.complete(&mut expected);
             for (channel, _, name) in &channels {
-                let (found, expected) = (found[*channel], expected[*channel]);
-                if !DerivedChannel::agrees(found, expected) {
-                    return Err(another(line, name, found, expected));
+                let (cells, expected) = (read_row[*channel], expected[*channel]);
+                if !DerivedChannel::agrees(cells, expected) {
+                    return Err(another(line, name, cells, expected));
                 }
             }
             if let Some(place) = time {
                 stamps.push((line, cell(place, TIME)?));
             }
-            inputs.extend_from_slice(&found[..model.inputs]);
+            inputs.extend_from_slice(&read_row[..model.inputs]);
         }
         if inputs.is_empty() {
             return Err(Invalid::new("rows", "none", "a row per sample", "add rows"));
@@ -374,8 +374,8 @@ fn not_csv(error: csv::Error) -> Invalid {
 }
 
 fn bad_cell(line: u64, column: &str, cell: &str) -> Invalid {
-    let found = if cell.is_empty() { "nothing".to_owned() } else { format!("`{cell}`") };
-    Invalid::new(format!("line {line}, column `{column}`"), found, "a finite number", "correct the cell")
+    let given = if cell.is_empty() { "nothing".to_owned() } else { format!("`{cell}`") };
+    Invalid::new(format!("line {line}, column `{column}`"), given, "a finite number", "correct the cell")
 }
 
 /// The refusal of a column that simulated trials would not follow.

@@ -105,13 +105,13 @@ impl Signal {
             ("exponent", self.exponent, LARGEST_EXPONENT, "a number above 0, and 100 at most"),
             ("over_s", self.over_s, LONGEST_S, "more than 0 s, and 1e9 s at most"),
         ];
-        for (key, found, most, expected) in keys {
-            let Some(x) = found else { continue };
+        for (key, given, most, expected) in keys {
+            let Some(x) = given else { continue };
             if self.shape != SignalShape::Ramp {
-                return Err((key, found, "none, but with shape = \"ramp\""));
+                return Err((key, given, "none, but with shape = \"ramp\""));
             }
             if !(x > 0.0 && x <= most) {
-                return Err((key, found, expected));
+                return Err((key, given, expected));
             }
         }
         Ok(())

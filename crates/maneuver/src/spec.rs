@@ -5,7 +5,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 
-use super::kind::Kind;
+use super::kind::ManeuverKind;
 use super::limits::Kept;
 use super::signal::{LONGEST_S, SWING_SAMPLES, Signal, check_period};
 use crate::feedback::{Controller, Executed};
@@ -29,7 +29,7 @@ pub struct ManeuverSpec {
     /// Inputs of the approach of a standard maneuver; `None`: those that hold it steady.
     pub approach: Option<Settings>,
     /// Its kind and parameters.
-    pub kind: Kind,
+    pub kind: ManeuverKind,
 }
 
 /// Greatest speeds and rates of turn of any ship \[m/s, rad/s\].
@@ -75,7 +75,7 @@ impl<'de> Deserialize<'de> for ManeuverSpec {
         };
         let keeps = keeps.map(strictly).transpose().map_err(within("keeps"))?.unwrap_or_default();
         let named = |e: toml::de::Error| D::Error::custom(in_item(&e, Some(&name), wrong_key(&table, &e)));
-        let kind: Kind = strictly(table.clone()).map_err(named)?;
+        let kind: ManeuverKind = strictly(table.clone()).map_err(named)?;
         let executed = executed.unwrap_or(Executed::Inputs);
         let feedback = feedback.map(strictly).transpose().map_err(within("feedback"))?;
         let approach = approach.map(strictly).transpose().map_err(within("approach"))?;
@@ -107,7 +107,7 @@ fn wrong_key<'a>(table: &'a toml::Table, error: &toml::de::Error) -> Option<&'a 
             .filter(|(other, _)| other != key)
             .map(|(other, value)| (other.clone(), value.clone()))
             .collect();
-        strictly::<Kind, _>(rest).err().is_none_or(|other| other.message() != error.message())
+        strictly::<ManeuverKind, _>(rest).err().is_none_or(|other| other.message() != error.message())
     };
     let of_value = error.message().starts_with("invalid") || error.message().starts_with("unknown variant");
     // Without its kind every table is refused otherwise.
@@ -142,7 +142,7 @@ impl JsonSchema for ManeuverSpec {
 
     /// Each kind with the keys that all kinds share.
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let (mut kinds, common) = (Kind::json_schema(generator), CommonKeys::json_schema(generator));
+        let (mut kinds, common) = (ManeuverKind::json_schema(generator), CommonKeys::json_schema(generator));
         let shared = common.get("properties").and_then(|keys| keys.as_object()).cloned().unwrap_or_default();
         let kinds_of = kinds.get_mut("oneOf").and_then(|all| all.as_array_mut()).into_iter().flatten();
         for kind in kinds_of.filter_map(|kind| kind.as_object_mut()) {
@@ -161,10 +161,10 @@ impl JsonSchema for ManeuverSpec {
 /// Adds [`COMMON_KEYS`] to the known keys that serde's message on an unknown field lists.
 fn with_common_keys(message: &str) -> String {
     match message.split_once(", expected ") {
-        Some((found, known)) if found.starts_with("unknown field") => {
+        Some((fault, known)) if fault.starts_with("unknown field") => {
             let names = known.split('`').skip(1).step_by(2);
             let all: Vec<String> = names.chain(COMMON_KEYS).map(|key| format!("`{key}`")).collect();
-            format!("{found}, expected one of {}", all.join(", "))
+            format!("{fault}, expected one of {}", all.join(", "))
         }
         _ => message.to_owned(),
     }
@@ -179,7 +179,7 @@ impl ManeuverSpec {
     /// Whether its inputs follow the noise of the logged sensors, and no instruments are known that do not: rates of turn are held
     /// by what they show. Triggers are reached once; a tracked motion has the inputs of the nominal ship as instruments.
     pub fn is_steered_by_the_log(&self) -> bool {
-        matches!(&self.kind, Kind::ReverseSpiral(spiral) if spiral.sensors == Sensors::Logged)
+        matches!(&self.kind, ManeuverKind::ReverseSpiral(spiral) if spiral.sensors == Sensors::Logged)
     }
 
     /// Whether it is commanded by what logged sensors show.
@@ -191,7 +191,7 @@ impl ManeuverSpec {
     }
 
     pub(super) fn check(&self, default_s: Option<f64>) -> Result<(), Invalid> {
-        if !matches!(self.kind, Kind::Inputs { .. }) {
+        if !matches!(self.kind, ManeuverKind::Inputs { .. }) {
             let missing = || {
                 let thing = format!("maneuver `{}`, `duration_s`", self.name);
                 Invalid::new(thing, "none", "a duration here or for the whole dictionary", "add it")
@@ -219,19 +219,22 @@ impl ManeuverSpec {
             }
         }
         match self.kind {
-            Kind::Accelerate { from_m_s, to_m_s, .. } if to_m_s <= from_m_s => {
+            ManeuverKind::Accelerate { from_m_s, to_m_s, .. } if to_m_s <= from_m_s => {
                 Err(self.invalid("to_m_s", to_m_s, "more than from_m_s"))
             }
-            Kind::Decelerate { from_m_s, to_m_s, .. } if to_m_s >= from_m_s => {
+            ManeuverKind::Decelerate { from_m_s, to_m_s, .. } if to_m_s >= from_m_s => {
                 Err(self.invalid("to_m_s", to_m_s, "less than from_m_s"))
             }
-            Kind::Accelerate { hold_s, .. } | Kind::Decelerate { hold_s, .. }
+            ManeuverKind::Accelerate { hold_s, .. } | ManeuverKind::Decelerate { hold_s, .. }
                 if !(0.0..=LONGEST_S).contains(&hold_s) =>
             {
                 Err(self.invalid("hold_s", hold_s, &format!("from 0 to {LONGEST_S:e} s")))
             }
-            Kind::ZigZag {
-                period_s, yaw_rate_amplitude_rad_s: rate, heading_amplitude_rad: heading, ..
+            ManeuverKind::ZigZag {
+                period_s,
+                yaw_rate_amplitude_rad_s: rate,
+                heading_amplitude_rad: heading,
+                ..
             } => {
                 if rate.is_some() == heading.is_some() {
                     return Err(Invalid::new(
@@ -243,9 +246,9 @@ impl ManeuverSpec {
                 }
                 self.above_zero("period_s", period_s)
             }
-            Kind::SwayZigZag { period_s, .. } => self.above_zero("period_s", period_s),
-            Kind::PseudoRandomBinary { dwell_s, .. } => self.above_zero("dwell_s", dwell_s),
-            Kind::Combined { exact, start_m_s, sway_m_s, .. } => {
+            ManeuverKind::SwayZigZag { period_s, .. } => self.above_zero("period_s", period_s),
+            ManeuverKind::PseudoRandomBinary { dwell_s, .. } => self.above_zero("dwell_s", dwell_s),
+            ManeuverKind::Combined { exact, start_m_s, sway_m_s, .. } => {
                 let mut signals = self.kind.signals().into_iter();
                 signals.try_for_each(|(key, signal)| self.check_signal(key, &signal))?;
                 if exact { self.check_exact(start_m_s, sway_m_s) } else { Ok(()) }
@@ -255,8 +258,8 @@ impl ManeuverSpec {
     }
 
     fn check_feedback(&self) -> Result<(), Invalid> {
-        let refuse = |key: &str, found: &str, expected: &str, remedy: &str| {
-            Err(Invalid::new(format!("maneuver `{}`, `{key}`", self.name), found, expected, remedy))
+        let refuse = |key: &str, given: &str, expected: &str, remedy: &str| {
+            Err(Invalid::new(format!("maneuver `{}`, `{key}`", self.name), given, expected, remedy))
         };
         match (self.executed, &self.feedback) {
             (Executed::Feedback, _) if self.kind.standard().is_some() => {
@@ -279,8 +282,8 @@ impl ManeuverSpec {
 
     fn check_approach(&self) -> Result<(), Invalid> {
         let Some(approach) = &self.approach else { return Ok(()) };
-        let refuse = |found: String, expected: &str, remedy: &str| {
-            Err(Invalid::new(format!("maneuver `{}`, `approach`", self.name), found, expected, remedy))
+        let refuse = |given: String, expected: &str, remedy: &str| {
+            Err(Invalid::new(format!("maneuver `{}`, `approach`", self.name), given, expected, remedy))
         };
         if self.kind.standard().is_none() {
             let expected = "the approach of a standard maneuver, such as `kind = \"zig-zag-test\"`";
@@ -296,18 +299,18 @@ impl ManeuverSpec {
         if signal.has_period() {
             self.above_zero(&format!("{key}.period_s"), signal.period_s)?;
         }
-        signal.check_shape().map_err(|(shape_key, found, expected)| {
-            let found = found.map_or("none".into(), |found| found.to_string());
+        signal.check_shape().map_err(|(shape_key, given, expected)| {
+            let given = given.map_or("none".into(), |given| given.to_string());
             let thing = format!("maneuver `{}`, `{key}.{shape_key}`", self.name);
-            Invalid::new(thing, found, expected, "correct it")
+            Invalid::new(thing, given, expected, "correct it")
         })
     }
 
     /// Refuses an exact motion that does not determine all of the ship's speeds from the start on.
     fn check_exact(&self, start_m_s: Option<f64>, sway_m_s: Option<Signal>) -> Result<(), Invalid> {
-        let refuse = |key: &str, found: &str, expected: &str, remedy: &str| {
+        let refuse = |key: &str, given: &str, expected: &str, remedy: &str| {
             let thing = format!("maneuver `{}`, `{key}`", self.name);
-            Err(Invalid::new(thing, found, expected, remedy))
+            Err(Invalid::new(thing, given, expected, remedy))
         };
         match (start_m_s, sway_m_s) {
             (Some(start), _) => refuse(
@@ -332,11 +335,11 @@ impl ManeuverSpec {
             check_period(format!("maneuver `{}`, `{key}`", self.name), period_s, least, rate_hz)
         };
         match self.kind {
-            Kind::ZigZag { period_s, .. } | Kind::SwayZigZag { period_s, .. } => {
+            ManeuverKind::ZigZag { period_s, .. } | ManeuverKind::SwayZigZag { period_s, .. } => {
                 check("period_s", period_s, SWING_SAMPLES)
             }
-            Kind::PseudoRandomBinary { dwell_s, .. } => check("dwell_s", dwell_s, 1),
-            Kind::Combined { .. } => self.kind.signals().into_iter().try_for_each(|(key, signal)| {
+            ManeuverKind::PseudoRandomBinary { dwell_s, .. } => check("dwell_s", dwell_s, 1),
+            ManeuverKind::Combined { .. } => self.kind.signals().into_iter().try_for_each(|(key, signal)| {
                 signal
                     .least_samples()
                     .map_or(Ok(()), |n| check(&format!("{key}.period_s"), signal.period_s, n))

@@ -24,7 +24,7 @@ pub struct Steady<'a> {
     exogenous: Vec<f64>,
     gradients: Vec<[f64; 3]>,
     /// The last solution: consecutive motions have similar inputs.
-    found: Vec<f64>,
+    last: Vec<f64>,
     workspace: Workspace,
     /// The current point of a search.
     at: Vec<f64>,
@@ -41,7 +41,7 @@ impl<'a> Steady<'a> {
             model,
             exogenous,
             gradients,
-            found: Vec::new(),
+            last: Vec::new(),
             workspace: Workspace::default(),
             at: Vec::new(),
         }
@@ -66,7 +66,7 @@ impl<'a> Steady<'a> {
     /// # Errors
     /// As [`Steady::solve`].
     pub fn follow(&mut self, motion: Motion, gain: [f64; 3], unknowns: &mut [f64]) -> Result<(), Invalid> {
-        let wanted = Wanted { gain, ..Wanted::of(motion, self.vessel)? };
+        let wanted = WantedMotion { gain, ..WantedMotion::of(motion, self.vessel)? };
         let used = self.vessel.model.inputs + usize::from(wanted.sway_free);
         let mut beyond = None;
         for from_zero in [false, true] {
@@ -76,10 +76,10 @@ impl<'a> Steady<'a> {
             let (mut at, mut workspace) = (std::mem::take(&mut self.at), std::mem::take(&mut self.workspace));
             at.clear();
             at.extend_from_slice(&unknowns[..used]);
-            let found =
+            let has_converged =
                 plain(&mut at, &mut workspace, |unknowns, rows| self.linearised(&wanted, unknowns, rows));
             (self.at, self.workspace) = (at, workspace);
-            if found {
+            if has_converged {
                 if self.within(&self.at) {
                     unknowns[..used].copy_from_slice(&self.at);
                     return Ok(());
@@ -87,17 +87,17 @@ impl<'a> Steady<'a> {
                 beyond.get_or_insert_with(|| self.at.clone());
             }
         }
-        let found = self.search(&wanted, beyond).ok_or_else(|| unreachable_motion(&wanted))?;
-        unknowns[..used].copy_from_slice(&found);
-        self.found = found;
+        let solution = self.search(&wanted, beyond).ok_or_else(|| unreachable_motion(&wanted))?;
+        unknowns[..used].copy_from_slice(&solution);
+        self.last = solution;
         Ok(())
     }
 
     /// The first solution from any start that is within the inputs' ranges, else any; `beyond` is a known
     /// one.
-    fn search(&mut self, wanted: &Wanted, mut beyond: Option<Vec<f64>>) -> Option<Vec<f64>> {
+    fn search(&mut self, wanted: &WantedMotion, mut beyond: Option<Vec<f64>>) -> Option<Vec<f64>> {
         let used = self.vessel.model.inputs + usize::from(wanted.sway_free);
-        let last = (self.found.len() == used).then(|| self.found.clone());
+        let last = (self.last.len() == used).then(|| self.last.clone());
         let search = Starts::new(self.vessel, wanted);
         let rest = (vec![0.0; used], search.scales(0));
         let starts = last.map(|last| (last, search.scales(0))).into_iter().chain([rest]);
@@ -118,7 +118,7 @@ impl<'a> Steady<'a> {
     }
 
     /// Fills in rows \[Jacobian | −residual\] at `unknowns`.
-    fn linearised(&mut self, wanted: &Wanted, unknowns: &[f64], rows: &mut Rows) {
+    fn linearised(&mut self, wanted: &WantedMotion, unknowns: &[f64], rows: &mut NewtonRows) {
         let inputs = self.vessel.model.inputs;
         let n = inputs + usize::from(wanted.sway_free);
         let Motion { u, v, r } = wanted.motion;
@@ -153,7 +153,7 @@ impl<'a> Steady<'a> {
 }
 
 /// A motion, and its unknowns and equations.
-struct Wanted {
+struct WantedMotion {
     motion: Motion,
     /// Increments of u, v and r until the next sample.
     gain: [f64; 3],
@@ -161,7 +161,7 @@ struct Wanted {
     coupled: bool,
 }
 
-impl Wanted {
+impl WantedMotion {
     fn of(motion: Motion, vessel: &Vessel) -> Result<Self, Invalid> {
         let couplings = vessel.couplings.iter().flatten().count();
         let coupled = motion.v.is_none();
@@ -183,7 +183,7 @@ impl Wanted {
 /// Starting points of a search.
 struct Starts<'a> {
     vessel: &'a Vessel,
-    wanted: &'a Wanted,
+    wanted: &'a WantedMotion,
 }
 
 /// Distance of an input's start from the centre of its range, in halves of the range …
@@ -196,7 +196,7 @@ const MAGNITUDES: [f64; 6] = [1.0, 1e2, 1e-2, 1e4, 1e6, 1e-4];
 const MOST_SIDES: usize = 4;
 
 impl<'a> Starts<'a> {
-    fn new(vessel: &'a Vessel, wanted: &'a Wanted) -> Self {
+    fn new(vessel: &'a Vessel, wanted: &'a WantedMotion) -> Self {
         Self { vessel, wanted }
     }
 
@@ -237,14 +237,15 @@ impl<'a> Starts<'a> {
     }
 
     fn scales(&self, level: usize) -> Vec<f64> {
-        let input = |actuator: &Actuator| actuator.range.map_or(MAGNITUDES[level], |[low, high]| 0.5 * (high - low));
+        let input =
+            |actuator: &Actuator| actuator.range.map_or(MAGNITUDES[level], |[low, high]| 0.5 * (high - low));
         let sway = self.wanted.sway_free.then(|| self.wanted.motion.u.abs().max(0.1));
         self.vessel.actuators.iter().map(input).chain(sway).collect()
     }
 }
 
-fn unreachable_motion(wanted: &Wanted) -> Invalid {
-    let Wanted { motion, gain, .. } = wanted;
+fn unreachable_motion(wanted: &WantedMotion) -> Invalid {
+    let WantedMotion { motion, gain, .. } = wanted;
     let (how, what) = if *gain == [0.0; 3] { ("hold steady", "hold") } else { ("follow", "follow") };
     let sway = motion.v.map_or(String::new(), |v| format!(", v = {v} m/s"));
     Invalid::new(
@@ -269,7 +270,7 @@ const SOLVED: f64 = 1e-13;
 fn plain(
     unknowns: &mut [f64],
     Workspace { rows, solver }: &mut Workspace,
-    mut linearised: impl FnMut(&[f64], &mut Rows),
+    mut linearised: impl FnMut(&[f64], &mut NewtonRows),
 ) -> bool {
     for _ in 0..STEPS {
         linearised(unknowns, rows);
@@ -294,18 +295,18 @@ fn plain(
 /// Buffers that searches reuse.
 #[derive(Clone, Debug, Default)]
 struct Workspace {
-    rows: Rows,
+    rows: NewtonRows,
     solver: Solver,
 }
 
 /// Rows \[Jacobian | −residual\] of as many equations as unknowns.
 #[derive(Clone, Debug, Default)]
-struct Rows {
+struct NewtonRows {
     entries: Vec<f64>,
     width: usize,
 }
 
-impl Rows {
+impl NewtonRows {
     /// Prepares for the rows of `unknowns`, without any yet.
     pub(crate) fn clear(&mut self, unknowns: usize) {
         self.entries.clear();
@@ -328,8 +329,8 @@ impl Rows {
 /// units of the equations do not matter. `scales`: magnitudes of the unknowns.
 ///
 /// The test is the natural one of Deuflhard, Newton Methods for Nonlinear Problems, 2011, section 3.3.
-fn damped(unknowns: &mut [f64], scales: &[f64], mut linearised: impl FnMut(&[f64], &mut Rows)) -> bool {
-    let (mut rows, mut solver) = (Rows::default(), Solver::default());
+fn damped(unknowns: &mut [f64], scales: &[f64], mut linearised: impl FnMut(&[f64], &mut NewtonRows)) -> bool {
+    let (mut rows, mut solver) = (NewtonRows::default(), Solver::default());
     linearised(unknowns, &mut rows);
     // At rest the equations hold, and the step is undetermined.
     if rows.iter().all(|row| row.last() == Some(&0.0)) {
@@ -360,13 +361,13 @@ fn shortened(
     unknowns: &[f64],
     scales: &[f64],
     (step, whole): (&[f64], f64),
-    rows: &Rows,
-    linearised: &mut impl FnMut(&[f64], &mut Rows),
-) -> Option<(Vec<f64>, Rows)> {
+    rows: &NewtonRows,
+    linearised: &mut impl FnMut(&[f64], &mut NewtonRows),
+) -> Option<(Vec<f64>, NewtonRows)> {
     let (mut share, mut solver) = (1.0, Solver::default());
     while share > 1e-6 {
         let next: Vec<f64> = unknowns.iter().zip(step).map(|(x, dx)| x + share * dx).collect();
-        let mut after = Rows::default();
+        let mut after = NewtonRows::default();
         linearised(&next, &mut after);
         let mut mixed = rows.clone();
         for (row, after) in mixed.entries.chunks_exact_mut(rows.width).zip(after.iter()) {
@@ -397,7 +398,7 @@ struct Solver {
 
 impl Solver {
     /// Solves rows \[a | b\], each scaled to a largest coefficient of 1; `None` where they are singular.
-    fn solve(&mut self, rows: &Rows) -> Option<&[f64]> {
+    fn solve(&mut self, rows: &NewtonRows) -> Option<&[f64]> {
         let n = rows.iter().len();
         self.a.clear();
         self.b.clear();

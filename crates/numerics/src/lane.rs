@@ -197,9 +197,9 @@ impl Arithmetic for Lane {
     #[inline(always)]
     fn change<const N: usize>(numbers: &mut [Self; N], f: impl Fn(usize, [f64; N]) -> [f64; N]) {
         for lane in 0..LANES {
-            let found = f(lane, std::array::from_fn(|i| numbers[i].0[lane]));
+            let changed = f(lane, std::array::from_fn(|i| numbers[i].0[lane]));
             for i in 0..N {
-                numbers[i].0[lane] = found[i];
+                numbers[i].0[lane] = changed[i];
             }
         }
     }
@@ -350,9 +350,9 @@ impl<const G: usize> Arithmetic for Wide<G> {
                 for i in 0..N {
                     now[i] = here[i][lane];
                 }
-                let found = f([group, lane], now);
+                let changed = f([group, lane], now);
                 for i in 0..N {
-                    here[i][lane] = found[i];
+                    here[i][lane] = changed[i];
                 }
             }
             for i in 0..N {

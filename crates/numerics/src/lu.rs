@@ -218,8 +218,8 @@ pub fn weakest(n: usize, a: &[f64]) -> Option<Weakest> {
     if !a.iter().all(|x| x.is_finite()) || a.iter().all(|x| *x == 0.0) {
         return None;
     }
-    let found = MatRef::from_row_major_slice(a, n, n).svd().ok()?;
-    let (values, vectors) = (found.S().column_vector(), found.V());
+    let svd = MatRef::from_row_major_slice(a, n, n).svd().ok()?;
+    let (values, vectors) = (svd.S().column_vector(), svd.V());
     let mut direction: Vec<f64> = (0..n).map(|i| vectors[(i, n - 1)]).collect();
     if direction[largest(&direction)] < 0.0 {
         direction.iter_mut().for_each(|x| *x = -*x);
@@ -233,24 +233,24 @@ pub fn symmetric(n: usize, a: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
     if !a.iter().all(|x| x.is_finite()) {
         return None;
     }
-    let found = MatRef::from_row_major_slice(a, n, n).self_adjoint_eigen(Side::Lower).ok()?;
-    let (values, vectors) = (found.S().column_vector(), found.U());
+    let eigen = MatRef::from_row_major_slice(a, n, n).self_adjoint_eigen(Side::Lower).ok()?;
+    let (values, vectors) = (eigen.S().column_vector(), eigen.U());
     Some(((0..n).map(|i| values[i]).collect(), (0..n * n).map(|k| vectors[(k / n, k % n)]).collect()))
 }
 
 /// [`crate::solve`] for large systems, which keeps `a`.
 fn solve_large(n: usize, a: &[f64], b: &mut [f64]) -> Option<()> {
     let columns = b.len() / n;
-    let found = MatRef::from_row_major_slice(a, n, n)
+    let solution = MatRef::from_row_major_slice(a, n, n)
         .partial_piv_lu()
         .solve(MatRef::from_row_major_slice(b, n, columns));
-    b.iter_mut().enumerate().for_each(|(k, x)| *x = found[(k / columns, k % columns)]);
+    b.iter_mut().enumerate().for_each(|(k, x)| *x = solution[(k / columns, k % columns)]);
     b.iter().all(|x| x.is_finite()).then_some(())
 }
 
 /// [`crate::inverse`] for large matrices, which keeps `a`.
 fn inverse_large(n: usize, a: &[f64], out: &mut [f64]) -> Option<()> {
-    let found = MatRef::from_row_major_slice(a, n, n).partial_piv_lu().inverse();
-    out.iter_mut().enumerate().for_each(|(k, x)| *x = found[(k / n, k % n)]);
+    let inverted = MatRef::from_row_major_slice(a, n, n).partial_piv_lu().inverse();
+    out.iter_mut().enumerate().for_each(|(k, x)| *x = inverted[(k / n, k % n)]);
     out.iter().all(|x| x.is_finite()).then_some(())
 }

@@ -190,7 +190,7 @@ pub fn quadratic_of_inverse(mut v: Vec<f64>, mut s: Vec<f64>, whole: &[f64], lea
 /// The columns that depend linearly on those before them, from their n × n sums of products `a`, by Cholesky's method: those
 /// before them leave at most the share `least` of their squares.
 pub fn dependent_columns(n: usize, a: &[f64], least: f64) -> Vec<usize> {
-    let (mut rows, mut found): (Vec<(usize, Vec<f64>)>, Vec<usize>) = (Vec::new(), Vec::new());
+    let (mut rows, mut dependent): (Vec<(usize, Vec<f64>)>, Vec<usize>) = (Vec::new(), Vec::new());
     for i in 0..n {
         let mut row: Vec<f64> = Vec::with_capacity(rows.len() + 1);
         for (j, before) in &rows {
@@ -199,11 +199,11 @@ pub fn dependent_columns(n: usize, a: &[f64], least: f64) -> Vec<usize> {
         }
         let rest = a[i * n + i] - dot(&row, &row);
         if rest <= least * a[i * n + i] {
-            found.push(i);
+            dependent.push(i);
         } else {
             row.push(rest.sqrt());
             rows.push((i, row));
         }
     }
-    found
+    dependent
 }

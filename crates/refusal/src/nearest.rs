@@ -10,9 +10,9 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     let mut best: Option<((f64, usize), &str)> = None;
     for candidate in known {
         let lower = shortened(candidate, MOST).to_lowercase();
-        let found = (strsim::jaro_winkler(&word, &lower), strsim::levenshtein(&word, &lower));
-        if best.is_none_or(|(top, _)| found.0 > top.0 || (found.0 == top.0 && found.1 < top.1)) {
-            best = Some((found, candidate));
+        let likeness = (strsim::jaro_winkler(&word, &lower), strsim::levenshtein(&word, &lower));
+        if best.is_none_or(|(top, _)| likeness.0 > top.0 || (likeness.0 == top.0 && likeness.1 < top.1)) {
+            best = Some((likeness, candidate));
         }
     }
     best.map(|(_, candidate)| candidate)

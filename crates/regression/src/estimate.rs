@@ -105,11 +105,11 @@ impl Instruments {
     /// The parameters of [`Instruments::estimate`]. Their standard errors take as long as all the rest.
     pub fn parameters<X: Number>(&self, batch: &Batch<X>) -> Vec<Outcome<Vec<f64>>> {
         let Fit { unsolved, theta, .. } = self.fit(batch);
-        let found = |(lane, unsolved): (usize, Option<Unsolved>)| match unsolved {
+        let named = |(lane, unsolved): (usize, Option<Unsolved>)| match unsolved {
             Some(unsolved) => unsolved.outcome(),
             None => Outcome::Identified(lane_of(&theta, lane)),
         };
-        unsolved.into_iter().enumerate().map(found).collect()
+        unsolved.into_iter().enumerate().map(named).collect()
     }
 
     /// [`Instruments::estimate`], and per run the [`Excitation`] of surge, sway and yaw.
@@ -150,7 +150,7 @@ impl Instruments {
                 congruence(degree.theta.len(), &lane_of(&degree.inverse, lane), &lane_of(meat, lane))
             }))
         };
-        let found = |(lane, unsolved): (usize, Option<Unsolved>)| match unsolved {
+        let named = |(lane, unsolved): (usize, Option<Unsolved>)| match unsolved {
             Some(unsolved) => unsolved.outcome(),
             None => Outcome::Identified(Estimate {
                 parameters: lane_of(&theta, lane),
@@ -158,7 +158,7 @@ impl Instruments {
                 covariance: covariance(lane),
             }),
         };
-        unsolved.into_iter().enumerate().map(found).collect()
+        unsolved.into_iter().enumerate().map(named).collect()
     }
 
     /// All sums of a batch. Runs with fewer groups than others have empty ones.
@@ -213,11 +213,12 @@ impl Instruments {
         let lanes: Vec<[Lane; 3]> = groups.iter().map(of).collect();
         std::array::from_fn(|lane| {
             let groups = self.means[lane].iter().zip(&lanes);
-            groups.map(|(group, lanes)| Group {
-                start: group.start,
-                constants: lanes.map(|constant| constant[lane]).to_vec(),
-            })
-            .collect()
+            groups
+                .map(|(group, lanes)| Group {
+                    start: group.start,
+                    constants: lanes.map(|constant| constant[lane]).to_vec(),
+                })
+                .collect()
         })
     }
 

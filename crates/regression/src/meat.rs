@@ -47,7 +47,7 @@ pub fn middle(batch: &Batch, theta: &[f64], noise: &Noise) -> Vec<Vec<Vec<f64>>>
 }
 
 /// The draws of one degree of freedom.
-struct Degree {
+struct DegreeDraws {
     /// B: p̃ × p̃.
     sum: Vec<Lane>,
     /// ζ̃ at this sample and the one before, zero before the run.
@@ -61,19 +61,19 @@ fn draws(
     nominal: &mut Compiled<Lane>,
     measured_model: &mut Compiled<Lane>,
     noise: &Noise,
-) -> [Degree; 3] {
+) -> [DegreeDraws; 3] {
     let Batch { model, measured, instrument_states, exogenous, instrument_exogenous, .. } = *batch;
     let (width, samples) = (model.exogenous(), batch.samples());
     let zeros = |count: usize| vec![Lane::ZERO; count];
     let sizes = model.degrees.each_ref().map(|degree| degree.terms.len() + 1);
-    let mut degrees = sizes.map(|n| Degree { sum: zeros(n * n), zeta: [zeros(n), zeros(n)] });
+    let mut degrees = sizes.map(|n| DegreeDraws { sum: zeros(n * n), zeta: [zeros(n), zeros(n)] });
     for k in 0..samples {
         let row = width * k..width * (k + 1);
         measured_model.look(measured.as_chunks().0[k], &exogenous[row.clone()], None);
         nominal.look(instrument_states.as_chunks().0[k], &instrument_exogenous[row], None);
         let slopes = measured_model.slopes();
         let mut first = 0;
-        for (d, Degree { sum, zeta: [before, zeta] }) in degrees.iter_mut().enumerate() {
+        for (d, DegreeDraws { sum, zeta: [before, zeta] }) in degrees.iter_mut().enumerate() {
             let p = zeta.len() - 1;
             for (i, z) in zeta[..p].iter_mut().enumerate() {
                 *z = nominal.term(first + i);
@@ -90,7 +90,7 @@ fn draws(
         }
     }
     let share = Lane::splat(1.0 / samples.max(1) as f64);
-    for (d, Degree { sum, zeta: [before, _] }) in degrees.iter_mut().enumerate() {
+    for (d, DegreeDraws { sum, zeta: [before, _] }) in degrees.iter_mut().enumerate() {
         // The last error ends an increment and is in no regressor.
         add_outer(sum, Lane::splat(noise.measurement[d].powi(2)), before);
         sum.iter_mut().for_each(|entry| *entry = *entry * share);

@@ -87,12 +87,12 @@ struct Degree {
 }
 
 /// Sums of ζᶜφᵀ, p × p, and of ζᶜε over a block of samples.
-struct Block {
+struct SampleBlock {
     products: Vec<Lane>,
     scores: Vec<Lane>,
 }
 
-impl Block {
+impl SampleBlock {
     fn new(p: usize) -> Self {
         Self { products: vec![Lane::ZERO; p * p], scores: vec![Lane::ZERO; p] }
     }
@@ -137,9 +137,9 @@ impl Signals {
                 let (Some(group), Ok(solved)) = (group(lane), &solved[lane]) else { continue };
                 is_filtered[lane] = true;
                 let sums = &runs[lane].groups[group].degrees[d];
-                let found = &solved.theta[first..first + p];
-                theta.iter_mut().zip(found).for_each(|(lanes, value)| lanes[lane] = *value);
-                theta[p][lane] = sums.intercept(found, centred);
+                let solution = &solved.theta[first..first + p];
+                theta.iter_mut().zip(solution).for_each(|(lanes, value)| lanes[lane] = *value);
+                theta[p][lane] = sums.intercept(solution, centred);
                 let centres = means.iter_mut().zip(sums.instrument_means(centred));
                 centres.for_each(|(lanes, mean)| lanes[lane] = mean);
             }
@@ -152,7 +152,7 @@ impl Signals {
                 let blocks = numerics::vectorized!(degree.blocks(&theta, means));
                 for lane in lanes {
                     if let Ok(solved) = &solved[lane] {
-                        let left_out = |block: &Block| block.left_out(lane, solved.inverse(d));
+                        let left_out = |block: &SampleBlock| block.left_out(lane, solved.inverse(d));
                         let meat =
                             jackknife(blocks.iter(), left_out).unwrap_or_else(|| vec![f64::NAN; p * p]);
                         meats[lane].add(d, meat.into_iter());
@@ -198,9 +198,9 @@ impl Degree {
     /// Sums over each of ten blocks of samples. `theta`: with the intercept; `means`: of the instruments, in units of the
     /// filtered 1.
     #[inline(always)]
-    fn blocks(&self, theta: &[Lane], means: &[Lane]) -> Vec<Block> {
+    fn blocks(&self, theta: &[Lane], means: &[Lane]) -> Vec<SampleBlock> {
         let (p, samples) = (self.parameters, self.target.len());
-        let (mut blocks, mut block) = (Vec::with_capacity(BLOCKS), Block::new(p));
+        let (mut blocks, mut block) = (Vec::with_capacity(BLOCKS), SampleBlock::new(p));
         for (k, target) in self.target.iter().enumerate() {
             let phi = &self.phi[k * (p + 1)..(k + 1) * (p + 1)];
             let mut residual = *target;
@@ -215,7 +215,7 @@ impl Degree {
                 }
             }
             if (k + 1) * BLOCKS / samples > k * BLOCKS / samples {
-                blocks.push(std::mem::replace(&mut block, Block::new(p)));
+                blocks.push(std::mem::replace(&mut block, SampleBlock::new(p)));
             }
         }
         blocks

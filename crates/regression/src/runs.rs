@@ -163,7 +163,8 @@ impl<'a> Prepared<'a> {
         let initial = [0, 1, 2].map(|d: usize| Wide(groups.each_ref().map(|group| group.runs.initial[d])));
         groups.iter_mut().for_each(|group| group.is_simulated = true);
         let runs = groups.each_mut();
-        let runs = runs.map(|group| (group.runs.instrument_exogenous(), group.instrument_states.as_mut_slice()));
+        let runs =
+            runs.map(|group| (group.runs.instrument_exogenous(), group.instrument_states.as_mut_slice()));
         simulate_groups(&vessel.model, parameters, initial, runs);
     }
 
@@ -348,7 +349,7 @@ pub fn collinear_run(vessel: &Vessel, run: &Run, removal: MeanRemoval) -> Option
     let part = PartView { label, source: "", run: run.view().part(0..run.samples()) };
     let states = part.simulated(&vessel.model, &vessel.nominal).ok()?;
     let sums = Regression::with(&vessel.model, &part, &states).sums();
-    let mut found: Option<CollinearRun> = None;
+    let mut run: Option<CollinearRun> = None;
     for d in DegreeOfFreedom::ALL {
         let degree = &vessel.model.degrees[d as usize];
         let diagnosis = diagnose(&[&sums], removal, d as usize);
@@ -356,13 +357,13 @@ pub fn collinear_run(vessel: &Vessel, run: &Run, removal: MeanRemoval) -> Option
             continue;
         }
         let words = collinear(d, degree, &diagnosis, &[]);
-        match &mut found {
-            Some(found) => found.words = format!("{}; {words}", found.words),
+        match &mut run {
+            Some(run) => run.words = format!("{}; {words}", run.words),
             None => {
                 let parameter = first_named(degree, &diagnosis);
-                found = Some(CollinearRun { degree: d as usize, parameter, words: words });
+                run = Some(CollinearRun { degree: d as usize, parameter, words: words });
             }
         }
     }
-    found
+    run
 }

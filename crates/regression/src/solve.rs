@@ -245,9 +245,9 @@ impl Normal {
             Err(weakest) => return Excitation { condition: f64::INFINITY, weakest },
         };
         match numerics::weakest(p, &scaled) {
-            Some(found) => Excitation {
-                condition: if found.ratio * SINGULAR < 1.0 { f64::INFINITY } else { 1.0 / found.ratio },
-                weakest: found.dominant(p),
+            Some(weakest) => Excitation {
+                condition: if weakest.ratio * SINGULAR < 1.0 { f64::INFINITY } else { 1.0 / weakest.ratio },
+                weakest: weakest.dominant(p),
             },
             None => Excitation { condition: f64::INFINITY, weakest: 0 },
         }
@@ -372,8 +372,8 @@ fn solved(
     }
     let known = times(equations.a, &theta);
     let rest = free.iter().map(|i| equations.b[*i] - known[*i]).collect();
-    let (found, inverse) = solve(&free, rest).map_err(|i| free[i])?;
-    for (k, (i, value)) in free.iter().zip(found).enumerate() {
+    let (values, inverse) = solve(&free, rest).map_err(|i| free[i])?;
+    for (k, (i, value)) in free.iter().zip(values).enumerate() {
         theta[*i] = value;
         free.iter().enumerate().for_each(|(l, j)| gain[i * p + j] = inverse[k * free.len() + l]);
     }

@@ -10,7 +10,7 @@ use crate::standard::{Board, INERTIAL_END, Standard};
 
 /// The figures of a maneuver, and what was sailed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct SailedFigures {
     /// Its kind in dictionaries.
     pub kind: &'static str,
     /// What it was, in words: `zig-zag 10°/10°, to port first`.
@@ -27,7 +27,7 @@ pub struct Found {
 /// # Errors
 /// A record that is too coarse or too short: a heading that is not reached, a circle that does not close; a log of another
 /// maneuver, or of none.
-pub fn figures(standard: Option<Standard>, record: &Record, hull: &Hull) -> Result<Found, Invalid> {
+pub fn figures(standard: Option<Standard>, record: &Record, hull: &Hull) -> Result<SailedFigures, Invalid> {
     let spiral = match standard {
         Some(Standard::SpiralTest(spiral)) => Some(helm::direct(spiral, record, hull)),
         Some(Standard::ReverseSpiral(spiral)) => Some(helm::reverse(spiral, record, hull)),
@@ -36,7 +36,7 @@ pub fn figures(standard: Option<Standard>, record: &Record, hull: &Hull) -> Resu
     if let Some((standard, figures)) = standard.zip(spiral) {
         Smoother::new(hull.length_m, standard.speed_m_s(), record.rate_hz)?;
         let (kind, sailed) = (standard.name(), String::new());
-        return Ok(Found { kind, sailed, figures: figures?, remarks: Vec::new() });
+        return Ok(SailedFigures { kind, sailed, figures: figures?, remarks: Vec::new() });
     }
     let sailed = match standard {
         Some(standard) if record.is_held => Sailed::simulated(standard, record, hull)?,
@@ -52,7 +52,8 @@ pub fn figures(standard: Option<Standard>, record: &Record, hull: &Hull) -> Resu
         match sailed.without_current(record) {
             Ok(Some((remark, still))) => {
                 remarks.push(remark);
-                let corrected = Measured { record: &still, speed_m_s: sailed.speed(&still), ..measured }.all()?;
+                let corrected =
+                    Measured { record: &still, speed_m_s: sailed.speed(&still), ..measured }.all()?;
                 for figure in &mut figures {
                     let same = corrected.iter().find(|other| other.name == figure.name);
                     figure.corrected = same.map(|other| other.value);
@@ -62,7 +63,7 @@ pub fn figures(standard: Option<Standard>, record: &Record, hull: &Hull) -> Resu
             Err(why) => remarks.push(why),
         }
     }
-    Ok(Found { kind: sailed.kind(), sailed: sailed.words(), figures, remarks })
+    Ok(SailedFigures { kind: sailed.kind(), sailed: sailed.words(), figures, remarks })
 }
 
 struct Measured<'a> {
@@ -75,12 +76,12 @@ struct Measured<'a> {
 
 /// The refusal of a heading that is not reached by changes of heading to the side of `to`.
 fn unreached(what: &str, turned: &[f64], expected: f64, to: Board) -> Invalid {
-    let [found, other] = [1.0, -1.0].map(|side| turned.iter().map(|psi| side * psi).fold(0.0, f64::max));
-    if let Some(wrong) = to.turned_away(found, other) {
+    let [most, other] = [1.0, -1.0].map(|side| turned.iter().map(|psi| side * psi).fold(0.0, f64::max));
+    if let Some(wrong) = to.turned_away(most, other) {
         return wrong;
     }
-    let [found, expected] = [found, expected].map(degrees);
-    Invalid::new(what, format!("{found} at the most"), expected, "run it longer, or with more helm")
+    let [most_degrees, expected] = [most, expected].map(degrees);
+    Invalid::new(what, format!("{most_degrees} at the most"), expected, "run it longer, or with more helm")
 }
 
 /// Whether an angle is so many degrees.
@@ -258,9 +259,9 @@ impl Measured<'_> {
                 if end >= self.record.last() {
                     return unreached("change of heading", turned, angle, to);
                 }
-                let found = format!("taken off after {} of turn to {to}", degrees(most));
+                let given = format!("taken off after {} of turn to {to}", degrees(most));
                 let expected = format!("held until {:.0}°", angle.to_degrees());
-                Invalid::new("helm", found, expected, "hold it longer")
+                Invalid::new("helm", given, expected, "hold it longer")
             })
         };
         let [quarter, half] = [at(FRAC_PI_2)?, at(PI)?];
@@ -306,10 +307,10 @@ impl Measured<'_> {
         let amidships = self.sailed.orders.get(1).map_or(self.sailed.orders[0].to, |order| order.from);
         let over = amidships.round() as usize;
         if !self.sailed.smoother.is_inside(over, self.record.last()) {
-            let found = format!("{:.1} s", self.record.last() as f64 / self.record.rate_hz);
+            let given = format!("{:.1} s", self.record.last() as f64 / self.record.rate_hz);
             let until_s = self.seconds(0.0, amidships);
             let expected = format!("more than {until_s} s, until the helm is amidships");
-            return Err(Invalid::new("pull-out", found, expected, "run it longer"));
+            return Err(Invalid::new("pull-out", given, expected, "run it longer"));
         }
         let tail = self.record.last() - (self.record.last() - over) / 5;
         let mean = |range| mean(&self.record.yaw_rate[range]).unwrap_or(0.0).to_degrees();
@@ -337,8 +338,8 @@ impl Measured<'_> {
         };
         let end = end.ok_or_else(|| {
             let least = self.record.surge[begin..].iter().copied().fold(f64::INFINITY, f64::min);
-            let (found, expected) = (format!("{least:.3} m/s at the least"), format!("{until:.3} m/s"));
-            Invalid::new("speed", found, expected, "run it longer")
+            let (given, expected) = (format!("{least:.3} m/s at the least"), format!("{until:.3} m/s"));
+            Invalid::new("speed", given, expected, "run it longer")
         })? + begin as f64;
         let [ahead, across] = self.run(end);
         let reach = self.track(end);
@@ -376,7 +377,7 @@ impl Sailed {
             let [start, end] = [from, to].map(|k| self.place(record, k as f64));
             [0, 1].map(|axis| (end[axis] - start[axis] - sum[axis]) / ((to - from) as f64 / record.rate_hz))
         };
-        let found = |to: [f64; 2], by: &str, over_ground: bool| {
+        let corrected = |to: [f64; 2], by: &str, over_ground: bool| {
             let (speed, course) = (size(to), libm::atan2(to[1], to[0]).to_degrees().rem_euclid(360.0));
             let words = format!(
                 "the track drifts at {speed:.2} m/s to {course:03.0}°, {by}: figures are corrected for it as for a steady \
@@ -403,13 +404,13 @@ impl Sailed {
             if size(to) < least || size(to).is_nan() {
                 return Ok(None);
             }
-            return Ok(found(to, "from places a whole turn apart", size(all) < 0.5 * size(to)));
+            return Ok(corrected(to, "from places a whole turn apart", size(all) < 0.5 * size(to)));
         }
         let [one, other] = if half > first + 2 { [off(first, half), off(half, end)] } else { [[0.0; 2]; 2] };
         let is_steady = size([one[0] - other[0], one[1] - other[1]]) < 0.5 * size(all);
         if size(all) >= least && is_steady {
             let by = "from the speeds of the log, which are through the water, against the track";
-            return Ok(found(all, by, false));
+            return Ok(corrected(all, by, false));
         }
         let turns = (record.heading[end] - self.course).abs() / TAU;
         Err(format!(

@@ -303,8 +303,8 @@ fn settled(record: &Record, input: usize, count: usize, dwell_s: f64) -> Result<
     let width = record.inputs.len() / record.last().max(1);
     let needed = count as f64 * dwell_s;
     if needed > (record.last() as f64 + 0.5) / record.rate_hz {
-        let found = format!("{:.1} s", record.last() as f64 / record.rate_hz);
-        return Err(Invalid::new("spiral", found, format!("{needed} s for all steps"), "run it longer"));
+        let given = format!("{:.1} s", record.last() as f64 / record.rate_hz);
+        return Err(Invalid::new("spiral", given, format!("{needed} s for all steps"), "run it longer"));
     }
     let one = |step: usize| {
         let from = record.sample((step as f64 + 0.75) * dwell_s);

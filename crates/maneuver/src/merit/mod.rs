@@ -10,7 +10,7 @@ use ship::model::Vessel;
 
 use crate::standard::Board;
 
-pub use figures::{Found, figures};
+pub use figures::{SailedFigures, figures};
 
 /// Half the time over which a heading is smoothed, as a part of the time in which the ship covers her length.
 const HALF: f64 = 0.3;
@@ -208,7 +208,7 @@ impl Smoother {
     pub fn peak(&self, values: &[f64], range: std::ops::Range<usize>) -> Option<(f64, f64)> {
         let mut top = range.clone().max_by(|a, b| values[*a].total_cmp(&values[*b]))?;
         // With noise the largest sample may be off the top by many.
-        let mut found = (top as f64, values[top]);
+        let mut peak = (top as f64, values[top]);
         for _ in 0..4 {
             if !self.is_inside(top, values.len()) {
                 return None;
@@ -216,14 +216,14 @@ impl Smoother {
             let [a, b, c] = parabola(self.window(top, values.len()), top, |k| values[k]);
             let away =
                 if c < 0.0 { (-0.5 * b / c).clamp(-(self.half as f64), self.half as f64) } else { 0.0 };
-            found = (top as f64 + away, a + away * (b + away * c));
+            peak = (top as f64 + away, a + away * (b + away * c));
             let next = (top as f64 + away.round()).max(0.0) as usize;
             if next == top {
                 break;
             }
             top = next;
         }
-        Some(found)
+        Some(peak)
     }
 
     /// A value, and its change in a sample.

@@ -171,10 +171,10 @@ impl Sailed {
             }
             None if matches!(wanted, Some(Standard::Stop(_))) => {
                 let least = record.surge.iter().copied().fold(f64::INFINITY, f64::min);
-                let found = format!("{least:.3} m/s at the least, or no order to the engine");
+                let given = format!("{least:.3} m/s at the least, or no order to the engine");
                 let expected = "an engine that is stopped or goes astern, and a ship that stops";
                 let remedy = "run it longer, or name the maneuver that it is";
-                return Err(Invalid::new("speed", found, expected, remedy));
+                return Err(Invalid::new("speed", given, expected, remedy));
             }
             None => Self::steered(wanted, record, hull, window)?,
         };
@@ -211,15 +211,15 @@ impl Sailed {
         if is_over {
             let turn = record.yaw_rate[begin..].iter().take(3).map(|r| r.abs()).fold(f64::INFINITY, f64::min);
             if turn * window / record.rate_hz > STEADY_TURN {
-                let found = format!("over at {} where the log begins, and a ship that turns", said(before));
+                let given = format!("over at {} where the log begins, and a ship that turns", said(before));
                 let expected = "the approach, and the order after it";
-                return Err(Invalid::new("helm", found, expected, "log from before the order on"));
+                return Err(Invalid::new("helm", given, expected, "log from before the order on"));
             }
         } else if most < least {
-            let found = format!("never more than {} from {}", said(most), said(before));
+            let given = format!("never more than {} from {}", said(most), said(before));
             let expected = format!("an order of a standard maneuver, at least {}", said(least));
             let remedy = "check the channel of the helm; a straight run has no figures";
-            return Err(Invalid::new("helm", found, expected, remedy));
+            return Err(Invalid::new("helm", given, expected, remedy));
         }
         let (amidships, from) = if is_over {
             (0.0, begin)
@@ -263,7 +263,8 @@ impl Sailed {
         let back = (over..helm.smooth.len()).find(|k| sign * off(*k) <= 0.3 * first);
         let held = &helm.smooth[over..back.unwrap_or(helm.smooth.len())];
         let near = (0.1 * (level - amidships).abs()).max(4.0 * helm.noise);
-        let is_held = held.iter().filter(|angle| (**angle - level).abs() <= near).count() * 3 > held.len() * 2;
+        let is_held =
+            held.iter().filter(|angle| (**angle - level).abs() <= near).count() * 3 > held.len() * 2;
         let sort = match orders.get(1) {
             Some(next) if next.side == -1 && end.abs() <= MOST_HEADING => Sort::ZigZag,
             Some(next) if next.side == 0 && is_pull_out && is_held => Sort::PullOut,
@@ -271,10 +272,10 @@ impl Sailed {
             None if matches!(wanted, Some(Standard::TurningCircle(_))) => Sort::Circle,
             _ => {
                 let what = if is_held { "a helm" } else { "steps of helm from" };
-                let found = format!("{what} of {} for {} of turn", said(level), degrees(end));
+                let given = format!("{what} of {} for {} of turn", said(level), degrees(end));
                 let expected = "a zig-zag, a turning circle, a pull-out or a stop";
                 let remedy = "run it longer, or name the helm and the heading in a dictionary";
-                return Err(Invalid::new("maneuver", found, expected, remedy));
+                return Err(Invalid::new("maneuver", given, expected, remedy));
             }
         };
         let mut size = (level - amidships).abs();
@@ -327,10 +328,10 @@ impl Sailed {
     fn compare(&mut self, wanted: Option<Standard>, hull: &Hull) -> Result<(), Invalid> {
         let Some(standard) = wanted else { return Ok(()) };
         if standard.name() != self.kind() {
-            let [found, said] = [self.words(), standard.name().to_owned()].map(|name| format!("a {name}"));
+            let [sailed, said] = [self.words(), standard.name().to_owned()].map(|name| format!("a {name}"));
             let remedy = "name the maneuver that was sailed, or leave out --dictionary";
             let expected = format!("{said}, as the dictionary says");
-            return Err(Invalid::new("maneuver of the log", found, expected, remedy));
+            return Err(Invalid::new("maneuver of the log", sailed, expected, remedy));
         }
         let (.., to) = ordered(standard, hull);
         if let Some(said) = to.filter(|to| *to != self.to) {
@@ -344,21 +345,21 @@ impl Sailed {
         if let Some([change, angle]) = self.helm {
             let differs = |seen: f64| (seen - wanted).abs() > (0.05 * wanted).max(0.018);
             if differs(change) && differs(angle) {
-                let [found, said] = [change, wanted].map(degrees);
-                self.remarks.push(format!("the helm was {found}, the dictionary says {said}"));
+                let [sailed, said] = [change, wanted].map(degrees);
+                self.remarks.push(format!("the helm was {sailed}, the dictionary says {said}"));
             }
         }
         if let Standard::ZigZagTest(test) = standard
             && (test.heading_rad - self.heading).abs() > 1e-6
         {
-            let [found, said] = [self.heading, test.heading_rad].map(degrees);
-            self.remarks.push(format!("the helm went over at {found}, the dictionary says {said}"));
+            let [sailed, said] = [self.heading, test.heading_rad].map(degrees);
+            self.remarks.push(format!("the helm went over at {sailed}, the dictionary says {said}"));
         }
         let speed = standard.speed_m_s();
         if (self.speed_m_s - speed).abs() > 2.0 * STEADY_SPEED * speed {
-            let found = self.speed_m_s;
+            let sailed = self.speed_m_s;
             self.remarks.push(format!(
-                "the speed of the approach was {found:.2} m/s, the dictionary says {speed:.2} m/s"
+                "the speed of the approach was {sailed:.2} m/s, the dictionary says {speed:.2} m/s"
             ));
         }
         Ok(())
@@ -427,11 +428,12 @@ fn angle(helm: &Settings, hull: &Hull) -> Option<f64> {
 /// What kind of stop a log is, and when the engine was ordered, in samples; `None` where she does not stop, or no engine of
 /// those that are `named`, or of all, does anything before.
 fn stop(named: &Settings, record: &Record, hull: &Hull, window: f64) -> Option<(Sort, f64)> {
-    let engines =
-        hull.vessel.model.input_variables().iter().zip(&hull.vessel.couplings).filter(|(variable, follows)| {
+    let engines = hull.vessel.model.input_variables().iter().zip(&hull.vessel.couplings).filter(
+        |(variable, follows)| {
             let is_named = named.is_empty() || named.contains_key(&variable.name);
             follows.is_none() && radians(&variable.unit).is_none() && is_named
-        });
+        },
+    );
     let one = |name: &String| {
         let engine = Helm::of(record, hull.vessel, &Settings::from([(name.clone(), 1.0)]), window)?;
         let before = engine.smooth[0];
@@ -453,6 +455,6 @@ fn stop(named: &Settings, record: &Record, hull: &Hull, window: f64) -> Option<(
         let sort = Sort::Stop { is_inertial: level.abs() <= 0.1 * before.abs(), is_full_astern };
         Some(((sort, orders.first()?.from), most / before.abs()))
     };
-    let found = engines.filter_map(|(variable, _)| one(&variable.name));
-    found.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(stop, _)| stop)
+    let stops = engines.filter_map(|(variable, _)| one(&variable.name));
+    stops.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(stop, _)| stop)
 }

@@ -35,8 +35,8 @@ impl Board {
             return None;
         }
         let back = [Self::Port, Self::Starboard][self as usize];
-        let found = format!("she turned to {back} by {:.1}°, {self} was ordered", other.to_degrees());
-        Some(Invalid::new("change of heading", found, format!("a turn to {self}"), WRONG_SIGN))
+        let given = format!("she turned to {back} by {:.1}°, {self} was ordered", other.to_degrees());
+        Some(Invalid::new("change of heading", given, format!("a turn to {self}"), WRONG_SIGN))
     }
 }
 
@@ -301,8 +301,8 @@ impl Standard<'_> {
 
     /// Refuses what cannot be carried out by any ship; `name` is the maneuver's.
     pub(crate) fn check(&self, name: &str, duration_s: Option<f64>) -> Result<(), Invalid> {
-        let refuse = |key: &str, found: String, expected: &str| {
-            Err(Invalid::new(format!("maneuver `{name}`, `{key}`"), found, expected, "correct it"))
+        let refuse = |key: &str, given: String, expected: &str| {
+            Err(Invalid::new(format!("maneuver `{name}`, `{key}`"), given, expected, "correct it"))
         };
         let seconds = |key: &'static str, value: f64, zero: bool| match value {
             _ if (zero && value == 0.0) || (value > 0.0 && value <= LONGEST_S) => Ok(()),
@@ -313,8 +313,8 @@ impl Standard<'_> {
             _ => refuse(key, value.to_string(), &format!("more than 0, at most {most} {unit}")),
         };
         let (key, settings) = self.settings();
-        if let Some((input, found)) = settings.iter().find(|(_, value)| !value.is_finite()) {
-            return refuse(&format!("{key}.{input}"), found.to_string(), "a finite number");
+        if let Some((input, given)) = settings.iter().find(|(_, value)| !value.is_finite()) {
+            return refuse(&format!("{key}.{input}"), given.to_string(), "a finite number");
         }
         if !matches!(self, Self::Stop(_)) && settings.values().all(|value| *value == 0.0) {
             return refuse(
@@ -374,10 +374,10 @@ pub(crate) fn check_names(
         if place.filter(free).is_none() {
             let known: Vec<String> =
                 (0..inputs.len()).filter(free).map(|i| format!("`{}`", inputs[i].name)).collect();
-            let found = if place.is_some() { "an input that follows another" } else { "no input" };
+            let given = if place.is_some() { "an input that follows another" } else { "no input" };
             return Err(Invalid::new(
                 format!("maneuver `{name}`, `{key}.{input}`"),
-                found,
+                given,
                 format!("one of {} of the vessel", known.join(", ")),
                 "correct the name",
             ));
@@ -387,8 +387,8 @@ pub(crate) fn check_names(
 }
 
 fn spiral(name: &str, steps: u32, dwell_s: f64) -> Result<(), Invalid> {
-    let refuse = |key: &str, found: String, expected: String| {
-        Err(Invalid::new(format!("maneuver `{name}`, `{key}`"), found, expected, "correct it"))
+    let refuse = |key: &str, given: String, expected: String| {
+        Err(Invalid::new(format!("maneuver `{name}`, `{key}`"), given, expected, "correct it"))
     };
     if !(1..=MOST_STEPS).contains(&steps) {
         return refuse("steps", steps.to_string(), format!("1 to {MOST_STEPS}"));

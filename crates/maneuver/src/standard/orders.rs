@@ -123,7 +123,8 @@ impl Orders {
             Standard::ZigZagTest(test) => {
                 sequence.hold(held, test.hold_s);
                 sequence.again = Some(sequence.course_at);
-                (sequence.delay_s, sequence.every_s, sequence.sensors) = (test.delay_s, test.every_s, test.sensors);
+                (sequence.delay_s, sequence.every_s, sequence.sensors) =
+                    (test.delay_s, test.every_s, test.sensors);
                 for side in [test.to.sign(), -test.to.sign()] {
                     sequence.order(helm_of(side), Until::Heading(side * test.heading_rad));
                 }
@@ -336,7 +337,8 @@ impl Helmsman {
 
     /// The helm for the yaw rate of the present order.
     fn turn(&mut self, yaw_rate: f64) {
-        if let (Act::Turn(rate), Some(turning)) = (&self.program.orders[self.now].act, &self.program.turning) {
+        if let (Act::Turn(rate), Some(turning)) = (&self.program.orders[self.now].act, &self.program.turning)
+        {
             let wanted = self.turning.wanted(&turning.gains, [0.0, 0.0, rate - yaw_rate]);
             let part = wanted[2] / turning.authority;
             self.part = part.clamp(-1.0, 1.0);

@@ -138,10 +138,10 @@ pub(super) fn diagnosed(whole: &Sums, normal: &Normal, removal: MeanRemoval, d: 
     diagnosis.condition = normal.excitation().condition;
     diagnosis.variation = variation(whole, d);
     match numerics::weakest(width, &scaled) {
-        Some(found) => {
-            diagnosis.index = (1.0 / found.ratio).sqrt();
-            diagnosis.weakest = found.dominant(p);
-            diagnosis.direction = found.direction;
+        Some(weakest) => {
+            diagnosis.index = (1.0 / weakest.ratio).sqrt();
+            diagnosis.weakest = weakest.dominant(p);
+            diagnosis.direction = weakest.direction;
         }
         None => diagnosis.weakest = normal.excitation().weakest,
     }

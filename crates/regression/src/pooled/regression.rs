@@ -167,14 +167,14 @@ pub fn strength(parts: &[&Regression], centring: &Centring, d: usize) -> Option<
 #[derive(Clone, Debug, Default)]
 pub struct Strength {
     /// p, and S_φφ, S_ζζ, S_ζφ.
-    found: Option<(usize, [Vec<f64>; 3])>,
+    sums: Option<(usize, [Vec<f64>; 3])>,
 }
 
 impl Strength {
     /// Adds degree of freedom `d` of part number `i`.
     pub fn add(&mut self, i: usize, part: &DegreeRegression, centring: &Centring, d: usize) {
         let p = part.parameters;
-        let (_, sums) = self.found.get_or_insert_with(|| (p, [0; 3].map(|_| vec![0.0; p * p])));
+        let (_, sums) = self.sums.get_or_insert_with(|| (p, [0; 3].map(|_| vec![0.0; p * p])));
         let (mut zeta, mut phi) = (Vec::new(), Vec::new());
         for k in 0..part.target.len() {
             centring.zeta(i, d, part.zeta(k), &mut zeta);
@@ -187,7 +187,7 @@ impl Strength {
 
     /// See [`strength`].
     pub fn partial(self) -> Option<Vec<f64>> {
-        let (p, sums) = self.found?;
+        let (p, sums) = self.sums?;
         let scale: Vec<[f64; 2]> = (0..p).map(|i| [0, 1].map(|s: usize| sums[s][i * p + i].sqrt())).collect();
         let scaled = |which: usize, rows: usize, columns: usize| -> Vec<f64> {
             (0..p * p).map(|k| sums[which][k] / (scale[k / p][rows] * scale[k % p][columns])).collect()
@@ -197,8 +197,11 @@ impl Strength {
         numerics::solve(p, &mut instruments.clone(), &mut projected)?;
         let explained = product(p, &transposed(p, &mixed), &projected);
         let (total, explained) = (inverse_diagonal(p, &regressors)?, inverse_diagonal(p, &explained)?);
-        let partial: Vec<f64> =
-            total.iter().zip(&explained).map(|(total, explained)| (total / explained).clamp(0.0, 1.0)).collect();
+        let partial: Vec<f64> = total
+            .iter()
+            .zip(&explained)
+            .map(|(total, explained)| (total / explained).clamp(0.0, 1.0))
+            .collect();
         partial.iter().all(|x| x.is_finite()).then_some(partial)
     }
 }
@@ -443,13 +446,15 @@ impl ResidualTests {
                 let correlation = crossed / size;
                 let z = correlation / spread;
                 if strongest.as_ref().is_none_or(|(best, _)| z.abs() > *best) {
-                    let found = CrossCorrelation { instrument, lag, correlation, p_value: normal_tails(z) };
-                    strongest = Some((z.abs(), found));
+                    let crossing =
+                        CrossCorrelation { instrument, lag, correlation, p_value: normal_tails(z) };
+                    strongest = Some((z.abs(), crossing));
                 }
             }
         }
         let tests = (2 * lags * self.signals.len()) as f64;
-        strongest.map(|(_, found)| CrossCorrelation { p_value: sidak(found.p_value, tests), ..found })
+        strongest
+            .map(|(_, crossing)| CrossCorrelation { p_value: sidak(crossing.p_value, tests), ..crossing })
     }
 }
 

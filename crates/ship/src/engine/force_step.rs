@@ -73,9 +73,9 @@ impl<'m, X: Real> Moving<'m, X> {
             let relative = [0, 1, 2].map(|d: usize| unknown(point.relative[d], d));
             let row = point.exogenous.iter().enumerate().map(|(i, value)| unknown(*value, 3 + i));
             let (exogenous, current) = (row.collect::<Vec<_>>(), point.current.map(Dual::constant));
-            let found = increments(body, Point { relative, exogenous: &exogenous, current }, *sample_s);
+            let changes = increments(body, Point { relative, exogenous: &exogenous, current }, *sample_s);
             for (i, row) in out[first..variables.end].iter_mut().take(AT_ONCE).enumerate() {
-                *row = found.map(|dual| dual.tangents[i]);
+                *row = changes.map(|dual| dual.tangents[i]);
             }
         }
     }
@@ -142,8 +142,8 @@ impl<const G: usize> Stepping for Wide<G> {
         let mut out = [Self::ZERO; 3];
         for (group, lane) in moving.iter().enumerate() {
             let exogenous: Vec<Lane> = point.exogenous.iter().map(|wide| wide.0[group]).collect();
-            let found = Lane::increments(lane, in_group(&point, &exogenous, group));
-            (0..3).for_each(|d| out[d].0[group] = found[d]);
+            let changes = Lane::increments(lane, in_group(&point, &exogenous, group));
+            (0..3).for_each(|d| out[d].0[group] = changes[d]);
         }
         out
     }
@@ -156,10 +156,10 @@ impl<const G: usize> Stepping for Wide<G> {
     ) {
         for (group, lane) in moving.iter_mut().enumerate() {
             let exogenous: Vec<Lane> = point.exogenous.iter().map(|wide| wide.0[group]).collect();
-            let mut found = vec![[Lane::ZERO; 3]; out.len()];
-            Lane::gradients(lane, in_group(&point, &exogenous, group), variables.clone(), &mut found);
+            let mut slopes = vec![[Lane::ZERO; 3]; out.len()];
+            Lane::gradients(lane, in_group(&point, &exogenous, group), variables.clone(), &mut slopes);
             for variable in variables.clone() {
-                (0..3).for_each(|d| out[variable][d].0[group] = found[variable][d]);
+                (0..3).for_each(|d| out[variable][d].0[group] = slopes[variable][d]);
             }
         }
     }

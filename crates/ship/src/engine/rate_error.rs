@@ -91,7 +91,8 @@ impl Divided {
         let free: Vec<usize> = (0..inputs.len()).filter(|i| vessel.couplings[*i].is_none()).collect();
         let ranges: Vec<[f64; 2]> = motion.into_iter().chain(free.iter().map(|i| inputs[*i])).collect();
         let count = settings(ranges.len());
-        let names: Vec<&str> = vessel.model.input_variables().iter().map(|variable| variable.name.as_str()).collect();
+        let names: Vec<&str> =
+            vessel.model.input_variables().iter().map(|variable| variable.name.as_str()).collect();
         let mut compiled = Compiled::new(&self.whole, parameters);
         for number in 0..count.saturating_pow(ranges.len() as u32).min(MOST_POINTS) {
             let mut rest = number;
@@ -137,7 +138,7 @@ impl Divided {
     ///
     /// # Errors
     /// A step that does not go on forward; parts that are off by more than 0.2 % of a standard deviation.
-    pub fn found(&self) -> Result<[[f64; 3]; 2], Invalid> {
+    pub fn errors(&self) -> Result<[[f64; 3]; 2], Invalid> {
         let remedy = "take a rate nearer to the vessel's, or a vessel with `model = \"forces\"`";
         if let Some(point) = &self.backward {
             return Err(Invalid::new(
@@ -162,11 +163,11 @@ impl Divided {
             None => Ok([parts, orders]),
             Some(d) => {
                 let state = ["u", "v", "r"][d];
-                let found = format!(
+                let given = format!(
                     "{:.2} % of the standard deviation of {state} between a step and its parts",
                     100.0 * parts[d]
                 );
-                Err(Invalid::new("sampling rate", found, format!("at most {} %", 100.0 * MOST), remedy))
+                Err(Invalid::new("sampling rate", given, format!("at most {} %", 100.0 * MOST), remedy))
             }
         }
     }
@@ -174,9 +175,9 @@ impl Divided {
     /// The statement about it.
     ///
     /// # Errors
-    /// As [`Self::found`].
+    /// As [`Self::errors`].
     pub fn statement(&self) -> Result<String, Invalid> {
-        let [parts, orders] = self.found()?;
+        let [parts, orders] = self.errors()?;
         let percent = |all: [f64; 3]| all.map(|share| format!("{:.3}", 100.0 * share)).join(", ");
         Ok(format!(
             "Newton's forward formula of order {}: {} steps differ from one of the vessel's by {} % of the standard deviations of u, v, \

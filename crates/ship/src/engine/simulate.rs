@@ -401,8 +401,8 @@ pub fn refuse_endless(thing: impl Into<String>, samples: usize) -> Result<(), In
     if samples <= MOST_SAMPLES {
         return Ok(());
     }
-    let (found, expected) = (format!("{samples} samples"), format!("at most {MOST_SAMPLES} samples"));
-    Err(Invalid::new(thing, found, expected, "shorten it"))
+    let (given, expected) = (format!("{samples} samples"), format!("at most {MOST_SAMPLES} samples"));
+    Err(Invalid::new(thing, given, expected, "shorten it"))
 }
 
 /// Simulates one run in still water along its inputs. Where they are held during each sample, as those of simulated runs are, this

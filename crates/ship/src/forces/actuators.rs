@@ -153,13 +153,13 @@ fn check_ahead(spec: &PropellerSpec, channel: &Channel) -> Result<(), Invalid> {
     if spec.astern.is_some() || low.is_some_and(|low| low >= 0.0) {
         return Ok(());
     }
-    let found = match low {
+    let given = match low {
         Some(low) => format!("`range` of input `{}` from {low}", channel.name),
         None => format!("input `{}` without a `range`", channel.name),
     };
     let expected = "a lowest setting of 0 or more: without `astern` its thrust law holds ahead only";
     let remedy = "state such a `range`, or the coefficients `astern`";
-    Err(Invalid::new(format!("[[propeller]] `{}`", spec.name), found, expected, remedy))
+    Err(Invalid::new(format!("[[propeller]] `{}`", spec.name), given, expected, remedy))
 }
 
 /// The longest lag and dead time \[s\].
@@ -287,8 +287,8 @@ impl Thruster {
 
 /// Refuses keys that say nothing together.
 fn check(spec: &ThrusterSpec) -> Result<(), Invalid> {
-    let refuse = |found: &str, expected: &str, remedy: &str| {
-        Err(Invalid::new(format!("[[thruster]] `{}`", spec.name), found, expected, remedy))
+    let refuse = |given: &str, expected: &str, remedy: &str| {
+        Err(Invalid::new(format!("[[thruster]] `{}`", spec.name), given, expected, remedy))
     };
     if spec.angle.is_some() && spec.angle_deg.is_some() {
         return refuse("`angle` and `angle_deg`", "a channel or a fixed angle", "remove one of them");
@@ -426,13 +426,13 @@ fn behind(spec: &RudderSpec, propellers: &[Propeller]) -> Result<Option<usize>, 
     let Some(name) = &spec.behind else { return Ok(None) };
     let thing = format!("`behind` of rudder `{}`", foreign(&spec.name));
     let Some(at) = propellers.iter().position(|propeller| propeller.name == *name) else {
-        let found = format!("`{}`", foreign(name));
+        let given = format!("`{}`", foreign(name));
         let known: Vec<&str> = propellers.iter().map(|propeller| propeller.name.as_str()).collect();
         let expected = match known.is_empty() {
             true => "a [[propeller]], of which there is none".to_owned(),
             false => format!("a propeller: {}", known.join(", ")),
         };
-        return Err(Invalid::new(thing, found, expected, "describe that propeller, or remove `behind`"));
+        return Err(Invalid::new(thing, given, expected, "describe that propeller, or remove `behind`"));
     };
     if spec.height_m.is_none() {
         let expected = "`height_m`, which says how much of the rudder is in the jet";

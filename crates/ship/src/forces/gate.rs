@@ -172,24 +172,24 @@ impl<'a> StatedNumbers<'a> {
     fn size(&mut self) {
         let (length, draught, speed) = (self.length, self.draught, self.ship.ship.speed_m_s);
         let (density, block) = (self.ship.density_kg_m3, 5.0 * self.fullness());
-        let found = format!("{density} kg/m³");
+        let given = format!("{density} kg/m³");
         self.put(
             "density_kg_m3",
-            found,
+            given,
             density,
             [0.0, 980.0, 1040.0, MOST],
             ["kg/m³", "give that of the water"],
         );
-        let found = format!("{draught} m, {} of the length", short(draught / length));
-        self.put("draught_m", found, draught / length, [2e-3, 0.01, 0.18, 0.6], ["of the length", MASS]);
+        let given = format!("{draught} m, {} of the length", short(draught / length));
+        self.put("draught_m", given, draught / length, [2e-3, 0.01, 0.18, 0.6], ["of the length", MASS]);
         let [mass, low, high] = [self.mass, block, 1.7 * block].map(short);
-        let found =
+        let given =
             format!("{mass} kg: a block coefficient of {low} to {high} with a beam of 1/5 to 1/8.5 lengths");
-        self.put("mass_kg", found, block, [0.025, 0.15, 1.0, 5.0], ["with 1/5", MASS]);
+        self.put("mass_kg", given, block, [0.025, 0.15, 1.0, 5.0], ["with 1/5", MASS]);
         let froude = speed / (GRAVITY * length).sqrt();
-        let found = format!("{speed} m/s, a Froude number of {}", short(froude));
+        let given = format!("{speed} m/s, a Froude number of {}", short(froude));
         let most = (100.0 * self.froude()).round() / 100.0;
-        self.put("speed_m_s", found, froude, [1e-3, 0.01, most, 5.0], ["for a hull as full as this", SPEED]);
+        self.put("speed_m_s", given, froude, [1e-3, 0.01, most, 5.0], ["for a hull as full as this", SPEED]);
         // A full and slow ship has her centre of gravity ahead.
         let aft = if self.fullness() > 0.12 && froude < 0.19 { -0.02 } else { -0.1 };
         let x_g = self.of("ship.x_g_m").unwrap_or_default() / length;
@@ -206,12 +206,14 @@ impl<'a> StatedNumbers<'a> {
             None => ("gyration_m", gyration, gyration * gyration),
         };
         let share = square.signum() * square.abs().sqrt() / length;
-        let found = match square < 0.0 {
-            true => format!("{} kg m², less than mass times x_g², {}", short(number), short(mass * x_g * x_g)),
+        let given = match square < 0.0 {
+            true => {
+                format!("{} kg m², less than mass times x_g², {}", short(number), short(mass * x_g * x_g))
+            }
             false => format!("{}, a gyration of {} lengths", short(number), short(share)),
         };
         let words = ["lengths about the centre of gravity", INERTIA];
-        self.put(key, found, share, [0.0, 0.15, 0.35, 0.5], words);
+        self.put(key, given, share, [0.0, 0.15, 0.35, 0.5], words);
         for (key, over, [least, low, high]) in [
             ("surge", mass, [0.0, 0.005, 0.5]),
             ("sway", mass, [0.0, 0.1, 6.0]),
@@ -221,8 +223,8 @@ impl<'a> StatedNumbers<'a> {
         ] {
             let name = format!("ship.added_mass.{key}");
             let Some(number) = self.of(&name).filter(|number| *number != 0.0) else { continue };
-            let found = format!("{} in SI units, {} of the ship's own", short(number), short(number / over));
-            self.put(&name, found, number / over, [least, low, high, MOST], ["of the ship's own", ADDED]);
+            let given = format!("{} in SI units, {} of the ship's own", short(number), short(number / over));
+            self.put(&name, given, number / over, [least, low, high, MOST], ["of the ship's own", ADDED]);
         }
     }
 
@@ -241,15 +243,15 @@ impl<'a> StatedNumbers<'a> {
                 let Some(deviation) = of_powers(d, powers) else { continue };
                 // Resistance of small craft is greater.
                 let most = FAR * deviation * if (d, powers) == (0, [0, 0]) { 2.5 } else { 1.0 };
-                let found = format!("{} in the prime system of ½ρLd", short(number));
-                self.put(&spec.parameter, found, number, [-MOST, -most, most, MOST], ["there", SYSTEM]);
+                let given = format!("{} in the prime system of ½ρLd", short(number));
+                self.put(&spec.parameter, given, number, [-MOST, -most, most, MOST], ["there", SYSTEM]);
             }
         }
         for ((sum, name), (_, words, [low, high])) in sums.into_iter().zip(SUMS).filter(|sum| sum.0.0 != 0.0)
         {
-            let found = format!("{} in the prime system of ½ρLd, all terms in {words}", short(sum));
+            let given = format!("{} in the prime system of ½ρLd, all terms in {words}", short(sum));
             let words = ["there: what slows her down is negative", SYSTEM];
-            self.put(&name, found, sum, [-MOST, low, high, MOST], words);
+            self.put(&name, given, sum, [-MOST, low, high, MOST], words);
         }
     }
 
@@ -290,8 +292,8 @@ impl<'a> StatedNumbers<'a> {
             Over::Side => self.length * self.draught,
         };
         let near = if bounds[2] == -0.2 && number.abs() < 0.2 * size { "amidships, " } else { "" };
-        let found = format!("{}, {near}{} {}", short(number), short(number / size), over.words()[0]);
-        self.put(&name, found.trim_end().to_owned(), number / size, bounds, over.words());
+        let given = format!("{}, {near}{} {}", short(number), short(number / size), over.words()[0]);
+        self.put(&name, given.trim_end().to_owned(), number / size, bounds, over.words());
     }
 }
 

@@ -221,8 +221,8 @@ impl Guesser {
         .find(|(_, number)| *number <= 0.0);
         let Some((name, _)) = wrong else { return Ok(()) };
         let expected = "dimensions nearer to those of the ships that the formulas were fitted to";
-        let found = format!("a sign of {name} that no hull has");
-        Err(Invalid::new("the dimensions", found, expected, "describe such a ship by hand"))
+        let given_sign = format!("a sign of {name} that no hull has");
+        Err(Invalid::new("the dimensions", given_sign, expected, "describe such a ship by hand"))
     }
 
     /// Resistance in the prime system: friction by the line of ITTC 1957 on a wetted surface by Denny and Mumford, and

@@ -77,10 +77,10 @@ impl Mass {
                 Err(builder.number("ship", "inertia_kg_m2", Some(inertia), 0.0, mass(prime, "kg m²", 2))?)
             }
             (both, _) => {
-                let found =
+                let given =
                     if both.is_some() { "`gyration_m` and `inertia_kg_m2`" } else { "neither of them" };
                 let expected = "`gyration_m` or `inertia_kg_m2`";
-                return Err(Invalid::new("[ship]", found, expected, "give the one that is known"));
+                return Err(Invalid::new("[ship]", given, expected, "give the one that is known"));
             }
         };
         let added = &ship.added_mass;
@@ -95,7 +95,13 @@ impl Mass {
             number("sway_yaw", added.sway_yaw.as_ref(), "kg m", 1)?,
             number("yaw_sway", added.yaw_sway.as_ref(), "kg m", 1)?,
         ];
-        Ok(Self { mass: mass_kg, x_g, gyration, added, coriolis: ship.coriolis.unwrap_or(Coriolis::WithoutMunk) })
+        Ok(Self {
+            mass: mass_kg,
+            x_g,
+            gyration,
+            added,
+            coriolis: ship.coriolis.unwrap_or(Coriolis::WithoutMunk),
+        })
     }
 
     /// The inertia with these numbers.

@@ -93,9 +93,9 @@ impl Entry {
             return Err(self.refused(number.to_string(), "a finite number", "correct it"));
         }
         if nominal.is_some() && prime.is_some() {
-            let found = "both `nominal` and `prime`";
+            let given = "both `nominal` and `prime`";
             return Err(self.refused(
-                found,
+                given,
                 "a number in SI units or in the prime system",
                 "remove one of them",
             ));
@@ -124,8 +124,8 @@ impl Entry {
         }
         let constrained = [*fixed, tied_to.is_some()].into_iter().filter(|is_set| *is_set).count();
         if constrained > 1 || (constrained == 1 && (prior.is_some() || bounds.is_some())) {
-            let found = "`fixed` or `tied_to` with `prior`, `bounds` or each other";
-            return Err(self.refused(found, "one of them", "remove the others"));
+            let given = "`fixed` or `tied_to` with `prior`, `bounds` or each other";
+            return Err(self.refused(given, "one of them", "remove the others"));
         }
         if factor.is_some() && tied_to.is_none() {
             return Err(self.refused("`factor` alone", "`factor` together with `tied_to`", "remove it"));
@@ -148,14 +148,14 @@ impl Entry {
         let inside = |number: f64, [low, high]: [f64; 2]| low <= number && number <= high;
         match (bounds, self.written()) {
             (Some(bounds), _) if bounds[0].is_nan() || bounds[1].is_nan() || bounds[0] >= bounds[1] => {
-                let found = format!("`bounds` [{}, {}]", bounds[0], bounds[1]);
-                Err(self.refused(found, "a lower and a higher bound", "swap or correct them"))
+                let given = format!("`bounds` [{}, {}]", bounds[0], bounds[1]);
+                Err(self.refused(given, "a lower and a higher bound", "swap or correct them"))
             }
             (Some(bounds), Some(number))
                 if ![Some(number), *value].into_iter().flatten().all(|known| inside(known, *bounds)) =>
             {
-                let found = format!("{number} beyond its `bounds` [{}, {}]", bounds[0], bounds[1]);
-                Err(self.refused(found, "numbers within the bounds", "correct one of them"))
+                let given = format!("{number} beyond its `bounds` [{}, {}]", bounds[0], bounds[1]);
+                Err(self.refused(given, "numbers within the bounds", "correct one of them"))
             }
             _ => Ok(()),
         }
@@ -194,7 +194,9 @@ impl Builder {
             Some(Number::Plain(plain)) if measured.plain_prime => {
                 (NumberSpec { prime: Some(*plain), ..NumberSpec::default() }, true)
             }
-            Some(Number::Plain(plain)) => (NumberSpec { nominal: Some(*plain), ..NumberSpec::default() }, true),
+            Some(Number::Plain(plain)) => {
+                (NumberSpec { nominal: Some(*plain), ..NumberSpec::default() }, true)
+            }
             None => (NumberSpec { nominal: Some(default), ..NumberSpec::default() }, true),
         };
         self.add(Entry { name: format!("{owner}.{key}"), spec, measured, known, stated: number.is_some() })
@@ -460,9 +462,9 @@ pub(crate) fn driven(
     let factor = units.iter().find(|(known, _)| *known == unit).map(|(_, factor)| *factor);
     let factor = factor.ok_or_else(|| {
         let expected: Vec<&str> = units.iter().map(|(known, _)| *known).collect();
-        let found = format!("channel `{}` in `{}`", foreign(name), foreign(unit));
+        let given = format!("channel `{}` in `{}`", foreign(name), foreign(unit));
         let thing = format!("`{key}` of `{}`", foreign(owner));
-        Invalid::new(thing, found, expected.join(", "), "state the channel in one of these units")
+        Invalid::new(thing, given, expected.join(", "), "state the channel in one of these units")
     })?;
     Ok(Driven { channel, factor })
 }

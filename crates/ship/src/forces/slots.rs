@@ -29,7 +29,7 @@ pub(crate) struct Slot<'a> {
 }
 
 /// What is known about a number that is no plain one.
-pub(crate) struct Parts<'a> {
+pub(crate) struct NumberParts<'a> {
     /// In SI units, in the prime system.
     pub numbers: [&'a mut Option<f64>; 2],
     /// The truth.
@@ -46,12 +46,12 @@ pub(crate) struct Parts<'a> {
 
 impl Place<'_> {
     /// Its parts; none for a plain number.
-    pub fn parts(&mut self) -> Option<Parts<'_>> {
+    pub fn parts(&mut self) -> Option<NumberParts<'_>> {
         Some(match self {
             Self::Term(TermSpec { nominal, prime, value, prior, bounds, tied_to, factor, .. }) => {
-                Parts { numbers: [nominal, prime], value, prior, bounds, tied_to, factor }
+                NumberParts { numbers: [nominal, prime], value, prior, bounds, tied_to, factor }
             }
-            Self::Component(Number::Table(table)) => Parts {
+            Self::Component(Number::Table(table)) => NumberParts {
                 numbers: [&mut table.nominal, &mut table.prime],
                 value: &mut table.value,
                 prior: &mut table.prior,
@@ -256,7 +256,11 @@ impl<'a> Walk<'a, '_> {
             lag_s,
             dead_time_s,
         } = thruster_spec;
-        let unit = self.channels.iter().find(|channel| channel.name == *input).map_or("", |channel| channel.unit.as_str());
+        let unit = self
+            .channels
+            .iter()
+            .find(|channel| channel.name == *input)
+            .map_or("", |channel| channel.unit.as_str());
         let unit = Dimension::of_unit(unit).ok_or_else(|| unit.to_owned());
         let over = |power: i32, speeds: i32| {
             unit.clone().map(|unit| Dimension::FORCE.times(unit, -power).times(Dimension::SPEED, -speeds))

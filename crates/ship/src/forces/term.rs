@@ -161,12 +161,12 @@ fn measured(
             Some(channel) => {
                 let unit = channels[channel].unit.as_str();
                 if spec.prime.is_some() && !["rad", "1", ""].contains(&unit) {
-                    let found =
+                    let given =
                         format!("`prime` with channel `{}` in `{}`", channels[channel].name, foreign(unit));
                     let expected = "channels in rad or without a unit in terms of the prime system";
                     return Err(refused(
                         spec,
-                        &found,
+                        &given,
                         expected,
                         "write the number as `nominal`, in SI units",
                     ));
@@ -228,9 +228,9 @@ impl Parser<'_> {
         {
             return Ok(rest.trim_start());
         }
-        let (modulus, name, rest) = parse_name(text).map_err(|found| self.malformed(&found))?;
+        let (modulus, name, rest) = parse_name(text).map_err(|fault| self.malformed(&fault))?;
         let variable = self.variable(name)?;
-        let (power, rest) = parse_power(rest).map_err(|found| self.malformed(&found))?;
+        let (power, rest) = parse_power(rest).map_err(|fault| self.malformed(&fault))?;
         if divides {
             self.check_division(name, variable)?;
         }
@@ -263,11 +263,11 @@ impl Parser<'_> {
         if channel.and_then(|channel| channel.range).is_some_and(|[low, high]| low > 0.0 || high < 0.0) {
             return Ok(());
         }
-        let found = format!("a division by `{name}`, which can be 0");
+        let given = format!("a division by `{name}`, which can be 0");
         let expected = "a division by `U`, or by an input whose `range` is without 0";
         Err(refused(
             self.spec,
-            &found,
+            &given,
             expected,
             "state such a `range`, or write the term without this division",
         ))
@@ -374,9 +374,9 @@ impl Wind {
         let area = || Measured::si("m²").or_prime(prime.length * prime.draught);
         let mut all = |key: &str, numbers: &[Number]| {
             if numbers.len() > MOST {
-                let found = format!("{} harmonics", numbers.len());
+                let given = format!("{} harmonics", numbers.len());
                 let thing = format!("`{key}` of wind `{name}`");
-                return Err(Invalid::new(thing, found, format!("at most {MOST}"), "remove the others"));
+                return Err(Invalid::new(thing, given, format!("at most {MOST}"), "remove the others"));
             }
             let one = |(i, number)| {
                 builder.number(name, &format!("{key}.{}", i + 1), Some(number), 0.0, Measured::pure())
@@ -412,7 +412,8 @@ impl Wind {
         let mut sums = [X::ZERO; 3];
         for k in 0..most {
             let (sine, cosine) = direction.times((k + 1) as f64).sine_and_cosine();
-            for (sum, (series, part)) in sums.iter_mut().zip(self.harmonics.iter().zip([cosine, sine, sine])) {
+            for (sum, (series, part)) in sums.iter_mut().zip(self.harmonics.iter().zip([cosine, sine, sine]))
+            {
                 if let Some(coefficient) = series.get(k) {
                     *sum += coefficient.of(numbers) * part;
                 }

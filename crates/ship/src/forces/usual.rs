@@ -117,7 +117,7 @@ impl Description {
         let written = |terms: &[TermSpec]| terms.iter().position(|spec| spec.parameter == parameter.name);
         let place = terms.iter().enumerate().find_map(|(d, terms)| Some((d, &terms[written(terms)?])));
         let share = SHARE * parameter.nominal.abs();
-        let found = match place {
+        let deviation = match place {
             Some((d, spec)) => {
                 // By ½ρL², where the ship's forces are, numbers are smaller.
                 let area = match self.ship.area {
@@ -134,11 +134,16 @@ impl Description {
                 usual.map(|number| number.2).next().unwrap_or(share)
             }
         };
-        if found > 0.0 {
-            return Ok(found);
+        if deviation > 0.0 {
+            return Ok(deviation);
         }
         let expected = "a `prior`: no standard deviation of such a number is usual";
-        Err(Invalid::new(format!("`{}`", foreign(&parameter.name)), "0 without a `prior`", expected, "add one"))
+        Err(Invalid::new(
+            format!("`{}`", foreign(&parameter.name)),
+            "0 without a `prior`",
+            expected,
+            "add one",
+        ))
     }
 }
 
@@ -288,10 +293,10 @@ impl Similarity {
     fn apply(&self, slot: &mut Slot, known: &[Tied]) -> Result<(), Invalid> {
         let dimension = slot.dimension.clone();
         let unscaled = |unit: &str| {
-            let found = format!("a number in SI units, of a channel in `{}`", foreign(unit));
+            let given = format!("a number in SI units, of a channel in `{}`", foreign(unit));
             let expected = "a channel in a unit that similarity scales, such as rad, 1/s, m/s, N";
             let remedy = "state the channel in such a unit, or write the number as `prime`";
-            Invalid::new(format!("`{}`", foreign(&slot.name)), found, expected, remedy)
+            Invalid::new(format!("`{}`", foreign(&slot.name)), given, expected, remedy)
         };
         if let Place::Component(Number::Plain(plain)) = &mut slot.place {
             if !slot.plain_prime && *plain != 0.0 {

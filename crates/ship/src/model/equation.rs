@@ -36,7 +36,8 @@ impl<'a> Equation<'a> {
     /// `specs` are those of `degree` with their terms, `all` those of the vessel.
     pub fn new(degree: DegreeOfFreedom, specs: Vec<(&'a TermSpec, Term)>, all: &[&'a TermSpec]) -> Self {
         let is_of_degree = |name: &str| specs.iter().any(|(spec, _)| spec.parameter == name);
-        let others = all.iter().map(|spec| spec.parameter.as_str()).filter(|name| !is_of_degree(name)).collect();
+        let others =
+            all.iter().map(|spec| spec.parameter.as_str()).filter(|name| !is_of_degree(name)).collect();
         Self { degree, specs, others }
     }
 
@@ -136,10 +137,10 @@ impl<'a> Equation<'a> {
     fn tied(&self, i: usize, name: &str) -> Result<(usize, f64), Invalid> {
         let (spec, term) = &self.specs[i];
         let tie = format!("tied to `{name}`");
-        let refuse = |found: &str, expected: &str, remedy: &str| Err(refused(spec, found, expected, remedy));
+        let refuse = |given: &str, expected: &str, remedy: &str| Err(refused(spec, given, expected, remedy));
         if spec.fixed || spec.bounds.is_some() {
-            let found = format!("{tie}, and {}", if spec.fixed { "`fixed`" } else { "`bounds`" });
-            return refuse(&found, "one of them", "state it for the parameter that it is tied to");
+            let given = format!("{tie}, and {}", if spec.fixed { "`fixed`" } else { "`bounds`" });
+            return refuse(&given, "one of them", "state it for the parameter that it is tied to");
         }
         let (mut at, mut factor, mut seen) = (i, 1.0, vec![i]);
         while let (here, Some(next)) = (self.specs[at].0, &self.specs[at].0.tied_to) {
@@ -186,30 +187,33 @@ impl<'a> Equation<'a> {
             if let (Some(number), Some(other)) = (number, other)
                 && (number - factor * other).abs() > 1e-9 * number.abs()
             {
-                let found = format!("a {what} of {number}, tied to `{}`", target.parameter);
-                return refuse(&found, &format!("{}", factor * other), "remove it: it follows from the tie");
+                let given = format!("a {what} of {number}, tied to `{}`", target.parameter);
+                return refuse(&given, &format!("{}", factor * other), "remove it: it follows from the tie");
             }
         }
         Ok((at, factor))
     }
 
     fn unknown(&self, spec: &TermSpec, name: &str) -> Invalid {
-        let found = format!("tied to `{name}`");
+        let given = format!("tied to `{name}`");
         if self.others.contains(&name) {
             return refused(
                 spec,
-                &format!("{found}, a parameter of another degree of freedom"),
+                &format!("{given}, a parameter of another degree of freedom"),
                 &format!("a parameter of {}", self.degree.name()),
                 "tie parameters of one degree of freedom, or fix both",
             );
         }
         let others = || {
-            self.specs.iter().map(|(other, _)| other.parameter.as_str()).filter(|name| *name != spec.parameter)
+            self.specs
+                .iter()
+                .map(|(other, _)| other.parameter.as_str())
+                .filter(|name| *name != spec.parameter)
         };
         let remedy =
             nearest(name, others()).map_or("remove it".into(), |near| format!("did you mean `{near}`?"));
         let expected = format!("a parameter of {}", self.degree.name());
-        refused(spec, &format!("{found}, which no term has"), &expected, &remedy)
+        refused(spec, &format!("{given}, which no term has"), &expected, &remedy)
     }
 
     /// Refuses several estimated terms 1, which cannot be distinguished.
@@ -248,8 +252,8 @@ fn within(spec: &TermSpec, bounds: [f64; 2]) -> Result<[f64; 2], Invalid> {
     if low < high && low < f64::INFINITY && high > f64::NEG_INFINITY {
         return Ok(bounds);
     }
-    let found = format!("`bounds` [{low}, {high}]");
-    Err(refused(spec, &found, "a lower bound and a higher one", "swap or correct them, or fix the parameter"))
+    let given = format!("`bounds` [{low}, {high}]");
+    Err(refused(spec, &given, "a lower bound and a higher one", "swap or correct them, or fix the parameter"))
 }
 
 fn inside(spec: &TermSpec, what: &str, value: f64, bounds: Option<[f64; 2]>) -> Result<(), Invalid> {

@@ -255,10 +255,10 @@ fn replaced(file: &VesselFile) -> Result<[Vec<TermSpec>; 3], Invalid> {
             Some(spec) if truth => spec.value = Some(value),
             Some(spec) => spec.nominal = Some(value),
             None => {
-                let found = "a name that no term has".to_owned();
+                let given = "a name that no term has".to_owned();
                 let known = written.iter().flatten().map(|spec| spec.parameter.as_str());
                 return Err(Invalid {
-                    found,
+                    found: given,
                     ..Invalid::unknown(format!("parameter `{name}`"), name, known)
                 });
             }
@@ -439,15 +439,16 @@ impl Vessel {
         let Some((i, setting, most)) = inputs.iter().enumerate().find_map(over) else { return Ok(()) };
         let input = &self.model.input_variables()[i];
         let (name, unit) = (foreign(&input.name), foreign(&input.unit));
-        let found = format!("{name} = {setting} {unit}");
+        let given = format!("{name} = {setting} {unit}");
         let expected = format!("a rudder angle of at most {most:.4} {unit}, {HARD_OVER_DEG}°");
-        Err(Invalid::new(what(), found, expected, "give it in the unit of the input: 35° are 0.6109 rad"))
+        Err(Invalid::new(what(), given, expected, "give it in the unit of the input: 35° are 0.6109 rad"))
     }
 
     /// Refuses ranges of rudders beyond 90°.
     pub(crate) fn check_rudders(&self) -> Result<(), Invalid> {
-        let ends =
-            [0, 1].map(|end| self.actuators.iter().map(move |actuator| actuator.range.map_or(0.0, |range| range[end])));
+        let ends = [0, 1].map(|end| {
+            self.actuators.iter().map(move |actuator| actuator.range.map_or(0.0, |range| range[end]))
+        });
         ends.into_iter().try_for_each(|ends| {
             self.check_helm(&ends.collect::<Vec<_>>(), || "`range` of an input".to_owned())
         })
@@ -474,7 +475,8 @@ impl Vessel {
     /// # Errors
     /// Names both.
     pub fn check_length(&self, length_m: f64, what: &str, most: Option<f64>) -> Result<(), Invalid> {
-        let Some(length) = self.model.forces.as_ref().map(|model| model.forces.description().ship.length_m) else {
+        let Some(length) = self.model.forces.as_ref().map(|model| model.forces.description().ship.length_m)
+        else {
             return Ok(());
         };
         if (length_m / length - 1.0).abs() <= most.unwrap_or(ROUNDING) {

@@ -41,7 +41,7 @@ struct Factor {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-struct Product {
+struct Monomial {
     coefficient: f64,
     factors: Vec<Factor>,
 }
@@ -55,7 +55,7 @@ pub struct Formula {
     /// Its source channels, each once, in the order of appearance; at least one.
     pub channels: Vec<String>,
     /// The summands; at least one.
-    products: Vec<Product>,
+    products: Vec<Monomial>,
 }
 
 /// Why a text is not a [`Formula`].
@@ -73,10 +73,10 @@ impl Formula {
     /// Why it cannot be parsed.
     pub fn parse(text: &str) -> Result<Self, Malformed> {
         let mut formula = Self { channels: Vec::new(), products: Vec::new() };
-        let (mut product, mut rest, mut multiplied) = (Product::of(1.0), text.trim_start(), true);
+        let (mut product, mut rest, mut multiplied) = (Monomial::of(1.0), text.trim_start(), true);
         while !rest.is_empty() {
             if let Some((sign, after)) = parse_sign(rest).filter(|_| !multiplied) {
-                formula.products.push(std::mem::replace(&mut product, Product::of(sign)));
+                formula.products.push(std::mem::replace(&mut product, Monomial::of(sign)));
                 (rest, multiplied) = (after, true);
                 continue;
             }
@@ -99,7 +99,7 @@ impl Formula {
     }
 
     /// Adds the factor at the start of `text` to `product`; returns the rest.
-    fn parse_factor<'a>(&mut self, product: &mut Product, text: &'a str) -> Result<&'a str, Malformed> {
+    fn parse_factor<'a>(&mut self, product: &mut Monomial, text: &'a str) -> Result<&'a str, Malformed> {
         if text.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '+' || c == '.') {
             let end = number_end(text);
             let number = text[..end].parse::<f64>().ok().filter(|number| number.is_finite());
@@ -138,7 +138,7 @@ impl Formula {
 
     /// Whether it is a sum or difference of channels, or half of one: what they measure is what it measures.
     pub fn is_sum_of_channels(&self) -> bool {
-        let is_channel = |product: &Product| {
+        let is_channel = |product: &Monomial| {
             let is_plain =
                 matches!(product.factors.as_slice(), [Factor { function: Function::Itself, power: 1, .. }]);
             is_plain && [0.5, 1.0].contains(&product.coefficient.abs())
@@ -171,7 +171,7 @@ impl Formula {
     }
 }
 
-impl Product {
+impl Monomial {
     fn of(coefficient: f64) -> Self {
         Self { coefficient, factors: Vec::new() }
     }
@@ -275,8 +275,8 @@ fn split_name(text: &str) -> Result<(&str, &str), Malformed> {
     let text = text.trim_start();
     let end = text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len());
     if end == 0 {
-        let found = text.chars().next().map_or("its end".to_owned(), |c| format!("`{c}`"));
-        return Err(Malformed(format!("{found} where a channel should be")));
+        let given = text.chars().next().map_or("its end".to_owned(), |c| format!("`{c}`"));
+        return Err(Malformed(format!("{given} where a channel should be")));
     }
     Ok((&text[..end], text[end..].trim_start()))
 }
@@ -331,9 +331,9 @@ pub(crate) fn derive(
 ) -> Result<Vec<DerivedChannel>, Invalid> {
     let one = |(i, spec): (usize, &DerivedSpec)| {
         let formula = Formula::parse(&spec.formula).map_err(|malformed| {
-            let found = format!("`{}` with {malformed}", foreign(&spec.formula));
+            let given = format!("`{}` with {malformed}", foreign(&spec.formula));
             let expected = "a product such as `positive(n)`, `n |n|` or `-1 wind^2 cos(gamma)`, or a sum such as `port - starboard`";
-            refused(&spec.name, &found, expected, "write the formula again")
+            refused(&spec.name, &given, expected, "write the formula again")
         })?;
         let sources = formula.channels.iter().map(|name| source(&spec.name, name, names));
         let sources = sources.collect::<Result<_, _>>()?;
@@ -365,7 +365,8 @@ fn source(of: &str, name: &str, names: &[&str]) -> Result<usize, Invalid> {
 fn ordered(mut left: Vec<DerivedChannel>, names: &[&str]) -> Result<Vec<DerivedChannel>, Invalid> {
     let mut ordered = Vec::with_capacity(left.len());
     while !left.is_empty() {
-        let waits = |channel: &DerivedChannel| left.iter().find(|other| channel.sources.contains(&other.variable));
+        let waits =
+            |channel: &DerivedChannel| left.iter().find(|other| channel.sources.contains(&other.variable));
         match left.iter().position(|channel| waits(channel).is_none()) {
             Some(ready) => ordered.push(left.remove(ready)),
             None => return Err(circle(&left, names)),
@@ -387,8 +388,8 @@ fn circle(waiting: &[DerivedChannel], names: &[&str]) -> Invalid {
     let start = at.map_or(0, |channel| channel.variable);
     let names: Vec<&str> =
         way.iter().skip_while(|place| **place != start).chain([&start]).map(name).collect();
-    let found = format!("a circle: {}", names.join(" from "));
-    refused(names[0], &found, "channels that come from inputs and measured disturbances", "break the circle")
+    let given = format!("a circle: {}", names.join(" from "));
+    refused(names[0], &given, "channels that come from inputs and measured disturbances", "break the circle")
 }
 
 fn refused(name: &str, found: &str, expected: &str, remedy: &str) -> Invalid {

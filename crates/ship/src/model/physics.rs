@@ -52,8 +52,8 @@ pub(crate) fn check_absent(file: &VesselFile) -> Result<(), Invalid> {
     let terms = [&file.surge, &file.sway, &file.yaw].into_iter().flatten();
     match terms.into_iter().find(|spec| spec.prime.is_some() || spec.prior.is_some()) {
         Some(spec) => {
-            let found = if spec.prime.is_some() { "`prime`" } else { "`prior`" };
-            Err(Invalid::new(format!("parameter `{}`", spec.parameter), found, expected, remedy))
+            let given = if spec.prime.is_some() { "`prime`" } else { "`prior`" };
+            Err(Invalid::new(format!("parameter `{}`", spec.parameter), given, expected, remedy))
         }
         None => Ok(()),
     }
@@ -164,7 +164,8 @@ fn description(file: &VesselFile) -> Result<Description, Invalid> {
 /// Puts in the numbers of [value] and [nominal], in the system of each parameter.
 fn replace(file: &VesselFile, forces: &Forces, parts: &mut Parts) -> Result<(), Invalid> {
     let names = || forces.parameters().iter().map(|parameter| parameter.name.as_str());
-    let both = file.value.iter().map(|entry| (entry, true)).chain(file.nominal.iter().map(|entry| (entry, false)));
+    let both =
+        file.value.iter().map(|entry| (entry, true)).chain(file.nominal.iter().map(|entry| (entry, false)));
     for ((name, value), truth) in both {
         let Some(i) = names().position(|parameter| parameter == name) else {
             let unknown = Invalid::unknown(format!("parameter `{name}`"), name, names());

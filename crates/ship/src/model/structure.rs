@@ -138,13 +138,17 @@ impl Model {
 
     /// The terms whose parameters are known, with their degrees of freedom.
     pub fn known(&self) -> impl Iterator<Item = (usize, &Product)> {
-        self.degrees.iter().enumerate().flat_map(|(d, degree)| degree.known.iter().map(move |product| (d, product)))
+        self.degrees
+            .iter()
+            .enumerate()
+            .flat_map(|(d, degree)| degree.known.iter().map(move |product| (d, product)))
     }
 
     /// The bounds of all parameters, infinite where there are none; `None` without any.
     pub fn bounds(&self) -> Option<Vec<[f64; 2]>> {
         if let Some(model) = &self.forces {
-            let all: Vec<[f64; 2]> = model.forces.parameters().iter().map(|parameter| parameter.bounds).collect();
+            let all: Vec<[f64; 2]> =
+                model.forces.parameters().iter().map(|parameter| parameter.bounds).collect();
             return Some(all).filter(|all| all.iter().any(|bounds| *bounds != OPEN));
         }
         let bounded = self.degrees.iter().any(|degree| !degree.bounds.is_empty());
@@ -343,7 +347,8 @@ impl Model {
     /// Names the first of them.
     pub fn check_simulated(&self) -> Result<(), Invalid> {
         let known = |variable: &usize| {
-            self.simulated.contains_key(variable) || self.derived.iter().any(|channel| channel.variable == *variable)
+            self.simulated.contains_key(variable)
+                || self.derived.iter().any(|channel| channel.variable == *variable)
         };
         match (3 + self.inputs..self.variables.len()).find(|variable| !known(variable)) {
             None => Ok(()),

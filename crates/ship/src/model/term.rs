@@ -111,9 +111,9 @@ fn multiply<X: Number, const N: usize>(factors: &[Factor], values: &[[X; N]], ou
 }
 
 fn parse_factor<'a>(text: &str, rest: &'a str, variables: &[&str]) -> Result<(Factor, u8, &'a str), Invalid> {
-    let (modulus, name, after) = parse_name(rest).map_err(|found| malformed(text, &found))?;
+    let (modulus, name, after) = parse_name(rest).map_err(|fault| malformed(text, &fault))?;
     let variable = variables.iter().position(|v| *v == name).ok_or_else(|| unknown(text, name, variables))?;
-    let (power, after) = parse_power(after).map_err(|found| malformed(text, &found))?;
+    let (power, after) = parse_power(after).map_err(|fault| malformed(text, &fault))?;
     Ok((Factor { variable, modulus }, power, after))
 }
 
@@ -135,10 +135,10 @@ fn unknown(text: &str, name: &str, variables: &[&str]) -> Invalid {
         }
         None => "declare it as [[input]], [[measured]] or [[derived]]".to_owned(),
     };
-    let found = if name.is_empty() { "a character that starts no name".into() } else { format!("`{name}`") };
+    let given = if name.is_empty() { "a character that starts no name".into() } else { format!("`{name}`") };
     Invalid::new(
         format!("term `{}`", foreign(text)),
-        found,
+        given,
         format!("one of {}", variables.join(", ")),
         remedy,
     )

@@ -187,7 +187,8 @@ fn channels(file: &VesselFile) -> Vec<Channel> {
     let channel =
         |name: &str, unit: &str, range| Channel { name: name.to_owned(), unit: unit.to_owned(), range };
     let inputs = file.input.iter().map(|input| channel(&input.name, &input.unit, input.range));
-    let measured = file.measured.iter().map(|disturbance| channel(&disturbance.name, &disturbance.unit, None));
+    let measured =
+        file.measured.iter().map(|disturbance| channel(&disturbance.name, &disturbance.unit, None));
     let derived = file.derived.iter().map(|derived| channel(&derived.name, &derived.unit, None));
     inputs.chain(measured).chain(derived).collect()
 }
@@ -269,7 +270,8 @@ impl VesselFile {
         for disturbance in &mut file.measured {
             if let Some(simulated) = &mut disturbance.simulated {
                 let scaled = by.in_unit(*simulated, &disturbance.unit);
-                *simulated = scaled.ok_or_else(|| unscaled("measured disturbance", &disturbance.name, &disturbance.unit))?;
+                *simulated = scaled
+                    .ok_or_else(|| unscaled("measured disturbance", &disturbance.name, &disturbance.unit))?;
             }
         }
         Vessel::from_file(file.clone())?;
@@ -314,14 +316,17 @@ fn check_derived(file: &VesselFile, by: &Similarity) -> Result<(), Invalid> {
         }
         let expected = by.in_unit(formula.of(|i| plain[i]), &derived.unit);
         let expected = expected.ok_or_else(|| unscaled("derived channel", &derived.name, &derived.unit))?;
-        let found: f64 = formula.of(|i| scaled[i]);
-        if (found - expected).abs() > 1e-9 * (found.abs() + expected.abs()) {
-            let found =
-                format!("`{}` in `{}`, which do not scale alike", foreign(&derived.formula), foreign(&derived.unit));
+        let computed: f64 = formula.of(|i| scaled[i]);
+        if (computed - expected).abs() > 1e-9 * (computed.abs() + expected.abs()) {
+            let given = format!(
+                "`{}` in `{}`, which do not scale alike",
+                foreign(&derived.formula),
+                foreign(&derived.unit)
+            );
             let expected = "a formula whose unit follows from those of its channels";
             return Err(Invalid::new(
                 thing(),
-                found,
+                given,
                 expected,
                 "correct the unit, or log the channel itself",
             ));
@@ -356,7 +361,12 @@ pub fn add(degree: &mut Degree, d: usize, base: &Model, factors: Vec<Factor>) {
     let form = form(&factors);
     let known = degree.known.iter().map(|known| known.factors.as_slice());
     if form.is_empty()
-        || degree.terms.iter().flat_map(Term::products).chain(known).any(|product| self::form(product) == form)
+        || degree
+            .terms
+            .iter()
+            .flat_map(Term::products)
+            .chain(known)
+            .any(|product| self::form(product) == form)
     {
         return;
     }
