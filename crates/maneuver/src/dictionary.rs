@@ -83,8 +83,6 @@ pub(crate) fn check_all(maneuvers: &[ManeuverSpec], default_s: Option<f64>) -> R
     Ok(())
 }
 
-// `[generate]` in `dictionary.toml`: how candidates are drawn, and their limits.
-
 /// `[generate]` as written.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -252,8 +250,6 @@ impl GenerateSpec {
 
 /// Most candidates of a dictionary.
 const MOST: u32 = 1_000_000;
-
-// The random numbers of one candidate, turned into a maneuver.
 
 /// The random numbers of one candidate.
 struct Draw<'a, R> {
@@ -428,8 +424,6 @@ impl<R: Rng> Draw<'_, R> {
         }
     }
 }
-
-// Candidates by generation: a table `[generate]` in `dictionary.toml` instead of maneuvers written by hand.
 
 impl GenerateSpec {
     /// All candidates, whether or not they keep the limits.

@@ -316,8 +316,6 @@ impl Command for Tracking {
     }
 }
 
-// Commands that reach a ship by way of her actuators.
-
 /// `helm` by way of the actuators of `vessel`, which are at `settings` before its first command; itself where all of them follow at
 /// once.
 pub(crate) fn actuated(helm: Helm, vessel: &Vessel, settings: &[f64]) -> Helm {

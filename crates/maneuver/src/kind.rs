@@ -215,7 +215,7 @@ impl ManeuverKind {
     }
 
     /// The signals of a combined maneuver with their keys.
-    fn signals(&self) -> Vec<(&'static str, Signal)> {
+    pub(crate) fn signals(&self) -> Vec<(&'static str, Signal)> {
         let Self::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s, .. } = *self else { return Vec::new() };
         let others = [("yaw_rate_rad_s", yaw_rate_rad_s), ("sway_m_s", sway_m_s)];
         let others = others.into_iter().filter_map(|(key, signal)| signal.map(|signal| (key, signal)));

@@ -170,8 +170,6 @@ impl<'de> Deserialize<'de> for InputLimit {
     }
 }
 
-// Declared ranges of a maneuver's motion.
-
 /// Ranges that the undisturbed motion of a maneuver has to keep, as \[from, to\].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -237,8 +235,6 @@ const NAMES: [&str; 3] = ["u", "v", "r"];
 fn key(state: usize, unit: &str) -> String {
     format!("{}_{}", NAMES[state], unit.replace('/', "_"))
 }
-
-// What a maneuver is to reach, and what it did.
 
 /// By how much a motion may differ from what it is called.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]

@@ -115,8 +115,6 @@ pub(super) fn check_range(vessel: &Vessel, inputs: &[f64], what: impl Fn() -> St
     ))
 }
 
-// The times of a table's rows.
-
 /// Tolerance, as a fraction of a step, for differences between steps and between stamps and samples: stamps
 /// are rounded.
 const ROUNDED: f64 = 0.1;

@@ -256,8 +256,6 @@ fn unreachable_motion(wanted: &WantedMotion) -> Invalid {
     )
 }
 
-// Newton's method for a few equations, plain and damped.
-
 /// Most steps; damped ones may be short.
 const STEPS: usize = 50;
 const DAMPED_STEPS: usize = 200;

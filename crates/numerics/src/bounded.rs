@@ -125,8 +125,6 @@ fn direction(gradient: &[f64], free: &[bool], memory: &VecDeque<(Vec<f64>, Vec<f
     q.iter().map(|q| -q).collect()
 }
 
-// Searches that go step by step: argmin's executor takes the steps, counts them and tells one observer of each.
-
 /// Watches searches: is called after every iteration, to report progress and to end the search, because its time is over or nobody
 /// waits for it any more. The default one lets all go on.
 #[derive(Clone, Default)]

@@ -21,15 +21,6 @@ impl Lane {
         Self([value; LANES])
     }
 
-    /// Modulus, lane by lane.
-    #[inline(always)]
-    pub fn abs(mut self) -> Self {
-        for value in &mut self.0 {
-            *value = value.abs();
-        }
-        self
-    }
-
     /// This times `factor` plus `other`, rounded once: the same bits on every processor. Without an
     /// instruction for it, it takes a hundred times as long.
     #[inline(always)]
@@ -39,33 +30,27 @@ impl Lane {
         }
         self
     }
+}
 
-    /// −1, 0 or 1, lane by lane.
-    #[inline(always)]
-    pub fn sign(mut self) -> Self {
-        for value in &mut self.0 {
-            *value = Arithmetic::sign(*value);
+macro_rules! of_each_lane {
+    ($($about:literal $function:ident = $of:expr;)+) => {
+        impl Lane {
+            $(#[doc = $about]
+            #[inline(always)]
+            pub fn $function(mut self) -> Self {
+                for value in &mut self.0 {
+                    *value = $of(*value);
+                }
+                self
+            })+
         }
-        self
-    }
-
-    /// Square root, lane by lane.
-    #[inline(always)]
-    pub fn sqrt(mut self) -> Self {
-        for value in &mut self.0 {
-            *value = value.sqrt();
-        }
-        self
-    }
-
-    /// 1/x, lane by lane.
-    #[inline(always)]
-    pub fn recip(mut self) -> Self {
-        for value in &mut self.0 {
-            *value = 1.0 / *value;
-        }
-        self
-    }
+    };
+}
+of_each_lane! {
+    "Modulus, lane by lane." abs = f64::abs;
+    "−1, 0 or 1, lane by lane." sign = Arithmetic::sign;
+    "Square root, lane by lane." sqrt = f64::sqrt;
+    "1/x, lane by lane." recip = f64::recip;
 }
 
 macro_rules! lane_by_lane {

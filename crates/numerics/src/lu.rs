@@ -2,7 +2,8 @@ use std::ops::{Div, Mul, Sub};
 
 use faer::linalg::solvers::{DenseSolveCore, Solve as _};
 use faer::{MatRef, Side};
-use pulp::{Simd, WithSimd};
+
+use crate::vectorized;
 
 /// A determinant by sign and logarithm of its modulus.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,28 +23,11 @@ pub fn solve(n: usize, a: &mut [f64], b: &mut [f64]) -> Option<()> {
     if n >= LARGE {
         return solve_large(n, a, b);
     }
-    crate::dispatch(Solve { n, a, b }).map(|_| ())
+    vectorized!(solved(n, a, b)).map(|_| ())
 }
 
-/// The arguments, for the instruction sets that pulp selects from: the same sums in the same order, so that
-/// all give the same bits.
-struct Solve<'a> {
-    n: usize,
-    a: &'a mut [f64],
-    b: &'a mut [f64],
-}
-
-impl WithSimd for Solve<'_> {
-    type Output = Option<f64>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Option<f64> {
-        let Self { n, a, b } = self;
-        solved(n, a, b)
-    }
-}
-
-/// Replaces B by X and returns the sign of the determinant; the pivots are then on the diagonal of `a`.
+/// Replaces B by X and returns the sign of the determinant; the pivots are then on the diagonal of `a`. For all instruction sets
+/// the same sums in the same order.
 #[inline(always)]
 fn solved(n: usize, a: &mut [f64], b: &mut [f64]) -> Option<f64> {
     let columns = b.len() / n.max(1);
@@ -89,7 +73,7 @@ pub fn inverse_and_log_det(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<L
 fn signed_inverse(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<f64> {
     out.fill(0.0);
     out.iter_mut().step_by(n + 1).for_each(|d| *d = 1.0);
-    crate::dispatch(Solve { n, a, b: out })
+    vectorized!(solved(n, a, out))
 }
 
 /// The inverse of A (n × n, destroyed) into `out` (n × n) by Gauss–Jordan elimination without row exchanges;
@@ -189,8 +173,6 @@ fn swap_rows(a: &mut [f64], width: usize, upper: usize, lower: usize) {
     let (above, below) = a.split_at_mut(lower * width);
     above[upper * width..(upper + 1) * width].swap_with_slice(&mut below[..width]);
 }
-
-// Decompositions by faer.
 
 /// The weakest direction of a matrix.
 #[derive(Clone, Debug, PartialEq)]

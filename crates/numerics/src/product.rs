@@ -2,13 +2,13 @@
 
 use std::ops::{AddAssign, Mul};
 
-use pulp::{Simd, WithSimd};
+use crate::vectorized;
 
 /// A B.
 pub fn product(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; n * n];
     if n > 0 {
-        crate::dispatch(Product { n, a, b, out: &mut out });
+        vectorized!(add_product(n, a, b, &mut out));
     }
     out
 }
@@ -16,41 +16,27 @@ pub fn product(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
 /// Columns of a product that are summed in parallel.
 const COLUMNS: usize = 8;
 
-/// The arguments, for the instruction sets that pulp selects from: the same sums in the same order, so that
-/// all give the same bits.
-struct Product<'a> {
-    n: usize,
-    a: &'a [f64],
-    b: &'a [f64],
-    out: &'a mut [f64],
-}
-
-impl WithSimd for Product<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { n, a, b, out } = self;
-        for (row, left) in out.chunks_exact_mut(n).zip(a.chunks_exact(n)) {
-            if n < COLUMNS {
-                for (factor, right) in left.iter().zip(b.chunks_exact(n)) {
-                    row.iter_mut().zip(right).for_each(|(o, r)| *o += factor * r);
-                }
-                continue;
+/// Adds A B to zeros: for all instruction sets the same sums in the same order.
+#[inline(always)]
+fn add_product(n: usize, a: &[f64], b: &[f64], out: &mut [f64]) {
+    for (row, left) in out.chunks_exact_mut(n).zip(a.chunks_exact(n)) {
+        if n < COLUMNS {
+            for (factor, right) in left.iter().zip(b.chunks_exact(n)) {
+                row.iter_mut().zip(right).for_each(|(o, r)| *o += factor * r);
             }
-            // The last block has the same width; it repeats some columns.
-            for first in (0..n.next_multiple_of(COLUMNS)).step_by(COLUMNS).map(|first| first.min(n - COLUMNS))
-            {
-                let mut sums = [0.0; COLUMNS];
-                for (factor, right) in left.iter().zip(b.chunks_exact(n)) {
-                    if let Some(right) = right[first..].first_chunk::<COLUMNS>() {
-                        for (sum, right) in sums.iter_mut().zip(right) {
-                            *sum += factor * right;
-                        }
+            continue;
+        }
+        // The last block has the same width; it repeats some columns.
+        for first in (0..n.next_multiple_of(COLUMNS)).step_by(COLUMNS).map(|first| first.min(n - COLUMNS)) {
+            let mut sums = [0.0; COLUMNS];
+            for (factor, right) in left.iter().zip(b.chunks_exact(n)) {
+                if let Some(right) = right[first..].first_chunk::<COLUMNS>() {
+                    for (sum, right) in sums.iter_mut().zip(right) {
+                        *sum += factor * right;
                     }
                 }
-                row[first..first + COLUMNS].copy_from_slice(&sums);
             }
+            row[first..first + COLUMNS].copy_from_slice(&sums);
         }
     }
 }
@@ -79,66 +65,38 @@ const MANY: usize = 64;
 /// previous one.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let both = a.len().min(b.len());
-    let dot = Dot { a: &a[..both], b: &b[..both] };
-    if both < MANY { dot.sum() } else { crate::dispatch(dot) }
+    let (a, b) = (&a[..both], &b[..both]);
+    if both < MANY { dot_of_equals(a, b) } else { vectorized!(dot_of_equals(a, b)) }
 }
 
-struct Dot<'a> {
-    a: &'a [f64],
-    b: &'a [f64],
-}
-
-impl Dot<'_> {
-    #[inline(always)]
-    fn sum(self) -> f64 {
-        let ((a, a_rest), (b, b_rest)) = (self.a.as_chunks::<8>(), self.b.as_chunks::<8>());
-        let mut sums = [0.0; 8];
-        for (a, b) in a.iter().zip(b) {
-            for i in 0..8 {
-                sums[i] += a[i] * b[i];
-            }
+/// [`dot`] of as many entries.
+#[inline(always)]
+fn dot_of_equals(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    let mut sums = [0.0; 8];
+    for (a, b) in a.iter().zip(b) {
+        for i in 0..8 {
+            sums[i] += a[i] * b[i];
         }
-        let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-        let [s0, s1, s2, s3, s4, s5, s6, s7] = sums;
-        ((s0 + s4) + (s2 + s6)) + ((s1 + s5) + (s3 + s7)) + rest
     }
-}
-
-impl WithSimd for Dot<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
-        self.sum()
-    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    let [s0, s1, s2, s3, s4, s5, s6, s7] = sums;
+    ((s0 + s4) + (s2 + s6)) + ((s1 + s5) + (s3 + s7)) + rest
 }
 
 /// Adds c_k x_k to `out` for every row x_k of `rows`, in order; each row has as many entries as `out`, and a
 /// coefficient c_k.
 pub fn add_rows(out: &mut [f64], rows: &[f64], coefficients: &[f64]) {
-    if !out.is_empty() {
-        crate::dispatch(Rows { out, rows, coefficients });
+    if out.is_empty() {
+        return;
     }
-}
-
-struct Rows<'a> {
-    out: &'a mut [f64],
-    rows: &'a [f64],
-    coefficients: &'a [f64],
-}
-
-impl WithSimd for Rows<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { out, rows, coefficients } = self;
-        for (row, c) in rows.chunks_exact(out.len()).zip(coefficients) {
-            if *c != 0.0 {
-                out.iter_mut().zip(row).for_each(|(o, x)| *o += c * x);
+    vectorized!(for (row, c) in rows.chunks_exact(out.len()).zip(coefficients) {
+        if *c != 0.0 {
+            for (o, x) in out.iter_mut().zip(row) {
+                *o += c * x;
             }
         }
-    }
+    });
 }
 
 /// A x.
@@ -157,8 +115,6 @@ pub fn quadratic<T: Copy + From<f64> + Mul<Output = T> + AddAssign>(x: &[T], a: 
     }
     sum
 }
-
-// Matrices that may be singular: quadratic forms, dependent columns.
 
 /// sᵀV⁺s and the rank of V, a positive semidefinite matrix n × n, with `s` in its range. V is what is left of a matrix with
 /// the diagonal `whole`: a pivot counts if it is more than the share `least` of that.

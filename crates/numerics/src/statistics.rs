@@ -46,8 +46,6 @@ pub fn sorted(values: impl Iterator<Item = Option<f64>>) -> Vec<f64> {
     all
 }
 
-// Medians of more values than fit in memory, if these can be iterated repeatedly.
-
 /// Most values to select from in memory.
 const IN_MEMORY: usize = 1 << 18;
 
@@ -175,8 +173,6 @@ impl MeanTrajectory<f64> {
         self.squares.iter().map(|sum| (sum / freedom).sqrt()).collect()
     }
 }
-
-// 95 % intervals of shares, quantiles and paired differences.
 
 /// The 97.5 % quantile of the standard normal distribution.
 pub const Z: f64 = 1.959_963_984_540_054;

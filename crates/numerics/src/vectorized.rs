@@ -36,8 +36,6 @@ impl Once {
     pub const fn spend(self) {}
 }
 
-// The vector instructions that loops over lanes are compiled for.
-
 /// Runs `op` as compiled for the widest vector instructions of this processor. On x86-64 that is AVX-512, or
 /// AVX2 with FMA: the version for older processors was twenty times slower, and cost compile time all the
 /// same. With debug assertions, as tests are built, AVX-512 is left out: it gives the same bits, and takes half of the

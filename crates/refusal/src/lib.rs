@@ -4,13 +4,13 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-mod bounded;
 mod choices;
 mod invalid;
-mod nearest;
 mod strict;
+mod words;
 
-pub use bounded::{fitted, foreign, one_line, shortened, with_remedy};
 pub use invalid::{Invalid, check_name, check_numbers, check_ranges};
-pub use nearest::{gone, listed, names_in, nearest, some_of, suggestion};
 pub use strict::strictly;
+pub use words::{
+    fitted, foreign, gone, listed, names_in, nearest, one_line, shortened, some_of, suggestion, with_remedy,
+};

@@ -22,7 +22,7 @@ mod sums;
 
 pub use estimate::{Estimate, Instruments, Outcome};
 pub use lane_sums::{ManeuverMoments, moments};
-pub use meat::{Noise, middle};
+pub use meat::{Noise, meat};
 pub use prefiltered::{BLOCKS, estimate_prefiltered, jackknife};
 pub use runs::InstrumentKind;
 pub use solve::{Direction, Equations, Excitation, bounded};

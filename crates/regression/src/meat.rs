@@ -38,7 +38,7 @@ impl Noise {
 /// p̃, row-major, symmetric, rows and columns by instrument. `theta`: parameters of the motion; the motion is the
 /// batch's measured states, which must be undisturbed. The draws before the first and after the last regressor belong
 /// to the batch: B of a whole run is exact, sums over maneuvers ignore that neighbours share a draw.
-pub fn middle(batch: &Batch, theta: &[f64], noise: &Noise) -> Vec<Vec<Vec<f64>>> {
+pub fn meat(batch: &Batch, theta: &[f64], noise: &Noise) -> Vec<Vec<Vec<f64>>> {
     let theta: Vec<Lane> = theta.iter().copied().map(Lane::splat).collect();
     let mut compiled = Compiled::new(batch.model, &theta);
     let degrees = numerics::vectorized!(draws(batch, &mut compiled.clone(), &mut compiled, noise));

@@ -222,7 +222,7 @@ impl Degree {
     }
 
     /// cov Σ ζᶜε from stated noise, to first order, p × p. With η(k) = ζᶜ(k) + a(k+1) η(k+1), Σ ζᶜε is Σ η times the
-    /// residuals before the filter (see [`crate::middle`]): a draw of the own state's measurement error is multiplied
+    /// residuals before the filter (see [`crate::meat`]): a draw of the own state's measurement error is multiplied
     /// by ζᶜ, of others and of the current by slope times η.
     #[inline(always)]
     fn responses(&self, d: usize, means: &[Lane], noise: &Noise) -> Vec<Lane> {

@@ -216,8 +216,6 @@ refusal::choices! {
     }
 }
 
-// Runs with the same inputs, whose instruments are computed once for all of them.
-
 /// The inputs and the initial state of a run.
 #[derive(Clone, Debug)]
 pub struct Doing<'a> {
@@ -349,7 +347,7 @@ pub fn collinear_run(vessel: &Vessel, run: &Run, removal: MeanRemoval) -> Option
     let part = PartView { label, source: "", run: run.view().part(0..run.samples()) };
     let states = part.simulated(&vessel.model, &vessel.nominal).ok()?;
     let sums = Regression::with(&vessel.model, &part, &states).sums();
-    let mut run: Option<CollinearRun> = None;
+    let mut collinear_run: Option<CollinearRun> = None;
     for d in DegreeOfFreedom::ALL {
         let degree = &vessel.model.degrees[d as usize];
         let diagnosis = diagnose(&[&sums], removal, d as usize);
@@ -357,13 +355,13 @@ pub fn collinear_run(vessel: &Vessel, run: &Run, removal: MeanRemoval) -> Option
             continue;
         }
         let words = collinear(d, degree, &diagnosis, &[]);
-        match &mut run {
-            Some(run) => run.words = format!("{}; {words}", run.words),
+        match &mut collinear_run {
+            Some(known) => known.words = format!("{}; {words}", known.words),
             None => {
                 let parameter = first_named(degree, &diagnosis);
-                run = Some(CollinearRun { degree: d as usize, parameter, words: words });
+                collinear_run = Some(CollinearRun { degree: d as usize, parameter, words });
             }
         }
     }
-    run
+    collinear_run
 }

@@ -121,9 +121,7 @@ impl<X: Number> DegreeSums<X> {
         row[p] += z * one;
         self.b[i] += z * increment;
     }
-}
 
-impl<X: Number> DegreeSums<X> {
     /// Σζ/N; zero without an intercept.
     pub(crate) fn instrument_means(&self, centred: bool) -> impl Iterator<Item = X> {
         let (p, share) = (self.parameters(), self.share(centred));

@@ -168,8 +168,6 @@ fn variation(whole: &Sums, d: usize) -> Vec<f64> {
     (0..p).map(share).collect()
 }
 
-// A diagnosis in words.
-
 /// Entries of a weakest direction below this share of its largest are not named.
 const NAMED: f64 = 0.3;
 /// A regressor hardly varies if its centred size is below this share of its size.

@@ -44,13 +44,13 @@ impl Blocks {
 }
 
 /// A signal at the samples of a span.
-trait Signal: Copy {
+pub(crate) trait Signal: Copy {
     /// Register `part` of it at sample `t`.
     fn at<S: Simd>(self, simd: S, t: usize, part: usize) -> S::f64s;
 }
 
 /// Several signals.
-trait Signals: Copy {
+pub(crate) trait Signals: Copy {
     /// One of them.
     type One: Signal;
     /// Zero at all samples.

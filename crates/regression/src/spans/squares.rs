@@ -250,8 +250,6 @@ impl<T: Signal, const N: usize> WithSimd for Row<'_, T, N> {
     }
 }
 
-// Residuals.
-
 /// The residuals of `theta`, one lane per parameter, into `all`: surge, sway, yaw. `intercepts`: three per run and group.
 #[inline(always)]
 pub(crate) fn put_residuals<X: Instrument>(

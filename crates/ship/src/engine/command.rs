@@ -136,8 +136,6 @@ impl Helmsman {
     }
 }
 
-// The commands to a ship, sample by sample.
-
 /// The helmsman's view at the beginning of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {

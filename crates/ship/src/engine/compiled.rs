@@ -394,10 +394,10 @@ impl<'m, X: Stepping> Compiled<'m, X> {
             return [0, 1, 2].map(|d: usize| by_state.map(|row| row[d]));
         }
         let Self { model, variables, parameters, by_state, places, .. } = self;
-        let get_or_insert_with = by_state.get_or_insert_with(|| Derivatives::once(model, places, true));
-        get_or_insert_with.evaluate(*variables, places);
+        let derivatives = by_state.get_or_insert_with(|| Derivatives::once(model, places, true));
+        derivatives.evaluate(*variables, places);
         let mut slopes = [[X::ZERO; 3]; 3];
-        for Slope { parameter, degree, variable, places: [one, two] } in &get_or_insert_with.parts {
+        for Slope { parameter, degree, variable, places: [one, two] } in &derivatives.parts {
             slopes[*degree][*variable] += parameters[*parameter] * (places[*one] * places[*two]);
         }
         slopes
@@ -418,9 +418,9 @@ impl<'m, X: Stepping> Compiled<'m, X> {
                 out[*variable] += terms[*parameter] * (places[*one] * places[*two]);
             }
         }
-        let get_or_insert_with = twice.get_or_insert_with(|| Derivatives::twice(model, places));
-        get_or_insert_with.evaluate(variables, places);
-        for Curve { parameter, degree, state, variable, places: [one, two] } in &get_or_insert_with.parts {
+        let curves = twice.get_or_insert_with(|| Derivatives::twice(model, places));
+        curves.evaluate(variables, places);
+        for Curve { parameter, degree, state, variable, places: [one, two] } in &curves.parts {
             let weight = slopes[*degree][*state] * parameters[*parameter];
             out[*variable] += weight * (places[*one] * places[*two]);
         }

@@ -54,37 +54,29 @@ impl Propeller {
         let mut pure = |key: &str, number: Option<&Number>, default: f64| {
             builder.number(name, key, number, default, Measured::pure())
         };
-        let [k_0, k_1, k_2] = &spec.thrust;
-        let thrust = [
-            pure("thrust.0", Some(k_0), 0.0)?,
-            pure("thrust.1", Some(k_1), 0.0)?,
-            pure("thrust.2", Some(k_2), 0.0)?,
-        ];
-        let deduction = pure("deduction", spec.deduction.as_ref(), 0.0)?;
-        let wake = pure("wake", spec.wake.as_ref(), 0.0)?;
-        let wake_change = pure("wake_change", spec.wake_change.as_ref(), 0.0)?;
-        let [port, starboard] =
-            [0, 1].map(|i: usize| spec.wake_ratio.as_ref().map(|wake_ratio| &wake_ratio[i]));
-        let wake_ratio = [pure("wake_ratio.0", port, 1.0)?, pure("wake_ratio.1", starboard, 1.0)?];
-        let astern = astern(spec, &mut pure)?;
-        let diameter =
-            builder.number(name, "diameter_m", Some(&spec.diameter_m), 0.0, metres().above_zero())?;
-        let place = [
-            builder.number(name, "x_m", spec.x_m.as_ref(), 0.0, metres())?,
-            builder.number(name, "y_m", spec.y_m.as_ref(), 0.0, metres())?,
-        ];
-        let name = spec.name.clone();
+        let [k_0, k_1, k_2] = spec.thrust.each_ref().map(Some);
+        let ratio = |i: usize| spec.wake_ratio.as_ref().map(|ratios| &ratios[i]);
+        // In the order of the parameters.
         Ok(Self {
-            name,
+            name: spec.name.clone(),
             revolutions,
-            diameter,
-            thrust,
-            deduction,
-            wake,
-            wake_change,
-            wake_ratio,
-            place,
-            astern,
+            thrust: [pure("thrust.0", k_0, 0.0)?, pure("thrust.1", k_1, 0.0)?, pure("thrust.2", k_2, 0.0)?],
+            deduction: pure("deduction", spec.deduction.as_ref(), 0.0)?,
+            wake: pure("wake", spec.wake.as_ref(), 0.0)?,
+            wake_change: pure("wake_change", spec.wake_change.as_ref(), 0.0)?,
+            wake_ratio: [pure("wake_ratio.0", ratio(0), 1.0)?, pure("wake_ratio.1", ratio(1), 1.0)?],
+            astern: astern(spec, &mut pure)?,
+            diameter: builder.number(
+                name,
+                "diameter_m",
+                Some(&spec.diameter_m),
+                0.0,
+                metres().above_zero(),
+            )?,
+            place: [
+                builder.number(name, "x_m", spec.x_m.as_ref(), 0.0, metres())?,
+                builder.number(name, "y_m", spec.y_m.as_ref(), 0.0, metres())?,
+            ],
         })
     }
 

@@ -21,7 +21,9 @@ impl Forces {
     /// # Panics
     /// With fewer numbers than [`Self::parameters`].
     pub fn body<X: Real>(&self, theta: &[X]) -> Body<'_, X> {
-        Body::new(self, theta)
+        let numbers = self.numbers.with(theta);
+        let inertia = self.mass.with(&numbers);
+        Body { forces: self, numbers, inertia }
     }
 }
 
@@ -33,13 +35,7 @@ fn add<X: Real>(sum: &mut [X; 3], more: [X; 3]) {
     }
 }
 
-impl<'f, X: Real> Body<'f, X> {
-    fn new(forces: &'f Forces, theta: &[X]) -> Self {
-        let numbers = forces.numbers.with(theta);
-        let inertia = forces.mass.with(&numbers);
-        Self { forces, numbers, inertia }
-    }
-
+impl<X: Real> Body<'_, X> {
     /// The force ahead and to starboard \[N\] and the moment \[N m\] without products of mass and yaw rate, in `state`:
     /// u, v \[m/s\] relative to the water, r \[rad/s\].
     #[inline(always)]
@@ -348,8 +344,6 @@ fn check_counts(description: &Description) -> Result<(), Invalid> {
     check_ranges(counts.map(|(key, count)| (key, count as f64, 0.0..=MOST, "parts")))
 }
 
-// Lags and dead times of thrusters, which delay what is commanded.
-
 /// The shortest time constant \[s\]: a shorter one is none.
 const SHORTEST_S: f64 = 1e-9;
 
@@ -400,8 +394,6 @@ fn lagging<X: Real>(all: &[X], lag: X, sample_s: f64) -> Vec<X> {
     }
     out
 }
-
-// Sums of derivatives along what was sailed: what a free run knows of sway and yaw.
 
 /// A sum of terms of one order in sway or yaw, where v is the same multiple of r L throughout. It is linear in θ.
 #[derive(Clone, Debug, PartialEq)]

@@ -28,3 +28,5 @@ pub use spec::{
 };
 pub use term::{Factor, LEAST_SQUARE, MOTION};
 pub use usual::Similarity;
+
+pub(crate) use term::{MOST_FACTORS, parse_name, parse_power};

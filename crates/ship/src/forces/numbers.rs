@@ -241,7 +241,8 @@ impl Builder {
             };
             numbers.slots.push(slot);
         }
-        numbers.labels = self.entries.into_iter().map(Label::of).collect();
+        let label = |entry: Entry| (entry.name, entry.measured.unit, entry.stated);
+        numbers.labels = self.entries.into_iter().map(label).collect();
         Ok(numbers)
     }
 
@@ -285,26 +286,12 @@ fn parameter(entry: &Entry) -> Parameter {
     }
 }
 
-/// What a number is called.
-#[derive(Clone, Debug, PartialEq)]
-struct Label {
-    name: String,
-    unit: String,
-    stated: bool,
-}
-
-impl Label {
-    fn of(entry: Entry) -> Self {
-        Self { name: entry.name, unit: entry.measured.unit, stated: entry.stated }
-    }
-}
-
 /// The numbers of a ship.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Numbers {
     slots: Vec<Slot>,
-    /// One for each slot.
-    labels: Vec<Label>,
+    /// The name and the unit of each slot, and whether it was written.
+    labels: Vec<(String, String, bool)>,
     /// The free ones, in the order of θ.
     pub parameters: Vec<Parameter>,
 }
@@ -324,22 +311,21 @@ impl Numbers {
     pub fn quantities(&self, theta: &[f64]) -> Vec<Quantity> {
         let values = self.with(theta);
         let all = self.slots.iter().zip(&self.labels).zip(values);
-        all.map(|((slot, label), value)| Quantity {
-            name: label.name.clone(),
-            unit: label.unit.clone(),
-            value,
-            stated: label.stated,
-            source: self.source(*slot, &label.name),
+        all.map(|((slot, (name, unit, stated)), value)| {
+            let source = self.source(*slot, name);
+            Quantity { name: name.clone(), unit: unit.clone(), value, stated: *stated, source }
         })
         .collect()
     }
 
     fn source(&self, slot: Slot, name: &str) -> QuantitySource {
-        let Slot::Free(at, scale) = slot else { return QuantitySource::Known };
-        let other = &self.parameters[at];
-        match other.name == name {
-            true => QuantitySource::Free(at),
-            false => QuantitySource::Tied { to: other.name.clone(), factor: scale / other.scale },
+        match slot {
+            Slot::Known(_) => QuantitySource::Known,
+            Slot::Free(at, _) if self.parameters[at].name == name => QuantitySource::Free(at),
+            Slot::Free(at, scale) => {
+                let Parameter { name, scale: one, .. } = &self.parameters[at];
+                QuantitySource::Tied { to: name.clone(), factor: scale / one }
+            }
         }
     }
 }
@@ -397,8 +383,6 @@ pub struct Parameter {
     /// What one of the prime system is in SI units, if the number can be written in it.
     pub prime: Option<f64>,
 }
-
-// The channels that a ship's forces depend on, and their units.
 
 /// An input or measured disturbance, in the order of a row.
 #[derive(Clone, Debug, PartialEq)]

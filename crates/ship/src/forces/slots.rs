@@ -75,7 +75,7 @@ pub(crate) fn slots<'a>(
     let Description {
         density_kg_m3: _,
         step_s: _,
-        ship: ship,
+        ship,
         surge,
         sway,
         yaw,
@@ -312,8 +312,6 @@ impl<'a> Walk<'a, '_> {
         self.add(name, "drag", drag, Dimension::NONE);
     }
 }
-
-// What numbers and units are made of, where ships of different size move at the same Froude number.
 
 /// Powers of the water's density and of half lengths: a speed counts as the root of a length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -151,8 +151,8 @@ fn measured(
     let (mut speeds, mut rates) = (0_i32, 0_i32);
     let mut units = String::new();
     for factor in factors {
-        let sign = if factor.divides { -1 } else { 1 };
-        let unit = match factor.variable.checked_sub(MOTION.len()) {
+        let sign = factor.power();
+        let unit = match factor.channel() {
             None => {
                 speeds += sign;
                 rates += if factor.variable == 2 { sign } else { 0 };
@@ -185,8 +185,11 @@ fn measured(
 }
 
 fn refused(spec: &TermSpec, found: &str, expected: &str, remedy: &str) -> Invalid {
-    let thing = format!("term `{}` of parameter `{}`", foreign(&spec.term), foreign(&spec.parameter));
-    Invalid::new(thing, found, expected, remedy)
+    Invalid::new(called(spec), found, expected, remedy)
+}
+
+fn called(spec: &TermSpec) -> String {
+    format!("term `{}` of parameter `{}`", foreign(&spec.term), foreign(&spec.parameter))
 }
 
 struct Parser<'a> {
@@ -243,14 +246,7 @@ impl Parser<'_> {
         match known().position(|known| known == name) {
             Some(variable) => Ok(variable),
             None if name.is_empty() => Err(self.malformed("a character that begins no name")),
-            None => {
-                let thing = format!(
-                    "term `{}` of parameter `{}`",
-                    foreign(&self.spec.term),
-                    foreign(&self.spec.parameter)
-                );
-                Err(Invalid::unknown(thing, name, known()))
-            }
+            None => Err(Invalid::unknown(called(self.spec), name, known())),
         }
     }
 
@@ -424,16 +420,14 @@ impl Wind {
     }
 }
 
-// How terms are written, with forces or per sample: names, moduli and powers.
-
 /// Most factors of a term, and of a formula.
-pub const MOST_FACTORS: usize = 32;
+pub(crate) const MOST_FACTORS: usize = 32;
 
 /// Whether a modulus is at the start of `text`, the name there, and the rest; the name is empty where none begins.
 ///
 /// # Errors
 /// What is wrong: an unclosed modulus.
-pub fn parse_name(text: &str) -> Result<(bool, &str, &str), String> {
+pub(crate) fn parse_name(text: &str) -> Result<(bool, &str, &str), String> {
     let (modulus, start) = match text.strip_prefix('|') {
         Some(inner) => (true, inner.trim_start()),
         None => (false, text),
@@ -450,7 +444,7 @@ pub fn parse_name(text: &str) -> Result<(bool, &str, &str), String> {
 ///
 /// # Errors
 /// What is wrong: a power that is none.
-pub fn parse_power(text: &str) -> Result<(u8, &str), String> {
+pub(crate) fn parse_power(text: &str) -> Result<(u8, &str), String> {
     let Some(exponent) = text.trim_start().strip_prefix('^') else { return Ok((1, text)) };
     let exponent = exponent.trim_start();
     let end = exponent.find(|c: char| !c.is_ascii_digit()).unwrap_or(exponent.len());

@@ -181,8 +181,6 @@ pub(crate) fn of_component(ship: &Description) -> Vec<(&str, &'static str, f64)>
     rudders.chain(propellers).flat_map(of).collect()
 }
 
-// The same ship at another size: geometrically similar, at the same Froude number.
-
 /// A number this close to one of 12 digits is that one, so that a ship that is scaled back has her own numbers.
 const SAME: f64 = 2e-14;
 

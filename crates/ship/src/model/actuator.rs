@@ -113,8 +113,6 @@ impl Actuator {
     }
 }
 
-// Actuators under way.
-
 /// The command to an actuator during a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampleCommand {

@@ -383,8 +383,6 @@ fn bad_coupling(input: &InputSpec, found: &str) -> Invalid {
     )
 }
 
-// What of a vessel is beyond a rudder's angles, a ship's speeds and her length.
-
 /// The greatest angle of a rudder \[°\].
 const HARD_OVER_DEG: f64 = 90.0;
 /// Names of rudders among inputs, where nothing else says what they are.

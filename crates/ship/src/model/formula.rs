@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::forces::term::{MOST_FACTORS, parse_power};
+use crate::forces::{MOST_FACTORS, parse_power};
 
 /// A function of a channel, before it is multiplied with the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -280,8 +280,6 @@ fn split_name(text: &str) -> Result<(&str, &str), Malformed> {
     }
     Ok((&text[..end], text[end..].trim_start()))
 }
-
-// Channels that are computed from others, sample by sample: `[[derived]]` in `vessel.toml`.
 
 /// A channel that is computed from others.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

@@ -189,8 +189,6 @@ fn replace(file: &VesselFile, forces: &Forces, parts: &mut Parts) -> Result<(), 
     Ok(())
 }
 
-// `vessel.toml` as it is written.
-
 choices! {
     /// Whether a ship may be unusual.
     pub enum Unusual {

@@ -289,8 +289,6 @@ impl ParameterLayout {
     }
 }
 
-// Rows of all channels from rows of inputs.
-
 /// The exogenous inputs of a model where there are no logs: inputs from a maneuver, measured disturbances as
 /// `simulated`, derived channels by their formulas. Rows hold them in this order.
 impl Model {
@@ -360,11 +358,7 @@ impl Model {
             )),
         }
     }
-}
 
-// Models with additional channels.
-
-impl Model {
     /// The model with the channels of `specs` after its own.
     ///
     /// # Errors
@@ -427,13 +421,7 @@ impl RateChange {
     pub fn weights(self) -> Vec<f64> {
         match self {
             Self::Own => vec![1.0],
-            Self::Repeated(count) => {
-                let mut weights = vec![0.0; count as usize];
-                if let Some(last) = weights.last_mut() {
-                    *last = 1.0;
-                }
-                weights
-            }
+            Self::Repeated(count) => (1..=count).map(|step| f64::from(u8::from(step == count))).collect(),
             Self::Divided { by, order } => {
                 let mut weights = vec![0.0; order as usize + 1];
                 let part = 1.0 / f64::from(by);

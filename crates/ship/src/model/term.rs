@@ -1,4 +1,4 @@
-use crate::forces::term::{MOST_FACTORS, parse_name, parse_power};
+use crate::forces::{MOST_FACTORS, parse_name, parse_power};
 use numerics::Number;
 use refusal::{Invalid, foreign, nearest};
 

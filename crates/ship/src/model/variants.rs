@@ -180,8 +180,6 @@ impl Vessel {
     }
 }
 
-// The same ship at another size, and with priors for all that is free.
-
 /// The channels that forces depend on, of a file.
 fn channels(file: &VesselFile) -> Vec<Channel> {
     let channel =
@@ -334,8 +332,6 @@ fn check_derived(file: &VesselFile, by: &Similarity) -> Result<(), Invalid> {
     }
     Ok(())
 }
-
-// Terms that are added to a model.
 
 /// `base` with the terms of `lists` for surge, sway and yaw after its own terms, each as text, such as `u |u|`; those that it has
 /// already and the constant are left out.
