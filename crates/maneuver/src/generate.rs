@@ -20,8 +20,7 @@ use crate::steady::{Motion, Steady};
 pub struct Realized {
     /// State at the start: u, v \[m/s\], r \[rad/s\].
     pub initial: [f64; 3],
-    /// N × inputs, row-major; for a maneuver that reacts, those of the undisturbed ship, which the dictionary
-    /// is computed with.
+    /// N × inputs, row-major; for a maneuver that reacts, those of the undisturbed ship, which the dictionary is computed with.
     pub inputs: Vec<f64>,
     /// Its commands, if they depend on the ship's motion.
     pub helm: Option<Helm>,
@@ -206,8 +205,7 @@ impl Generator {
         &self.tables
     }
 
-    /// Whether a shorter run of maneuver `index` is the beginning of a longer one: no part of it is
-    /// stretched.
+    /// Whether a shorter run of maneuver `index` is the beginning of a longer one: no part of it is stretched.
     pub fn is_unstretched(&self, index: usize) -> bool {
         self.helms.contains_key(&index) || self.maneuvers[index].kind.is_unstretched()
     }

@@ -124,8 +124,7 @@ pub enum ManeuverKind {
     Inputs {
         /// Name of the table with a column per input, and a row per sample or with its time in a column `t` \[s\].
         file: String,
-        /// Whether the table's rows are at other times than the samples, so that inputs are interpolated
-        /// linearly.
+        /// Whether the table's rows are at other times than the samples, so that inputs are interpolated linearly.
         #[serde(default)]
         resample: bool,
         /// Speed at the start \[m/s\].
@@ -235,8 +234,7 @@ impl ManeuverKind {
         }
     }
 
-    /// Removes commanded sway, so that only the drift of the turn remains. A swing of the sway speed alone is
-    /// kept.
+    /// Removes commanded sway, so that only the drift of the turn remains. A swing of the sway speed alone is kept.
     pub(super) fn release_sway(&mut self) {
         match self {
             Self::ZigZag { sway_amplitude_m_s: sway, .. }
@@ -304,13 +302,8 @@ impl<'a> Plan<'a> {
             | ManeuverKind::SteadyTurn { speed_m_s, .. }
             | ManeuverKind::PseudoRandomBinary { speed_m_s, .. }
             | ManeuverKind::Inputs { speed_m_s, .. } => speed_m_s,
-            ManeuverKind::ZigZagTest(_)
-            | ManeuverKind::TurningCircle(_)
-            | ManeuverKind::PullOut(_)
-            | ManeuverKind::SpiralTest(_)
-            | ManeuverKind::ReverseSpiral(_)
-            | ManeuverKind::Stop(_) => self.kind.standard().map_or(0.0, |standard| standard.speed_m_s()),
             ManeuverKind::Combined { start_m_s, .. } => start_m_s.unwrap_or_else(|| self.motion(0).u),
+            _ => self.kind.standard().map_or(0.0, |standard| standard.speed_m_s()),
         }
     }
 
@@ -391,12 +384,7 @@ impl<'a> Plan<'a> {
                 Motion { u: u.unwrap_or(0.0), v, r: r.unwrap_or(0.0) }
             }
             ManeuverKind::Inputs { speed_m_s: u, .. } => Motion { u, v: None, r: 0.0 },
-            ManeuverKind::ZigZagTest(_)
-            | ManeuverKind::TurningCircle(_)
-            | ManeuverKind::PullOut(_)
-            | ManeuverKind::SpiralTest(_)
-            | ManeuverKind::ReverseSpiral(_)
-            | ManeuverKind::Stop(_) => Motion { u: self.start_speed(), v: None, r: 0.0 },
+            _ => Motion { u: self.start_speed(), v: None, r: 0.0 },
         }
     }
 }

@@ -115,8 +115,7 @@ pub(super) fn check_range(vessel: &Vessel, inputs: &[f64], what: impl Fn() -> St
     ))
 }
 
-/// Tolerance, as a fraction of a step, for differences between steps and between stamps and samples: stamps
-/// are rounded.
+/// Tolerance, as a fraction of a step, for differences between steps and between stamps and samples: stamps are rounded.
 const ROUNDED: f64 = 0.1;
 
 /// The time of every row of a table, evenly spaced.

@@ -41,8 +41,7 @@ const COMMON_KEYS: [&str; 8] =
     ["name", "kind", "description", "duration_s", "keeps", "executed", "feedback", "approach"];
 
 impl<'de> Deserialize<'de> for ManeuverSpec {
-    /// The keys that all kinds share, then those of the kind: any other key is refused (which a flattened enum would
-    /// let pass).
+    /// The keys that all kinds share, then those of the kind: any other key is refused (which a flattened enum would let pass).
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         #[derive(Deserialize)]
         struct Common {

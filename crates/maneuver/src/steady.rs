@@ -33,14 +33,11 @@ pub struct Steady<'a> {
 impl<'a> Steady<'a> {
     /// For `vessel` with `parameters`.
     pub fn new(vessel: &'a Vessel, parameters: &[f64]) -> Self {
-        let gradients = vec![[0.0; 3]; vessel.model.variables.len()];
-        let exogenous = vec![0.0; vessel.model.exogenous()];
-        let model = Compiled::new(&vessel.model, parameters);
         Self {
             vessel,
-            model,
-            exogenous,
-            gradients,
+            model: Compiled::new(&vessel.model, parameters),
+            exogenous: vec![0.0; vessel.model.exogenous()],
+            gradients: vec![[0.0; 3]; vessel.model.variables.len()],
             last: Vec::new(),
             workspace: Workspace::default(),
             at: Vec::new(),
@@ -60,8 +57,7 @@ impl<'a> Steady<'a> {
         self.follow(motion, [0.0; 3], unknowns)
     }
 
-    /// [`Self::solve`] for inputs by which u, v and r change by `gain` until the next sample \[m/s, m/s,
-    /// rad/s\].
+    /// [`Self::solve`] for inputs by which u, v and r change by `gain` until the next sample \[m/s, m/s, rad/s\].
     ///
     /// # Errors
     /// As [`Steady::solve`].
@@ -93,8 +89,7 @@ impl<'a> Steady<'a> {
         Ok(())
     }
 
-    /// The first solution from any start that is within the inputs' ranges, else any; `beyond` is a known
-    /// one.
+    /// The first solution from any start that is within the inputs' ranges, else any; `beyond` is a known one.
     fn search(&mut self, wanted: &WantedMotion, mut beyond: Option<Vec<f64>>) -> Option<Vec<f64>> {
         let used = self.vessel.model.inputs + usize::from(wanted.sway_free);
         let last = (self.last.len() == used).then(|| self.last.clone());
@@ -200,8 +195,7 @@ impl<'a> Starts<'a> {
         Self { vessel, wanted }
     }
 
-    /// Starts with the scales of their unknowns: all inputs at the centre or on either side, combined with
-    /// each sway.
+    /// Starts with the scales of their unknowns: all inputs at the centre or on either side, combined with each sway.
     fn starts(&self) -> impl Iterator<Item = (Vec<f64>, Vec<f64>)> {
         let sides = 3_usize.pow(self.vessel.model.inputs.min(MOST_SIDES) as u32);
         let ways = if self.wanted.sway_free { 3 } else { 1 };

@@ -86,8 +86,7 @@ impl From<f64> for Lane {
     }
 }
 
-/// The number type that a model is stepped with: a [`Lane`], several of them, or one number. All give the
-/// same bits.
+/// The number type that a model is stepped with: a [`Lane`], several of them, or one number. All give the same bits.
 pub trait Arithmetic:
     Copy
     + std::fmt::Debug
@@ -111,9 +110,8 @@ pub trait Arithmetic:
     type Place: Copy;
     /// The number at an index.
     fn at(&self, place: Self::Place) -> f64;
-    /// Applies `f` to `numbers`, place by place. The loop over the lanes stays in one piece until it is
-    /// vectorized, so that the compiler produces whole vectors even for values that are carried from sample
-    /// to sample.
+    /// Applies `f` to `numbers`, place by place. The loop over the lanes stays in one piece until it is vectorized, so that the
+    /// compiler produces whole vectors even for values that are carried from sample to sample.
     fn change<const N: usize>(numbers: &mut [Self; N], f: impl Fn(Self::Place, [f64; N]) -> [f64; N]);
     /// Built from the number at every place.
     #[inline(always)]
@@ -258,8 +256,7 @@ impl IndexMut<usize> for Lane {
     }
 }
 
-/// How many times [`crate::LANES`] runs are stepped at once where there are as many, to hide the latency of a
-/// step.
+/// How many times [`crate::LANES`] runs are stepped at once where there are as many, to hide the latency of a step.
 pub const GROUPS: usize = 4;
 
 /// A number of each of `G` times [`crate::LANES`] runs. A step of a model waits for the previous one,

@@ -1,8 +1,7 @@
 //! Linear algebra on dense matrices, row-major in slices; lanes of runs; statistics; steps of searches.
 //!
-//! Small square blocks (2 to about 20 rows) are eliminated in place, without allocation, for use in hot
-//! loops: a general library spends most of its time on such blocks in set-up. faer does everything else:
-//! larger systems, singular values, eigenvalues.
+//! Small square blocks (2 to about 20 rows) are eliminated in place, without allocation, for use in hot loops: a general library
+//! spends most of its time on such blocks in set-up. faer does everything else: larger systems, singular values, eigenvalues.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

@@ -131,8 +131,7 @@ fn of_pivots(n: usize, a: &[f64], sign: f64) -> LogDet {
     LogDet { log_abs: a.iter().step_by(n + 1).map(|pivot| libm::log(pivot.abs())).sum(), sign }
 }
 
-/// Reduces A to upper triangular form, doing the same to the rows of B, and returns the sign of its
-/// determinant.
+/// Reduces A to upper triangular form, doing the same to the rows of B, and returns the sign of its determinant.
 #[inline(always)]
 fn eliminate(n: usize, a: &mut [f64], columns: usize, b: &mut [f64]) -> Option<f64> {
     let mut sign = 1.0;

@@ -61,8 +61,7 @@ pub fn add_outer(a: &mut [f64], x: &[f64], y: &[f64]) {
 /// Entries from which on checking the processor pays off.
 const MANY: usize = 64;
 
-/// Σ_ij a_ij b_ij, over the entries that both have: eight sums in parallel, so that none waits for the
-/// previous one.
+/// Σ_ij a_ij b_ij, over the entries that both have: eight sums in parallel, so that none waits for the previous one.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let both = a.len().min(b.len());
     let (a, b) = (&a[..both], &b[..both]);
@@ -84,8 +83,7 @@ fn dot_of_equals(a: &[f64], b: &[f64]) -> f64 {
     ((s0 + s4) + (s2 + s6)) + ((s1 + s5) + (s3 + s7)) + rest
 }
 
-/// Adds c_k x_k to `out` for every row x_k of `rows`, in order; each row has as many entries as `out`, and a
-/// coefficient c_k.
+/// Adds c_k x_k to `out` for every row x_k of `rows`, in order; each row has as many entries as `out`, and a coefficient c_k.
 pub fn add_rows(out: &mut [f64], rows: &[f64], coefficients: &[f64]) {
     if out.is_empty() {
         return;

@@ -52,9 +52,8 @@ const IN_MEMORY: usize = 1 << 18;
 /// Bits of a value's rank that one pass determines.
 const BITS: u32 = 16;
 
-/// [`median`], bit for bit, of the values that `values` yields each time it is called. If there are many,
-/// each pass counts how many have the same leading bits, until those that contain the median fit in the
-/// memory.
+/// [`median`], bit for bit, of the values that `values` yields each time it is called. If there are many, each pass counts how
+/// many have the same leading bits, until those that contain the median fit in the memory.
 pub fn streamed_median<I: Iterator<Item = f64>>(values: impl Fn() -> I) -> Option<f64> {
     let few: Vec<f64> = values().take(IN_MEMORY + 1).collect();
     if few.len() <= IN_MEMORY {
@@ -179,8 +178,7 @@ pub const Z: f64 = 1.959_963_984_540_054;
 /// Probability with which each end of an interval may miss.
 const TAIL: f64 = 0.025;
 
-/// Wilson's score interval of a share: 95 % `[low, high]` after `count` successes in `total` trials; `None`
-/// without trials.
+/// Wilson's score interval of a share: 95 % `[low, high]` after `count` successes in `total` trials; `None` without trials.
 ///
 /// It is valid for shares near 0 and 1 too, where an estimate ± 1.96 standard errors is not.
 pub fn wilson(count: u64, total: u64) -> Option<[f64; 2]> {
@@ -240,8 +238,7 @@ fn ranks(n: usize, q: f64) -> [Option<usize>; 2] {
     [(below > 0).then_some(below), (above > 0).then(|| n + 1 - above)]
 }
 
-/// Beyond so many draws the normal approximation of the binomial distribution is used: its ranks differ by
-/// one at most.
+/// Beyond so many draws the normal approximation of the binomial distribution is used: its ranks differ by one at most.
 const MANY: u64 = 10_000;
 
 /// Ranks, from 1, of the values among `n` draws that enclose the quantile `q` at 95 %, as [`quantile_interval`] does, for any

@@ -1,9 +1,8 @@
 use pulp::WithSimd;
 
-/// An expression compiled for the vector instructions that [`crate::dispatch`] selects from, with `narrow:`
-/// before it for those of [`crate::dispatch_narrow`]; the functions that it calls must be inlined. Lanes are
-/// added and multiplied, and fused only in [`crate::Lane::fused`], so that all instruction sets give the same
-/// bits.
+/// An expression compiled for the vector instructions that [`crate::dispatch`] selects from, with `narrow:` before it for those
+/// of [`crate::dispatch_narrow`]; the functions that it calls must be inlined. Lanes are added and multiplied, and fused only in
+/// [`crate::Lane::fused`], so that all instruction sets give the same bits.
 #[macro_export]
 macro_rules! vectorized {
     (narrow: $expression:expr) => {
@@ -36,10 +35,9 @@ impl Once {
     pub const fn spend(self) {}
 }
 
-/// Runs `op` as compiled for the widest vector instructions of this processor. On x86-64 that is AVX-512, or
-/// AVX2 with FMA: the version for older processors was twenty times slower, and cost compile time all the
-/// same. With debug assertions, as tests are built, AVX-512 is left out: it gives the same bits, and takes half of the
-/// time to compile.
+/// Runs `op` as compiled for the widest vector instructions of this processor. On x86-64 that is AVX-512, or AVX2 with FMA: the
+/// version for older processors was twenty times slower, and cost compile time all the same. With debug assertions, as tests are
+/// built, AVX-512 is left out: it gives the same bits, and takes half of the time to compile.
 ///
 /// # Panics
 /// Where the processor has neither. Programs check [`missing_instructions`] first.

@@ -77,8 +77,7 @@ pub fn check_name(thing: impl Into<String>, name: &str) -> Result<(), Invalid> {
     }
 }
 
-/// Refuses the first of `numbers`, each with its key, that is not finite or not valid: it should be
-/// `expected`.
+/// Refuses the first of `numbers`, each with its key, that is not finite or not valid: it should be `expected`.
 ///
 /// # Errors
 /// Names the key.

@@ -19,9 +19,8 @@ fn strict<'a, D>(inner: D) -> Strict<'a, D> {
     Strict { inner, keys: None }
 }
 
-/// Reads `T` from `deserializer`. A list in place of a table is refused, because its values would be
-/// identified by position alone; so are a key that occurs twice, because the first value would be lost, and
-/// surplus values of a list.
+/// Reads `T` from `deserializer`. A list in place of a table is refused, because its values would be identified by position
+/// alone; so are a key that occurs twice, because the first value would be lost, and surplus values of a list.
 ///
 /// # Errors
 /// These, and those of `T`.
@@ -91,8 +90,9 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Strict<'_, D> {
 }
 
 macro_rules! take {
-    ($($method:ident($Type:ty);)+) => {
+    ($($method:ident($Type:ty)$(, if $unlike:ident)?;)+) => {
         $(fn $method<E: Error>(self, value: $Type) -> Result<V::Value, E> {
+            $($unlike(self.keys, value.as_ref())?;)?
             self.visitor.$method(value)
         })+
     };
@@ -116,21 +116,9 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for Taking<'_, V> {
         visit_bytes(&[u8]);
         visit_borrowed_bytes(&'de [u8]);
         visit_byte_buf(Vec<u8>);
-    }
-
-    fn visit_str<E: Error>(self, value: &str) -> Result<V::Value, E> {
-        once(self.keys, value)?;
-        self.visitor.visit_str(value)
-    }
-
-    fn visit_borrowed_str<E: Error>(self, value: &'de str) -> Result<V::Value, E> {
-        once(self.keys, value)?;
-        self.visitor.visit_borrowed_str(value)
-    }
-
-    fn visit_string<E: Error>(self, value: String) -> Result<V::Value, E> {
-        once(self.keys, &value)?;
-        self.visitor.visit_string(value)
+        visit_str(&str), if once;
+        visit_borrowed_str(&'de str), if once;
+        visit_string(String), if once;
     }
 
     fn visit_none<E: Error>(self) -> Result<V::Value, E> {

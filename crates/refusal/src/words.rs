@@ -51,8 +51,7 @@ fn is_unseen(c: char) -> bool {
 /// Longer words are not compared.
 const COMPARED: usize = 200;
 
-/// The name of `known` most like `word`, regardless of case: by Jaro–Winkler, then by the fewest edits (the
-/// first of equals).
+/// The name of `known` most like `word`, regardless of case: by Jaro–Winkler, then by the fewest edits (the first of equals).
 pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let word = shortened(word, COMPARED).to_lowercase();
     let mut best: Option<((f64, usize), &str)> = None;

@@ -68,8 +68,8 @@ pub struct Instruments {
     sums: BTreeMap<(usize, usize), LaneSums>,
     /// Per run its groups with the instruments' means, one per parameter.
     means: [Vec<Group>; LANES],
-    /// Computed when first asked for: only standard errors need them.
-    squares: OnceLock<InstrumentSquares>,
+    /// See [`squares`]; computed when first asked for: only standard errors need them.
+    squares: OnceLock<[Vec<Lane>; 2]>,
     /// ζ, if the runs share it.
     kept: Kept,
     /// Which degrees of freedom have a term 1, whose parameter is the intercept.
@@ -142,7 +142,7 @@ impl Instruments {
         let intercepts = intercepts.each_ref().map(Vec::as_slice);
         let residuals = residuals(batch.any(), &self.kept, &theta, intercepts);
         let means = || self.means.each_ref().map(Vec::as_slice);
-        let squares = self.squares.get_or_init(|| InstrumentSquares::over(batch.any(), &self.kept, means()));
+        let squares = self.squares.get_or_init(|| squares(batch.any(), &self.kept, means()));
         let (errors, meats) = self.standard_errors(squares, &solved, &residuals);
         let covariance = |lane: usize| {
             let pairs = solved.iter().zip(&meats);
@@ -226,7 +226,7 @@ impl Instruments {
     /// degree of freedom.
     fn standard_errors(
         &self,
-        squares: &InstrumentSquares,
+        [squares, neighbours]: &[Vec<Lane>; 2],
         solved: &[SolvedLanes; 3],
         residuals: &[Vec<Lane>; 3],
     ) -> (Vec<Lane>, Vec<Vec<Lane>>) {
@@ -243,7 +243,7 @@ impl Instruments {
         let gammas = residuals.each_ref().map(|sequence| autocovariances(sequence));
         numerics::vectorized!({
             let (mut errors, mut meats) = (Vec::new(), Vec::new());
-            let mut pairs = squares.squares.iter().zip(&squares.neighbours);
+            let mut pairs = squares.iter().zip(neighbours);
             for (d, SolvedLanes { theta, inverse, .. }) in solved.iter().enumerate() {
                 let p = theta.len();
                 let factor = Lane::splat(samples as f64) / freedom[d];
@@ -370,24 +370,16 @@ fn block_diagonal(blocks: impl Iterator<Item = Vec<f64>>) -> Vec<f64> {
 // θ̂ − θ = A⁻¹ Σ ζᶜ(k) ε(k). The residual contains e(k+1) − e(k), so it is correlated with its neighbours: its
 // autocovariances γ₀, γ₁ are those of the likeliest moving average of order one.
 
-/// Per degree of freedom Σ ζᶜζᶜᵀ and Σ (ζᶜ(k−1) ζᶜ(k)ᵀ + its transpose), upper triangles.
-struct InstrumentSquares {
-    pub squares: Vec<Lane>,
-    pub neighbours: Vec<Lane>,
-}
-
-impl InstrumentSquares {
-    /// `kept` is ζ, if stored. `means`: the instruments' means per run and group.
-    pub(crate) fn over(batch: AnyBatch, kept: &Kept, means: Groups) -> Self {
-        let model = batch.model();
-        let triangles = model.degrees.iter().map(|d| d.terms.len() * (d.terms.len() + 1) / 2).sum();
-        let zeros = || vec![Lane::ZERO; triangles];
-        let mut sums = Self { squares: zeros(), neighbours: zeros() };
-        over_batch!(batch, |batch| {
-            add_squares(&batch, kept, means, [&mut sums.squares, &mut sums.neighbours]);
-        });
-        sums
-    }
+/// Σ ζᶜζᶜᵀ and Σ (ζᶜ(k−1) ζᶜ(k)ᵀ + its transpose), upper triangles of each degree of freedom. `kept` is ζ, if stored. `means`: the
+/// instruments' means per run and group.
+fn squares(batch: AnyBatch, kept: &Kept, means: Groups) -> [Vec<Lane>; 2] {
+    let degrees = batch.model().degrees.iter();
+    let triangles = degrees.map(|d| d.terms.len() * (d.terms.len() + 1) / 2).sum();
+    let mut sums = [0, 1].map(|_| vec![Lane::ZERO; triangles]);
+    over_batch!(batch, |batch| {
+        add_squares(&batch, kept, means, sums.each_mut().map(Vec::as_mut_slice));
+    });
+    sums
 }
 
 /// The residuals of `theta`, one lane per parameter: surge, sway, yaw. `kept` is ζ, if stored. `intercepts`: three per

@@ -1,10 +1,9 @@
 //! The meat of the sandwich covariance of an instrumental-variable estimate, predicted from stated disturbances.
 //!
-//! To first order about the undisturbed motion x̄ the residual is ε_d(k) = e_d(k+1) − e_d(k) − Σ_i J_di(k) (e_i(k) +
-//! c_i(k)), J_di = θ_dᵀ ∂φ_d/∂x_i at x̄(k): the measurement error e enters the increment and the regressors, the
-//! current c (none in r) the motion. The vessel's own drift under the current cancels. Σ_k ζ̃ ε is therefore a sum
-//! over independent draws: of e_d(k) times ζ̃(k−1) − (1 + J_dd(k)) ζ̃(k), and of every other draw times J_di(k)
-//! ζ̃(k).
+//! To first order about the undisturbed motion x̄ the residual is ε_d(k) = e_d(k+1) − e_d(k) − Σ_i J_di(k) (e_i(k) + c_i(k)),
+//! J_di = θ_dᵀ ∂φ_d/∂x_i at x̄(k): the measurement error e enters the increment and the regressors, the current c (none in r) the
+//! motion. The vessel's own drift under the current cancels. Σ_k ζ̃ ε is therefore a sum over independent draws: of e_d(k) times
+//! ζ̃(k−1) − (1 + J_dd(k)) ζ̃(k), and of every other draw times J_di(k) ζ̃(k).
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -24,8 +23,7 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// Per state the variance that enters degree of freedom `d` through its slope: errors of the other states, and
-    /// the current.
+    /// Per state the variance that enters degree of freedom `d` through its slope: errors of the other states, and the current.
     #[inline(always)]
     pub(crate) fn others(&self, d: usize) -> [f64; 3] {
         let measurement = |i: usize| if i == d { 0.0 } else { self.measurement[i].powi(2) };
@@ -203,8 +201,7 @@ impl Likelihood<'_> {
         self.vertex(self.vertex(middle, 0.5 * width), NEAR)
     }
 
-    /// The vertex of the parabola through `middle` and the points `distance` beside it; `middle` where it has none
-    /// between these.
+    /// The vertex of the parabola through `middle` and the points `distance` beside it; `middle` where it has none between these.
     fn vertex(&self, middle: Lane, distance: f64) -> Lane {
         let [below, at, above] = [-distance, 0.0, distance].map(|away| self.cost(middle + Lane::splat(away)));
         let (slope, curvature) = (above - below, above + below - at - at);

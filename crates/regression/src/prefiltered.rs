@@ -118,8 +118,7 @@ impl Signals {
         Self { degrees }
     }
 
-    /// Adds the contribution of these samples, one group, to the `meats` of the runs that have an estimate and this
-    /// group.
+    /// Adds the contribution of these samples, one group, to the `meats` of the runs that have an estimate and this group.
     fn add_meats(
         &self,
         meats: &mut [Meats; LANES],

@@ -29,8 +29,7 @@ const SINGULAR: f64 = 1e10;
 /// A centred sum of squares below this share of the raw one is rounding: the signal is constant.
 const CONSTANT: f64 = 1e-12;
 
-/// Pivot of the scaled normal matrix below which rows are exchanged: it is at most 1 if instruments and regressors
-/// are the same.
+/// Pivot of the scaled normal matrix below which rows are exchanged: it is at most 1 if instruments and regressors are the same.
 const SMALL: f64 = 1e-3;
 
 /// Solutions of one degree of freedom of [`LANES`] runs.
@@ -298,18 +297,16 @@ pub struct Equations<'a> {
     pub a: &'a [f64],
     /// b: p entries.
     pub b: &'a [f64],
-    /// Lower and upper bound by the index of the parameter, infinite at open ends; the other parameters are not
-    /// bounded.
+    /// Lower and upper bound by the index of the parameter, infinite at open ends; the other parameters are not bounded.
     pub bounds: &'a BTreeMap<usize, [f64; 2]>,
 }
 
 /// Estimates θ and the gain within the bounds, starting from the unbounded solution `theta`. Parameters are fixed and
 /// freed one by one, the first violation first: Murty's method, which terminates if the solution is unique.
 ///
-/// `theta` has p entries. The gain is p × p, row-major: empty if `theta` is the solution, else 0 in the rows and
-/// columns of fixed parameters. `solve` is called with the indices of n parameters and their n right-hand sides. It
-/// returns their values and the n × n inverse of their block of A, or the position among them of one that is not
-/// excited.
+/// `theta` has p entries. The gain is p × p, row-major: empty if `theta` is the solution, else 0 in the rows and columns of fixed
+/// parameters. `solve` is called with the indices of n parameters and their n right-hand sides. It returns their values and the n
+/// × n inverse of their block of A, or the position among them of one that is not excited.
 ///
 /// # Errors
 /// The index of a parameter that is not excited, or of a bounded one if no solution is found.

@@ -160,8 +160,7 @@ impl DegreeSums {
 }
 
 refusal::choices! {
-    /// How the instruments' mean is removed: how many intercepts a degree of freedom has, none, one per segment or
-    /// one.
+    /// How the instruments' mean is removed: how many intercepts a degree of freedom has, none, one per segment or one.
     pub enum MeanRemoval {
         /// Not at all.
         None = "none",
@@ -213,8 +212,7 @@ pub struct Batch<'a, X = Lane> {
     pub segments: [&'a [usize]; LANES],
 }
 
-/// A batch with its number type erased, so that passes are compiled here and not in every crate and test that calls
-/// them.
+/// A batch with its number type erased, so that passes are compiled here and not in every crate and test that calls them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum AnyBatch<'a> {
     Lanes(Batch<'a, Lane>),

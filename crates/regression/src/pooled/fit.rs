@@ -113,8 +113,7 @@ pub struct Diagnosis {
     pub direction: Vec<f64>,
     /// Index of the parameter that dominates it.
     pub weakest: usize,
-    /// Per regressor the root mean square after removing the mean over all parts, relative to that before: 0 for a
-    /// constant.
+    /// Per regressor the root mean square after removing the mean over all parts, relative to that before: 0 for a constant.
     pub variation: Vec<f64>,
 }
 

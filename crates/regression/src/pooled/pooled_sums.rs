@@ -171,8 +171,7 @@ impl Centring {
     }
 }
 
-/// The means that are subtracted from instruments and regressors of each part: over all parts, over the part, or
-/// none.
+/// The means that are subtracted from instruments and regressors of each part: over all parts, over the part, or none.
 #[derive(Clone, Debug)]
 pub struct Centring {
     removal: MeanRemoval,

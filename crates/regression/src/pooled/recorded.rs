@@ -21,8 +21,7 @@ pub trait Recorded: Sync {
     fn held(&self) -> bool {
         false
     }
-    /// Samples that are held in memory at a time if they are needed in another order than they are stored in: some 60
-    /// MB.
+    /// Samples that are held in memory at a time if they are needed in another order than they are stored in: some 60 MB.
     fn window(&self) -> usize {
         1 << 20
     }

@@ -112,8 +112,7 @@ fn terms(model: &Model, exogenous: &[f64], states: &[f64]) -> [Vec<f64>; 3] {
     out
 }
 
-/// The increments of surge, sway and yaw due to constant and known terms at all `states` but the last; empty without
-/// such terms.
+/// The increments of surge, sway and yaw due to constant and known terms at all `states` but the last; empty without such terms.
 fn known_gains(model: &Model, exogenous: &[f64], states: &[f64]) -> Vec<[f64; 3]> {
     if model.known().next().is_none() {
         return Vec::new();

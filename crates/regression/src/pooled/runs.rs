@@ -8,8 +8,7 @@ use thiserror::Error;
 use super::recorded::read;
 use super::{Part, PartView, Parts, Recorded};
 
-/// Measured runs, each with the name of its source: a recording, or the run itself. Their samples may be stored
-/// elsewhere.
+/// Measured runs, each with the name of its source: a recording, or the run itself. Their samples may be stored elsewhere.
 #[derive(Clone, Debug)]
 pub struct PooledRuns<R = Vec<Run>> {
     recorded: R,
@@ -70,8 +69,7 @@ impl SelectError {
 }
 
 impl PooledRuns {
-    /// Pools `runs`. `recordings` maps a run's number to the recording that it was cut from; other runs are their own
-    /// sources.
+    /// Pools `runs`. `recordings` maps a run's number to the recording that it was cut from; other runs are their own sources.
     pub fn new(runs: Vec<Run>, recordings: &BTreeMap<i32, String>) -> Self {
         let Ok(pooled) = Self::of(runs, recordings);
         pooled

@@ -12,8 +12,7 @@ use pulp::Simd;
 
 use crate::sums::parts;
 
-/// Samples that a pass processes at once: several blocks, so that branches per term are rare, and few enough for the
-/// L1 cache.
+/// Samples that a pass processes at once: several blocks, so that branches per term are rare, and few enough for the L1 cache.
 const SPAN: usize = 4 * BLOCK;
 
 /// The spans of samples `range`: first sample, count.

@@ -8,8 +8,7 @@ use super::{Column, Difference, Modulus, Product, SPAN, Signal, Signals};
 use crate::Batch;
 use numerics::registers::{parts, put};
 
-/// The order in which the passes process the terms of a degree of freedom: first those with states, then those of
-/// inputs alone.
+/// The order in which the passes process the terms of a degree of freedom: first those with states, then those of inputs alone.
 pub(super) struct Order {
     pub terms: Vec<usize>,
     /// The number of terms that are not the same in φ and in ζ: those with states, or all where instruments have other inputs.

@@ -330,7 +330,8 @@ impl<M: Signals, I: Signals> Terms<'_, M, I> {
     fn add_few<const C: usize, const D: usize>(self, out: &mut [Lane]) {
         let Self { blocks, increments, intercepts, measured, inputs, less } = self;
         let (measured, inputs) = (measured.some::<C>(0), inputs.some::<D>(0));
-        numerics::dispatch(Residuals { blocks, increments, intercepts, measured, inputs, less, out });
+        let terms = Terms { blocks, increments, intercepts, measured, inputs, less };
+        numerics::dispatch(Residuals { terms, out });
     }
 
     /// Terms are subtracted one after the other.
@@ -378,12 +379,7 @@ impl<T: Signal> WithSimd for Less<'_, T> {
 
 /// Residuals of few terms.
 struct Residuals<'a, M, I, const C: usize, const D: usize> {
-    blocks: Blocks,
-    increments: Difference<'a>,
-    intercepts: &'a Block<Lane>,
-    measured: [M; C],
-    inputs: [I; D],
-    less: &'a [Lane],
+    terms: Terms<'a, [M; C], [I; D]>,
     /// At the samples of the span.
     out: &'a mut [Lane],
 }
@@ -394,7 +390,7 @@ impl<M: Signal, I: Signal, const C: usize, const D: usize> WithSimd for Residual
     #[allow(clippy::needless_range_loop)] // What iterators make of arrays is not always inlined, and then has no vectors.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { blocks, increments, intercepts, measured, inputs, less, out } = self;
+        let Self { terms: Terms { blocks, increments, intercepts, measured, inputs, less }, out } = self;
         let zero = simd.splat_f64s(0.0);
         for at in 0..parts::<S>() {
             let (mut first, mut last) = ([zero; C], [zero; D]);

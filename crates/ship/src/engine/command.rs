@@ -168,8 +168,7 @@ pub trait Command: Send {
         None
     }
 
-    /// The inputs at the beginning and the end of the last sample, where they changed within it. Those set are their
-    /// mean.
+    /// The inputs at the beginning and the end of the last sample, where they changed within it. Those set are their mean.
     fn ends(&self) -> Option<[&[f64]; 2]> {
         None
     }
@@ -304,8 +303,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// Advances by `seconds` with body velocities over the ground \[m/s, m/s, rad/s\], by an explicit Euler
-    /// step.
+    /// Advances by `seconds` with body velocities over the ground \[m/s, m/s, rad/s\], by an explicit Euler step.
     pub(crate) fn advance(&mut self, state: [f64; 3], seconds: f64) {
         self.move_on(state, seconds, libm::sincos(self.psi));
     }

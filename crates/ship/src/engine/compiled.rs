@@ -8,10 +8,9 @@ use crate::engine::products::{
     Curve, Derivatives, ONE, Products, Slope, first_coefficient, note, place, put_state,
 };
 
-/// A model with its parameters, compiled to products of two places each, so that a step has no branches.
-/// Places hold one, every variable, its modulus, its sign, and the leading products of terms with more than
-/// two factors. Terms that are tied to each other are summed in a place of their own. `X` is a
-/// [`numerics::Lane`] for lanes of runs, or `f64` for a single one.
+/// A model with its parameters, compiled to products of two places each, so that a step has no branches. Places hold one, every
+/// variable, its modulus, its sign, and the leading products of terms with more than two factors. Terms that are tied to each
+/// other are summed in a place of their own. `X` is a [`numerics::Lane`] for lanes of runs, or `f64` for a single one.
 ///
 /// [`Self::look`] sets a point; values there are computed on request. Derivatives are compiled on first use,
 /// so that callers who only need values do not pay for them.

@@ -284,8 +284,7 @@ impl Disturbing {
         self.measurement.clone().put(out);
     }
 
-    /// Adds measurement noise to the states of the next samples, samples × 3. Their number is even, except at
-    /// the end.
+    /// Adds measurement noise to the states of the next samples, samples × 3. Their number is even, except at the end.
     pub(crate) fn measure(&mut self, states: &mut [Lane]) {
         self.measurement.add(states);
     }

@@ -3,9 +3,8 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Random numbers keyed by their purpose: one ChaCha8 key per (seed, design), one stream per run, of which 32
-/// bytes per channel seed the fast generator that the channel draws from. A run's draws depend on nothing
-/// else.
+/// Random numbers keyed by their purpose: one ChaCha8 key per (seed, design), one stream per run, of which 32 bytes per channel
+/// seed the fast generator that the channel draws from. A run's draws depend on nothing else.
 #[derive(Clone, Debug)]
 pub struct Streams {
     key: [u8; 32],
@@ -123,9 +122,8 @@ fn fnv1a(bytes: &[u8]) -> u64 {
 /// Standard normal numbers, two at a time, for a lane of runs: every run draws from a Xoshiro256++ generator
 /// of its own, by the method of Box and Muller.
 ///
-/// The functions in it are polynomials with a relative error below 1.2e-10; they use only additions and
-/// multiplications, fused exactly where written so, and a square root, so that all instruction sets give the
-/// same bits. No number exceeds 8.5.
+/// The functions in it are polynomials with a relative error below 1.2e-10; they use only additions and multiplications, fused
+/// exactly where written so, and a square root, so that all instruction sets give the same bits. No number exceeds 8.5.
 #[derive(Clone, Debug)]
 pub(crate) struct Normals {
     /// Word by word, in the layout of vectors.

@@ -82,8 +82,7 @@ impl Divided {
     }
 
     /// Tries the step over the range of validity of `vessel`, from which this was made: over the ranges of u, v, r and of the
-    /// inputs, on a grid of at most 20,000 points with their ends. Where it states none, or an input has none, nothing is
-    /// tried.
+    /// inputs, on a grid of at most 20,000 points with their ends. Where it states none, or an input has none, nothing is tried.
     pub fn add_range(&mut self, vessel: &Vessel, parameters: &[f64]) {
         let inputs: Option<Vec<[f64; 2]>> = vessel.actuators.iter().map(|actuator| actuator.range).collect();
         let (Some(motion), Some(inputs)) = (vessel.motion, inputs) else { return };

@@ -19,8 +19,7 @@ pub struct Diverged {
     pub state: usize,
 }
 
-/// Simulates a lane of [`numerics::LANES`] runs of N samples: x(k+1) = x(k) + θᵀφ(x(k) − x_c(k),
-/// exogenous(k)).
+/// Simulates a lane of [`numerics::LANES`] runs of N samples: x(k+1) = x(k) + θᵀφ(x(k) − x_c(k), exogenous(k)).
 ///
 /// `parameters`: one lane per parameter. `initial`: u, v, r. `exogenous`: N × (inputs and measured disturbances).
 /// `states`: filled with (N+1) × 3. All row-major.
@@ -85,8 +84,7 @@ pub struct Recording<'a> {
     pub measured: &'a mut [Lane],
 }
 
-/// Samples that are drawn, simulated and measured at a time, so that they stay in the L1 cache. An even
-/// number.
+/// Samples that are drawn, simulated and measured at a time, so that they stay in the L1 cache. An even number.
 pub(crate) const AT_ONCE: usize = 32;
 
 /// Simulates and measures `G` times as many runs as [`simulate`], with their disturbances. Returns a number
@@ -146,8 +144,7 @@ impl<'m, const G: usize> Follow<'m, G> {
         put(&mut states, samples, &self.state);
     }
 
-    /// Steps through `samples` and writes the states, the one after the last if there is space for it. Marks
-    /// lanes that diverge.
+    /// Steps through `samples` and writes the states, the one after the last if there is space for it. Marks lanes that diverge.
     #[inline(always)]
     fn block(
         &mut self,
@@ -168,8 +165,7 @@ impl<'m, const G: usize> Follow<'m, G> {
         }
     }
 
-    /// Steps through `samples` and writes the state before each of them; weather and states begin at the
-    /// first of them.
+    /// Steps through `samples` and writes the state before each of them; weather and states begin at the first of them.
     #[inline(always)]
     pub fn go(
         &mut self,
@@ -310,8 +306,7 @@ fn put<const G: usize>(states: &mut [&mut [Lane]; G], k: usize, state: &[Wide<G>
     }
 }
 
-/// The components north and east along and across a heading. Not inlined: sines and cosines are not
-/// vectorized.
+/// The components north and east along and across a heading. Not inlined: sines and cosines are not vectorized.
 #[inline(never)]
 fn turned(current: &[Lane; 2], heading: &Lane) -> [Lane; 2] {
     let mut out = [Lane::ZERO; 2];
@@ -354,8 +349,7 @@ fn check_bounded(mut states: impl Iterator<Item = f64>, most: f64) -> Option<Div
     states.position(beyond).map(|i| Diverged { sample: i / 3, state: i % 3 })
 }
 
-/// [`check_diverged`] for every lane of `states`, (N+1) × 3 row-major. Single lanes are checked only if one
-/// of them diverged.
+/// [`check_diverged`] for every lane of `states`, (N+1) × 3 row-major. Single lanes are checked only if one of them diverged.
 pub fn diverged_lanes(states: &[Lane]) -> [Option<Diverged>; LANES] {
     let beyond = vectorized!({
         let mut beyond = Lane::ZERO;

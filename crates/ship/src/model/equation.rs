@@ -41,8 +41,7 @@ impl<'a> Equation<'a> {
         Self { degree, specs, others }
     }
 
-    /// The estimated parameters, with the terms of those that are tied to them; `first` is the model's index
-    /// of the first one.
+    /// The estimated parameters, with the terms of those that are tied to them; `first` is the model's index of the first one.
     ///
     /// # Errors
     /// A constraint that is meaningless, contradicts itself or the values, or leaves nothing to be estimated.
@@ -317,8 +316,7 @@ impl Constrained {
 }
 
 impl Model {
-    /// The model and its `parameters` without those at a bound, whose terms become known: an estimate is
-    /// judged with these held.
+    /// The model and its `parameters` without those at a bound, whose terms become known: an estimate is judged with these held.
     pub fn held_at_bounds(&self, parameters: &[f64]) -> (Self, Vec<f64>) {
         let (mut model, mut left, mut values) = (self.clone(), Vec::new(), parameters.iter());
         for (degree, degree_terms) in model.degrees.iter_mut().zip(&self.degrees) {

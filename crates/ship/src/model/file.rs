@@ -196,8 +196,7 @@ impl Vessel {
         inputs.iter().zip(&self.actuators).enumerate().find_map(beyond)
     }
 
-    /// Which of u, v, r leaves its range in `states`, rows of three, by most of its width: its index, and the
-    /// extreme value.
+    /// Which of u, v, r leaves its range in `states`, rows of three, by most of its width: its index, and the extreme value.
     pub fn beyond_motion(&self, states: &[f64]) -> Option<(usize, f64)> {
         let ranges = self.motion?;
         let beyond = |(d, state): (usize, &f64)| {

@@ -320,8 +320,7 @@ impl DerivedChannel {
     }
 }
 
-/// The channels of `specs`, which are the variables from `first` on with these `names`, each after its
-/// sources.
+/// The channels of `specs`, which are the variables from `first` on with these `names`, each after its sources.
 pub(crate) fn derive(
     specs: &[DerivedSpec],
     names: &[&str],
@@ -373,8 +372,7 @@ fn ordered(mut left: Vec<DerivedChannel>, names: &[&str]) -> Result<Vec<DerivedC
     Ok(ordered)
 }
 
-/// The refusal of channels that all wait for another one: from any of them the dependencies lead into a
-/// circle.
+/// The refusal of channels that all wait for another one: from any of them the dependencies lead into a circle.
 fn circle(waiting: &[DerivedChannel], names: &[&str]) -> Invalid {
     let name = |place: &usize| names[*place];
     let mut way: Vec<usize> = Vec::new();

@@ -1,5 +1,4 @@
-//! A surface vessel as data: the structure of its model, parameters and their constraints, channels,
-//! actuators.
+//! A surface vessel as data: the structure of its model, parameters and their constraints, channels, actuators.
 //!
 //! States are surge `u`, sway `v` \[m/s\] and yaw rate `r` \[rad/s\] in body axes (x forward, y starboard, z down).
 //! A model structure lists per degree of freedom terms that are products of powers and moduli of states, inputs and

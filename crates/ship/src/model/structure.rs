@@ -96,8 +96,7 @@ pub struct Model {
     pub derived: Vec<DerivedChannel>,
     /// Surge, sway, yaw.
     pub degrees: [Degree; 3],
-    /// Known increments of u, v \[m/s\] and r \[rad/s\] per sample that do not depend on the vessel; not
-    /// parameters.
+    /// Known increments of u, v \[m/s\] and r \[rad/s\] per sample that do not depend on the vessel; not parameters.
     pub constant: [f64; 3],
     /// Forces in continuous time, in place of terms and constants: then the degrees of freedom have none.
     pub forces: Option<Arc<ForceModel>>,
@@ -338,8 +337,7 @@ impl Model {
         rows.flat_map(|row| row[..self.inputs].iter().copied()).collect()
     }
 
-    /// Refuses a measured disturbance without a value for simulated trials: taking it as zero would silently
-    /// change the motion.
+    /// Refuses a measured disturbance without a value for simulated trials: taking it as zero would silently change the motion.
     ///
     /// # Errors
     /// Names the first of them.
@@ -372,8 +370,7 @@ impl Model {
         Ok(model)
     }
 
-    /// The model with the channels of `other`; `None` unless `other` has all of its own first, and computes
-    /// the additional ones.
+    /// The model with the channels of `other`; `None` unless `other` has all of its own first, and computes the additional ones.
     pub fn with_channels_of(&self, other: &Self) -> Option<Self> {
         let count = self.variables.len();
         let first: Vec<&DerivedChannel> = other.derived.iter().filter(|d| d.variable < count).collect();

@@ -18,8 +18,7 @@ pub struct Term {
     pub text: String,
     /// Its factors; without any it is the constant 1.
     pub factors: Vec<Factor>,
-    /// The terms of parameters that are tied to this one's: its parameter multiplies the sum of all. Empty
-    /// for most.
+    /// The terms of parameters that are tied to this one's: its parameter multiplies the sum of all. Empty for most.
     pub tied: Vec<Product>,
 }
 
@@ -37,8 +36,7 @@ impl Term {
     /// constant.
     ///
     /// # Errors
-    /// A name that is not in `variables`, an unclosed `|`, a power that is not an integer from 1 to 9, no
-    /// factor.
+    /// A name that is not in `variables`, an unclosed `|`, a power that is not an integer from 1 to 9, no factor.
     pub fn parse(text: &str, variables: &[&str]) -> Result<Self, Invalid> {
         if text.trim() == "1" {
             return Ok(Self::constant());

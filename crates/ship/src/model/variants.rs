@@ -14,9 +14,8 @@ use crate::model::{
 };
 
 impl Vessel {
-    /// The vessel as simulated trials can identify it. They hold measured disturbances at `simulated`: terms
-    /// of these are either zero or a constant that no trial can distinguish from others, so they become
-    /// known, with their values if these are known.
+    /// The vessel as simulated trials can identify it. They hold measured disturbances at `simulated`: terms of these are either
+    /// zero or a constant that no trial can distinguish from others, so they become known, with their values if these are known.
     #[must_use]
     pub fn with_disturbances_held(self) -> Self {
         // The parameters of forces belong to no terms.
