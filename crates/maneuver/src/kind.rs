@@ -124,7 +124,8 @@ pub enum ManeuverKind {
     Inputs {
         /// Name of the table with a column per input, and a row per sample or with its time in a column `t` \[s\].
         file: String,
-        /// Whether the table's rows are at other times than the samples, so that inputs are interpolated linearly.
+        /// Whether the table's rows are at other times than the samples, so that inputs are interpolated
+        /// linearly.
         #[serde(default)]
         resample: bool,
         /// Speed at the start \[m/s\].

@@ -19,7 +19,8 @@ pub struct Signal {
     /// Half of its range; a negative one starts downwards.
     #[serde(default)]
     pub amplitude: f64,
-    /// Period; for a pseudo-random signal the shortest time at a level, for a multisine the longest period \[s\].
+    /// Period; for a pseudo-random signal the shortest time at a level, for a multisine the longest period
+    /// \[s\].
     #[serde(default)]
     pub period_s: f64,
     /// Where a square, sine, flat sine or triangle starts, in periods.

@@ -160,7 +160,8 @@ impl DegreeSums {
 }
 
 refusal::choices! {
-    /// How the instruments' mean is removed: how many intercepts a degree of freedom has, none, one per segment or one.
+    /// How the instruments' mean is removed: how many intercepts a degree of freedom has, none, one per segment or
+    /// one.
     pub enum MeanRemoval {
         /// Not at all.
         None = "none",
