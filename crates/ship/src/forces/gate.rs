@@ -137,7 +137,7 @@ impl<'a> StatedNumbers<'a> {
         let stated = forces.quantities(theta).into_iter().filter(|quantity| quantity.stated);
         let all = stated.map(|stated| (stated.name, stated.value)).collect();
         let (length, draught) = (ship.ship.length_m, ship.ship.draught_m);
-        let mut numbers = Self { ship: ship, length, draught, mass: 0.0, all, checks: Vec::new() };
+        let mut numbers = Self { ship, length, draught, mass: 0.0, all, checks: Vec::new() };
         numbers.mass = numbers.of("ship.mass_kg").unwrap_or_default();
         numbers
     }
