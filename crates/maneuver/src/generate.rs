@@ -5,12 +5,11 @@ use ship::engine::{Helm, check_diverged, refuse_endless, simulate_command, simul
 use ship::model::{Source, Vessel};
 
 use super::kind::{ManeuverKind, Plan};
-use super::limits::Limits;
 use super::played::{PlayedTable, check_range};
 use super::spec::ManeuverSpec;
 use crate::DictionaryFile;
 use crate::feedback::{Executed, Linearised, Nominal, Tracked, actuated};
-use crate::limits::{self, Aim, Tolerance};
+use crate::limits::{self, Aim, Limits, Tolerance};
 use crate::standard::orders::{Approach, Orders, changes};
 use crate::standard::{Settings, Standard, check_names};
 use crate::steady::{Motion, Steady};

@@ -25,9 +25,6 @@ pub struct PlayedTable {
 
 impl PlayedTable {
     /// The table of `maneuver`, read by `read` (name → CSV); `None` for a generated maneuver.
-    ///
-    /// # Errors
-    /// A table that is refused; a duration other than the table's.
     pub(super) fn of(
         maneuver: &ManeuverSpec,
         vessel: &Vessel,
@@ -129,9 +126,6 @@ pub struct Stamps {
 
 impl Stamps {
     /// Stamps with their lines.
-    ///
-    /// # Errors
-    /// Stamps that repeat, go back or are not evenly spaced: names the first of them.
     pub(super) fn new(stamps: &[(u64, f64)]) -> Result<Self, Invalid> {
         let steps = || stamps.windows(2).map(|pair| (pair[1].0, pair[1].1 - pair[0].1));
         let mut sorted: Vec<f64> = steps().map(|(_, step)| step).collect();
@@ -181,9 +175,6 @@ impl Stamps {
     }
 
     /// `rows` (N × `width`) linearly interpolated at samples of `rate_hz` from the first time to the last.
-    ///
-    /// # Errors
-    /// An unbounded number of samples.
     fn resampled(&self, rows: &[f64], width: usize, rate_hz: f64) -> Result<Vec<f64>, Invalid> {
         let last = self.seconds.last().copied().unwrap_or(0.0);
         // The number of samples may be slightly below an integer in binary fractions.
@@ -330,9 +321,6 @@ fn channels(
 }
 
 /// The column of the times, if the table has any.
-///
-/// # Errors
-/// A column whose name suggests times: its rows must not be played without them.
 fn time(header: &csv::StringRecord, model: &Model) -> Result<Option<usize>, Invalid> {
     let names = header.iter().map(|name| name.trim_start_matches('\u{feff}'));
     let is_channel = |name: &str| model.variables[3..].iter().any(|variable| variable.name == name);

@@ -18,9 +18,6 @@ pub trait AnyRuns: Sync {
     /// See [`PooledRuns::sources`].
     fn sources(&self) -> usize;
     /// Calls `look` with the name and the whole runs of every source, see [`PooledRuns::each_source`].
-    ///
-    /// # Errors
-    /// Runs that cannot be read.
     fn each_source(&self, look: &mut dyn FnMut(&str, Vec<Part>)) -> Result<(), Unread>;
 }
 

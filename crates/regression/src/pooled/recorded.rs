@@ -13,9 +13,6 @@ pub trait Recorded: Sync {
     /// Number of blocks.
     fn blocks(&self) -> usize;
     /// The runs of block `i`.
-    ///
-    /// # Errors
-    /// The block cannot be read.
     fn block(&self, i: usize) -> Result<Cow<'_, [Run]>, Self::Error>;
     /// Whether all are in memory.
     fn held(&self) -> bool {
@@ -79,15 +76,9 @@ pub trait Parts: Sync {
     /// Samples of part `i`.
     fn samples(&self, i: usize) -> usize;
     /// Calls `look` with the parts at the indices `places`, in this order.
-    ///
-    /// # Errors
-    /// One cannot be read.
     fn at(&self, places: &[usize], look: &mut dyn FnMut(PartView)) -> Result<(), Self::Error>;
 
     /// Calls `look` with every part, in order.
-    ///
-    /// # Errors
-    /// See [`Parts::at`].
     fn each(&self, look: &mut dyn FnMut(PartView)) -> Result<(), Self::Error> {
         self.at(&(0..self.count()).collect::<Vec<_>>(), look)
     }

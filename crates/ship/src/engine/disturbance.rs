@@ -3,9 +3,8 @@ use refusal::{Invalid, check_numbers, check_ranges};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::noise::Normals;
 use crate::engine::Streams;
-use crate::engine::noise::Channels;
+use crate::engine::noise::{Channels, Normals};
 
 /// A current.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]

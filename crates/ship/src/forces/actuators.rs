@@ -2,10 +2,9 @@ use std::f64::consts::PI;
 
 use refusal::{Invalid, check_name, foreign};
 
-use super::numbers::{ANGLES, Driven, FORCES, REVOLUTIONS, driven};
 use super::term::Surroundings;
 use crate::forces::mass::Prime;
-use crate::forces::numbers::{At, Builder, Measured};
+use crate::forces::numbers::{ANGLES, At, Builder, Driven, FORCES, Measured, REVOLUTIONS, driven};
 use crate::forces::{Channel, Curve, Inflow, Number, PropellerSpec, Real, RudderSpec, ThrusterSpec};
 
 /// A propeller: thrust T = ρD²(k₀(nD)² + k₁ nD u_P + k₂ u_P²) ahead, and forces of its own astern.

@@ -1,10 +1,9 @@
 use refusal::{Invalid, check_numbers, check_ranges};
 
 use super::actuators::{Propeller, Rudder, Thruster, Wash};
-use super::term::{Crossflow, Surroundings, Wind};
 use crate::forces::mass::{Inertia, Mass, Prime};
 use crate::forces::numbers::{Builder, Numbers};
-use crate::forces::term::{Term, motion};
+use crate::forces::term::{Crossflow, Surroundings, Term, Wind, motion};
 use crate::forces::{Channel, Description, Driven, Factor, Parameter, Quantity, QuantitySource, Real};
 
 /// A ship with her parameters: what accelerates her, and how she moves on.

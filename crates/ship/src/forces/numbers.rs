@@ -425,9 +425,6 @@ pub(crate) const FORCES: &Units = &[("N", 1.0), ("kN", 1e3)];
 pub(crate) const SPEEDS: &Units = &[("m/s", 1.0), ("kn", 1852.0 / 3600.0)];
 
 /// The channel `name` that the key `key` of `owner` needs, in one of `units`; in any without them.
-///
-/// # Errors
-/// No such channel, or another unit.
 pub(crate) fn driven(
     channels: &[Channel],
     owner: &str,

@@ -65,9 +65,6 @@ impl Place<'_> {
 }
 
 /// All numbers of `description`, each once.
-///
-/// # Errors
-/// A term that is none.
 pub(crate) fn slots<'a>(
     description: &'a mut Description,
     channels: &[Channel],

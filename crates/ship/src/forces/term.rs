@@ -4,9 +4,8 @@ use std::f64::consts::PI;
 
 use refusal::{Invalid, check_name, check_ranges, foreign};
 
-use super::numbers::{ANGLES, Driven, SPEEDS, driven};
 use crate::forces::mass::Prime;
-use crate::forces::numbers::{At, Builder, Measured};
+use crate::forces::numbers::{ANGLES, At, Builder, Driven, Measured, SPEEDS, driven};
 use crate::forces::{Channel, CrossflowSpec, Number, Real, TermSpec, WindSpec};
 
 /// Names of what a term can have besides channels; the last four follow from the first two.
@@ -61,9 +60,6 @@ impl Factor {
 }
 
 /// The factors of a term, each once for every power.
-///
-/// # Errors
-/// A text that is no term, or a division by what can be 0.
 pub(crate) fn factors(spec: &TermSpec, channels: &[Channel]) -> Result<Vec<Factor>, Invalid> {
     Parser { spec, channels }.factors()
 }
@@ -424,9 +420,6 @@ impl Wind {
 pub(crate) const MOST_FACTORS: usize = 32;
 
 /// Whether a modulus is at the start of `text`, the name there, and the rest; the name is empty where none begins.
-///
-/// # Errors
-/// What is wrong: an unclosed modulus.
 pub(crate) fn parse_name(text: &str) -> Result<(bool, &str, &str), String> {
     let (modulus, start) = match text.strip_prefix('|') {
         Some(inner) => (true, inner.trim_start()),
@@ -441,9 +434,6 @@ pub(crate) fn parse_name(text: &str) -> Result<(bool, &str, &str), String> {
 }
 
 /// The power at the start of `text`, 1 if there is none, and the rest.
-///
-/// # Errors
-/// What is wrong: a power that is none.
 pub(crate) fn parse_power(text: &str) -> Result<(u8, &str), String> {
     let Some(exponent) = text.trim_start().strip_prefix('^') else { return Ok((1, text)) };
     let exponent = exponent.trim_start();

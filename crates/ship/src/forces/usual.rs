@@ -2,8 +2,7 @@
 
 use refusal::{Invalid, check_ranges, foreign};
 
-use super::slots::Dimension;
-use crate::forces::slots::{Place, Slot, slots};
+use crate::forces::slots::{Dimension, Place, Slot, slots};
 use crate::forces::term::factors;
 use crate::forces::{Area, Channel, Description, Factor, Forces, Number, NumberSpec, Parameter, TermSpec};
 

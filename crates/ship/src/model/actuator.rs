@@ -24,9 +24,6 @@ const LONGEST_S: f64 = 1e4;
 
 impl Actuator {
     /// Of an input as written.
-    ///
-    /// # Errors
-    /// An empty range, a lag or dead band below 0, a rate or hold that is not above 0, a dead band as wide as the range.
     pub(crate) fn new(input_spec: &InputSpec) -> Result<Self, Invalid> {
         let InputSpec { name, range, lag_s, rate_per_s, dead_band, hold_s, .. } = input_spec;
         let thing = |key: &str| format!("{key}` of input `{name}");

@@ -5,12 +5,10 @@ use refusal::{Invalid, check_name, check_numbers, check_ranges, foreign};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::equation::Parts;
 use super::formula::derive;
-use super::physics::{Kind, VesselFile, missing, preset};
 use crate::forces::TermSpec;
-use crate::model::equation::{Equation, Reduced};
-use crate::model::physics::{self, moved};
+use crate::model::equation::{Equation, Parts, Reduced};
+use crate::model::physics::{self, Kind, VesselFile, missing, moved, preset};
 use crate::model::{
     Actuator, Constrained, DegreeOfFreedom, InputSpec, Model, RateChange, Term, Unusual, Variable, Written,
 };

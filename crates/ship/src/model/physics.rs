@@ -40,9 +40,6 @@ fn first_key(file: &VesselFile) -> Option<&'static str> {
 }
 
 /// Refuses keys of forces beside terms per sample.
-///
-/// # Errors
-/// Names the first of them.
 pub(crate) fn check_absent(file: &VesselFile) -> Result<(), Invalid> {
     let remedy = "write `model = \"forces\"`, or remove it";
     let expected = "terms per sample alone, without `model = \"forces\"`";
@@ -60,9 +57,6 @@ pub(crate) fn check_absent(file: &VesselFile) -> Result<(), Invalid> {
 }
 
 /// The forces of `file`, whose thrusters may give `actuators` their lags.
-///
-/// # Errors
-/// A key that is missing or that only terms per sample have; what [`Forces::new`] refuses; two lags of one input.
 pub(crate) fn moved(
     file: &VesselFile,
     variables: &[Variable],
@@ -132,9 +126,6 @@ impl VesselFile {
 }
 
 /// The forces that `file` describes.
-///
-/// # Errors
-/// A file of terms per sample, or without what all forces need.
 pub(crate) fn described(file: &VesselFile) -> Result<Description, Invalid> {
     if file.model != Some(Kind::Forces) {
         let expected = "`model = \"forces\"`: terms per sample hold for one ship at one rate";
@@ -313,9 +304,6 @@ const PRESETS: [(&str, &str); 5] = [
 ];
 
 /// The preset that `file` names, with the values and the name of `file`.
-///
-/// # Errors
-/// An unknown name; a structure in addition.
 pub(crate) fn preset(file: VesselFile) -> Result<VesselFile, Invalid> {
     let name = file.preset.as_deref().unwrap_or_default();
     let Some((_, text)) = PRESETS.iter().find(|(preset, _)| *preset == name) else {

@@ -5,9 +5,8 @@ use std::sync::Arc;
 
 use refusal::{Invalid, foreign};
 
-use super::physics::{VesselFile, preset};
 use crate::forces::{Channel, Description, NumberSpec, Similarity};
-use crate::model::physics::described;
+use crate::model::physics::{VesselFile, described, preset};
 use crate::model::{
     Constrained, Constraint, Degree, DegreeOfFreedom, Factor, ForceModel, Formula, Model, ORDER, Product,
     RateChange, Term, Vessel, Written,
