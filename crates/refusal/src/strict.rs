@@ -35,12 +35,8 @@ struct Taking<'a, V> {
     keys: Option<&'a mut BTreeSet<String>>,
 }
 
-fn any<'a, V>(visitor: V) -> Taking<'a, V> {
-    Taking { visitor, keyed: false, keys: None }
-}
-
-fn keyed<'a, V>(visitor: V) -> Taking<'a, V> {
-    Taking { visitor, keyed: true, keys: None }
+fn taking<'a, V>(visitor: V, keyed: bool) -> Taking<'a, V> {
+    Taking { visitor, keyed, keys: None }
 }
 
 /// Refuses a `key` that occurred before.
@@ -81,7 +77,7 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Strict<'_, D> {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, D::Error> {
-        self.inner.deserialize_struct(name, fields, keyed(visitor))
+        self.inner.deserialize_struct(name, fields, taking(visitor, true))
     }
 
     fn is_human_readable(&self) -> bool {
@@ -222,7 +218,7 @@ impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for Strict<'_, A> {
     }
 
     fn tuple_variant<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, A::Error> {
-        self.inner.tuple_variant(length, any(visitor))
+        self.inner.tuple_variant(length, taking(visitor, false))
     }
 
     fn struct_variant<V: Visitor<'de>>(
@@ -230,6 +226,6 @@ impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for Strict<'_, A> {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, A::Error> {
-        self.inner.struct_variant(fields, keyed(visitor))
+        self.inner.struct_variant(fields, taking(visitor, true))
     }
 }

@@ -54,15 +54,14 @@ const COMPARED: usize = 200;
 /// The name of `known` most like `word`, regardless of case: by Jaro–Winkler, then by the fewest edits (the first of equals).
 pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let word = shortened(word, COMPARED).to_lowercase();
-    let mut best: Option<((f64, usize), &str)> = None;
-    for candidate in known {
-        let lower = shortened(candidate, COMPARED).to_lowercase();
-        let likeness = (strsim::jaro_winkler(&word, &lower), strsim::levenshtein(&word, &lower));
-        if best.is_none_or(|(top, _)| likeness.0 > top.0 || (likeness.0 == top.0 && likeness.1 < top.1)) {
-            best = Some((likeness, candidate));
-        }
-    }
-    best.map(|(_, candidate)| candidate)
+    let compared = |name: &'a str| {
+        let lower = shortened(name, COMPARED).to_lowercase();
+        (strsim::jaro_winkler(&word, &lower), strsim::levenshtein(&word, &lower), name)
+    };
+    let likest = known.into_iter().map(compared).reduce(|best, next| {
+        if next.0 > best.0 || (next.0 == best.0 && next.1 < best.1) { next } else { best }
+    });
+    likest.map(|(.., name)| name)
 }
 
 const NO_DRIFT: &str = "it is gone: take `--estimator prediction-error`, or `--unknown-current earth`";

@@ -234,9 +234,8 @@ impl Instruments {
         let freedom = |d: usize| {
             Lane(std::array::from_fn(|lane| {
                 let p = solved[d].theta.len();
-                let intercepts_of =
-                    estimated(p, |k| solved[d].inverse[k][lane]) + self.intercepts_of(d, lane);
-                samples as f64 - intercepts_of as f64
+                let unknowns = estimated(p, |k| solved[d].inverse[k][lane]) + self.intercepts_of(d, lane);
+                samples as f64 - unknowns as f64
             }))
         };
         let freedom = [0, 1, 2].map(freedom);

@@ -245,8 +245,8 @@ impl<R: Recorded> PooledRuns<R> {
         let mut places = Vec::new();
         for (run, known) in self.runs.iter().enumerate() {
             for (segment, samples) in of(known).into_iter().enumerate() {
-                let cut_into = equal(samples.start, samples.end, most);
-                places.extend(cut_into.map(|samples| SourcePlace { run, segment, samples }));
+                let pieces = equal(samples.start, samples.end, most);
+                places.extend(pieces.map(|samples| SourcePlace { run, segment, samples }));
             }
         }
         CutRuns { runs: self, places }
@@ -439,8 +439,8 @@ fn joined(runs: impl Iterator<Item = (usize, Run)>) -> Vec<Run> {
             Some((before, last)) => {
                 *before = i;
                 if !(last.instrument_exogenous.is_empty() && run.instrument_exogenous.is_empty()) {
-                    let concat = [last.view().instrument_exogenous, run.view().instrument_exogenous].concat();
-                    last.instrument_exogenous = concat;
+                    let inputs = [last.view().instrument_exogenous, run.view().instrument_exogenous].concat();
+                    last.instrument_exogenous = inputs;
                 }
                 last.exogenous.extend_from_slice(&run.exogenous);
                 last.measured.extend_from_slice(&run.measured[3..]);

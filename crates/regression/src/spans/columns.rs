@@ -212,7 +212,7 @@ impl<X: Signal, Y: Signal, Z: Signal, const R: usize, const C: usize, const E: u
         for at in 0..parts::<S>() {
             for block in (0..SPAN).step_by(BLOCK) {
                 let (mut row_sums, mut ends) = ([[zero; R]; C], [[zero; 2]; C]);
-                let (mut own_last, mut ends_last) = ([[zero; R]; E], [[zero; 2]; E]);
+                let (mut last_sums, mut last_ends) = ([[zero; R]; E], [[zero; 2]; E]);
                 for t in block..block + BLOCK {
                     let mut now = [zero; R];
                     for i in 0..R {
@@ -222,14 +222,14 @@ impl<X: Signal, Y: Signal, Z: Signal, const R: usize, const C: usize, const E: u
                         add_one(simd, now, y[j].at(simd, t, at), &mut row_sums[j], &mut ends[j]);
                     }
                     for j in 0..E {
-                        add_one(simd, now, last[j].at(simd, t, at), &mut own_last[j], &mut ends_last[j]);
+                        add_one(simd, now, last[j].at(simd, t, at), &mut last_sums[j], &mut last_ends[j]);
                     }
                 }
                 for j in 0..C {
                     to.put(simd, j, at, row_sums[j], ends[j]);
                 }
                 for j in 0..E {
-                    to.put(simd, C + j, at, own_last[j], ends_last[j]);
+                    to.put(simd, C + j, at, last_sums[j], last_ends[j]);
                 }
             }
         }

@@ -266,8 +266,8 @@ pub(crate) fn put_residuals<X: Instrument>(
     let mut inputs = X::zeta(batch, kept, orders.each_ref().map(|order| order.measured..usize::MAX));
     let mut rest = theta;
     let less = orders.map(|Order { terms, .. }| {
-        let split_off = rest.split_off(..terms.len()).unwrap_or_default();
-        terms.iter().map(|i| Lane::ZERO - split_off[*i]).collect::<Vec<_>>()
+        let slopes = rest.split_off(..terms.len()).unwrap_or_default();
+        terms.iter().map(|i| Lane::ZERO - slopes[*i]).collect::<Vec<_>>()
     });
     for (k, count) in spans(0..batch.samples()) {
         phi.go_to(k, count);

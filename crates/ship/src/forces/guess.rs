@@ -77,10 +77,10 @@ impl MainDimensions {
     /// Dimensions that no ship has, that contradict each other, or for which a formula gives no ship.
     pub fn guess(&self) -> Result<Guess, Invalid> {
         self.check()?;
-        let guesser = Guesser::new(*self);
-        guesser.check()?;
-        let description = guesser.description();
-        let revolutions = guesser.revolutions();
+        let ship = Guesser::new(*self);
+        ship.check()?;
+        let description = ship.description();
+        let revolutions = ship.revolutions();
         let sources = SOURCES.iter().map(|(name, source)| ((*name).to_owned(), *source)).collect();
         Ok(Guess { description, revolutions, sources })
     }
@@ -149,21 +149,19 @@ fn rounded(number: f64) -> f64 {
 }
 
 impl Guesser {
-    fn new(main_dimensions: MainDimensions) -> Self {
-        let MainDimensions { length_m, beam_m, draught_m, block, density_kg_m3, .. } = main_dimensions;
+    fn new(main: MainDimensions) -> Self {
+        let MainDimensions { length_m, beam_m, draught_m, block, density_kg_m3, .. } = main;
         let froude = ayre(block).clamp(0.08, 0.35);
         let beams = beam_m / length_m;
-        let diameter = main_dimensions.propeller_diameter_m.unwrap_or(rounded(0.6 * draught_m));
+        let diameter = main.propeller_diameter_m.unwrap_or(rounded(0.6 * draught_m));
         let area = 0.01 * length_m * draught_m * (1.0 + 25.0 * beams * beams);
         Self {
-            speed: main_dimensions.speed_m_s.unwrap_or(rounded(froude * (GRAVITY * length_m).sqrt())),
-            mass: main_dimensions
-                .mass_kg
-                .unwrap_or(rounded(density_kg_m3 * block * length_m * beam_m * draught_m)),
+            speed: main.speed_m_s.unwrap_or(rounded(froude * (GRAVITY * length_m).sqrt())),
+            mass: main.mass_kg.unwrap_or(rounded(density_kg_m3 * block * length_m * beam_m * draught_m)),
             diameter,
-            area: main_dimensions.rudder_area_m2.unwrap_or(rounded(area)),
-            height: main_dimensions.rudder_height_m.unwrap_or(diameter.max(rounded(0.75 * draught_m))),
-            main: main_dimensions,
+            area: main.rudder_area_m2.unwrap_or(rounded(area)),
+            height: main.rudder_height_m.unwrap_or(diameter.max(rounded(0.75 * draught_m))),
+            main: main,
         }
     }
 
@@ -221,8 +219,8 @@ impl Guesser {
         .find(|(_, number)| *number <= 0.0);
         let Some((name, _)) = wrong else { return Ok(()) };
         let expected = "dimensions nearer to those of the ships that the formulas were fitted to";
-        let given_sign = format!("a sign of {name} that no hull has");
-        Err(Invalid::new("the dimensions", given_sign, expected, "describe such a ship by hand"))
+        let given = format!("a sign of {name} that no hull has");
+        Err(Invalid::new("the dimensions", given, expected, "describe such a ship by hand"))
     }
 
     /// Resistance in the prime system: friction by the line of ITTC 1957 on a wetted surface by Denny and Mumford, and

@@ -149,7 +149,7 @@ impl<'a> Walk<'a, '_> {
         }
     }
 
-    fn ship(&mut self, ship_spec: &'a mut ShipSpec) {
+    fn ship(&mut self, spec: &'a mut ShipSpec) {
         let ShipSpec {
             length_m: _,
             draught_m: _,
@@ -161,7 +161,7 @@ impl<'a> Walk<'a, '_> {
             inertia_kg_m2,
             added_mass,
             coriolis: _,
-        } = ship_spec;
+        } = spec;
         let AddedMass { surge, sway, yaw, sway_yaw, yaw_sway } = added_mass;
         self.add("ship", "mass_kg", mass_kg, Dimension::mass(0));
         self.maybe("ship", "x_g_m", x_g_m, Dimension::length(1));
@@ -174,7 +174,7 @@ impl<'a> Walk<'a, '_> {
         self.maybe("ship.added_mass", "yaw_sway", yaw_sway, Dimension::mass(1));
     }
 
-    fn propeller(&mut self, propeller_spec: &'a mut PropellerSpec) {
+    fn propeller(&mut self, spec: &'a mut PropellerSpec) {
         let PropellerSpec {
             name,
             input: _,
@@ -187,7 +187,7 @@ impl<'a> Walk<'a, '_> {
             x_m,
             y_m,
             astern,
-        } = propeller_spec;
+        } = spec;
         self.all(name, "thrust", thrust, 0);
         self.maybe(name, "deduction", deduction, Dimension::NONE);
         self.maybe(name, "wake", wake, Dimension::NONE);
@@ -203,7 +203,7 @@ impl<'a> Walk<'a, '_> {
         }
     }
 
-    fn rudder(&mut self, rudder_spec: &'a mut RudderSpec) {
+    fn rudder(&mut self, spec: &'a mut RudderSpec) {
         let RudderSpec {
             name,
             input: _,
@@ -222,7 +222,7 @@ impl<'a> Walk<'a, '_> {
             y_m,
             reversed_flow,
             inflow: _,
-        } = rudder_spec;
+        } = spec;
         self.add(name, "area_m2", area_m2, Dimension::length(2));
         self.maybe(name, "height_m", height_m, Dimension::length(1));
         self.add(name, "lift_slope", lift_slope, Dimension::NONE);
@@ -238,7 +238,7 @@ impl<'a> Walk<'a, '_> {
         self.maybe(name, "reversed_flow", reversed_flow, Dimension::NONE);
     }
 
-    fn thruster(&mut self, thruster_spec: &'a mut ThrusterSpec) {
+    fn thruster(&mut self, spec: &'a mut ThrusterSpec) {
         let ThrusterSpec {
             name,
             input,
@@ -252,7 +252,7 @@ impl<'a> Walk<'a, '_> {
             loss,
             lag_s,
             dead_time_s,
-        } = thruster_spec;
+        } = spec;
         let unit = self
             .channels
             .iter()
@@ -282,7 +282,7 @@ impl<'a> Walk<'a, '_> {
         self.maybe(name, "dead_time_s", dead_time_s, Dimension::TIME);
     }
 
-    fn wind(&mut self, wind_spec: &'a mut WindSpec) {
+    fn wind(&mut self, spec: &'a mut WindSpec) {
         let WindSpec {
             name,
             speed: _,
@@ -293,7 +293,7 @@ impl<'a> Walk<'a, '_> {
             surge,
             sway,
             yaw,
-        } = wind_spec;
+        } = spec;
         self.all(name, "surge", surge, 1);
         self.all(name, "sway", sway, 1);
         self.all(name, "yaw", yaw, 1);
@@ -303,8 +303,8 @@ impl<'a> Walk<'a, '_> {
         self.maybe(name, "air_density_kg_m3", air_density_kg_m3, Dimension::NONE);
     }
 
-    fn crossflow(&mut self, crossflow_spec: &'a mut CrossflowSpec) {
-        let CrossflowSpec { name, draught_m, drag, strips: _ } = crossflow_spec;
+    fn crossflow(&mut self, spec: &'a mut CrossflowSpec) {
+        let CrossflowSpec { name, draught_m, drag, strips: _ } = spec;
         self.add(name, "draught_m", draught_m, Dimension::length(1));
         self.add(name, "drag", drag, Dimension::NONE);
     }

@@ -64,8 +64,8 @@ impl Description {
         let without = forces.parameters().iter().filter(|parameter| parameter.prior.is_none());
         let all = without.map(|without| Ok((without.name.clone(), self.usual(without, channels)?)));
         let all: Vec<(String, f64)> = all.collect::<Result<_, Invalid>>()?;
-        let with_priors = self.with_priors(&all, channels)?;
-        Ok((with_priors, all.into_iter().map(|(name, _)| name).collect()))
+        let ship = self.with_priors(&all, channels)?;
+        Ok((ship, all.into_iter().map(|(name, _)| name).collect()))
     }
 
     /// The same ship with these standard deviations of priors, in the systems that the numbers are written in.
