@@ -161,7 +161,7 @@ impl Guesser {
             diameter,
             area: main.rudder_area_m2.unwrap_or(rounded(area)),
             height: main.rudder_height_m.unwrap_or(diameter.max(rounded(0.75 * draught_m))),
-            main: main,
+            main,
         }
     }
 
