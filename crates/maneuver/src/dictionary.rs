@@ -63,7 +63,7 @@ impl DictionaryFile {
     }
 }
 
-pub(crate) fn check_all(maneuvers: &[ManeuverSpec], default_s: Option<f64>) -> Result<(), Invalid> {
+fn check_all(maneuvers: &[ManeuverSpec], default_s: Option<f64>) -> Result<(), Invalid> {
     if maneuvers.is_empty() {
         return Err(Invalid::new("[[maneuver]]", "none", "at least one maneuver", "add one, or [generate]"));
     }
@@ -217,12 +217,12 @@ impl GenerateSpec {
     }
 
     /// The kinds to draw, in turn.
-    pub(super) fn kinds(&self) -> &[CandidateKind] {
+    fn kinds(&self) -> &[CandidateKind] {
         if self.kinds.is_empty() { &CandidateKind::ALL } else { &self.kinds }
     }
 
     /// Lowest and highest speed to draw \[m/s\].
-    pub(super) fn speeds(&self) -> [f64; 2] {
+    fn speeds(&self) -> [f64; 2] {
         let limit = self.limits.u_m_s;
         let [low, high] = self.speed_m_s.unwrap_or([0.0, limit]);
         [low.max(-limit), high.min(limit)]
@@ -253,8 +253,8 @@ const MOST: u32 = 1_000_000;
 
 /// The random numbers of one candidate.
 struct Draw<'a, R> {
-    pub(super) rng: R,
-    pub(super) spec: &'a GenerateSpec,
+    rng: R,
+    spec: &'a GenerateSpec,
 }
 
 impl<R: Rng> Draw<'_, R> {
@@ -306,7 +306,7 @@ impl<R: Rng> Draw<'_, R> {
         [Shape::Square, Shape::Sine, Shape::Triangle][(3.0 * self.share()) as usize]
     }
 
-    pub(super) fn kind(&mut self, kind: CandidateKind, index: u32) -> ManeuverKind {
+    fn kind(&mut self, kind: CandidateKind, index: u32) -> ManeuverKind {
         let (sway, rate) = (self.spec.limits.v_m_s, self.spec.limits.r_rad_s);
         let seed = u64::from(index);
         match kind {

@@ -188,26 +188,21 @@ struct Track {
     sensors: Sensors,
 }
 
-/// A nominal motion: inputs, N × inputs, states, (N+1) × 3, and whether inputs keep to their couplings.
-pub(crate) struct Nominal<'n> {
-    pub inputs: &'n [f64],
-    pub states: &'n [f64],
-    pub coupled: bool,
-}
-
 impl Tracked {
-    /// A controller of the motion of the ship with `parameters`.
+    /// A controller of the nominal motion of the ship with `parameters`: inputs, N × inputs, which keep to their couplings where they
+    /// are `coupled`, and states, (N+1) × 3.
     ///
     /// # Errors
     /// A vessel without two or three inputs to correct surge, yaw and sway by.
     pub fn new(
         vessel: &Vessel,
         parameters: &[f64],
-        nominal: &Nominal,
+        (inputs, states): (&[f64], &[f64]),
+        coupled: bool,
         controller: &Controller,
     ) -> Result<Self, Invalid> {
         let width = vessel.model.inputs;
-        let leads = |i: &usize| !nominal.coupled || vessel.couplings[*i].is_none();
+        let leads = |i: &usize| !coupled || vessel.couplings[*i].is_none();
         let free: Vec<usize> = (0..width).filter(leads).collect();
         let rows: &[usize] = match free.len() {
             3 => &[0, 1, 2],
@@ -221,18 +216,18 @@ impl Tracked {
                 ));
             }
         };
-        let exogenous = vessel.model.undisturbed(nominal.inputs);
-        let samples = nominal.inputs.len() / width.max(1);
+        let exogenous = vessel.model.undisturbed(inputs);
+        let samples = inputs.len() / width.max(1);
         let mut linearised = Linearised::new(vessel, parameters);
         let mut decay = [0.0_f64; 3];
         let mut corrections = Vec::with_capacity(samples * width * 3);
         for (state, row) in
-            nominal.states.as_chunks::<3>().0.iter().zip(exogenous.chunks_exact(vessel.model.exogenous()))
+            states.as_chunks::<3>().0.iter().zip(exogenous.chunks_exact(vessel.model.exogenous()))
         {
             linearised.look(*state, row);
             let now = linearised.decay();
             (0..3).for_each(|d| decay[d] = decay[d].max(now[d]));
-            let inverse = linearised.corrections(&free, rows, nominal.coupled);
+            let inverse = linearised.corrections(&free, rows, coupled);
             let first = corrections.len();
             corrections.resize(first + 3 * width, 0.0);
             let here = &mut corrections[first..];
@@ -242,7 +237,7 @@ impl Tracked {
                         inverse.as_ref().map_or(0.0, |inverse| inverse[i * free.len() + j]);
                 }
             }
-            for (i, coupling) in vessel.couplings.iter().enumerate().filter(|_| nominal.coupled) {
+            for (i, coupling) in vessel.couplings.iter().enumerate().filter(|_| coupled) {
                 if let Some((leader, factor)) = coupling {
                     (0..3).for_each(|d| here[3 * i + d] = factor * here[3 * leader + d]);
                 }
@@ -250,8 +245,8 @@ impl Tracked {
         }
         let period = controller.every_s.map_or(1, |every| vessel.samples(every).max(1));
         Ok(Self(Arc::new(Track {
-            inputs: nominal.inputs.to_vec(),
-            reference: nominal.states.to_vec(),
+            inputs: inputs.to_vec(),
+            reference: states.to_vec(),
             corrections,
             ranges: vessel.actuators.iter().map(|actuator| actuator.range).collect(),
             gains: Gains::of(decay).times(controller.strength),

@@ -8,9 +8,9 @@ use super::kind::{ManeuverKind, Plan};
 use super::played::{PlayedTable, check_range};
 use super::spec::ManeuverSpec;
 use crate::DictionaryFile;
-use crate::feedback::{Executed, Linearised, Nominal, Tracked, actuated};
+use crate::feedback::{Executed, Linearised, Tracked, actuated};
 use crate::limits::{self, Aim, Limits, Tolerance};
-use crate::standard::orders::{Approach, Orders, changes};
+use crate::standard::orders::{Orders, changes};
 use crate::standard::{Settings, Standard, check_names};
 use crate::steady::{Motion, Steady};
 
@@ -320,12 +320,10 @@ impl Generator {
         inputs.truncate(width);
         let mut linearised = Linearised::new(vessel, &self.parameters);
         linearised.look([motion.u, 0.0, 0.0], &vessel.model.undisturbed(&inputs));
-        let (slopes, decay) = (linearised.by_inputs().to_vec(), linearised.decay());
-        let held = inputs.clone();
-        let orders = Orders::new(standard, &Approach { vessel, inputs, slopes, decay });
+        let orders = Orders::new(standard, vessel, &inputs, linearised.by_inputs(), linearised.decay());
         let key = standard.settings().0;
         orders.extremes().try_for_each(|inputs| check_range(vessel, &inputs, || format!("`{key}`")))?;
-        Ok((orders, held))
+        Ok((orders, inputs))
     }
 
     /// The controller that makes ships move as the nominal one does under `inputs`.
@@ -337,9 +335,8 @@ impl Generator {
             return Err(at.invalid("the motion to be held", vessel.sample_rate_hz));
         }
         let coupled = !self.tables.contains_key(&index) && maneuver.kind.sway_is_free();
-        let nominal = Nominal { inputs, states: &states, coupled };
-        Tracked::new(vessel, &self.parameters, &nominal, &maneuver.feedback.unwrap_or_default())
-            .map(Helm::new)
+        let controller = maneuver.feedback.unwrap_or_default();
+        Tracked::new(vessel, &self.parameters, (inputs, &states), coupled, &controller).map(Helm::new)
     }
 
     /// What written maneuver `index` is to reach, and what it reaches in `states`, (N+1) × 3; nothing of one that is

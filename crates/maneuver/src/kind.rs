@@ -248,12 +248,7 @@ impl ManeuverKind {
     }
 
     /// Amplitude of the yaw rate of a zig-zag \[rad/s\].
-    pub(crate) fn yaw_rate_amplitude(
-        shape: Shape,
-        rate: Option<f64>,
-        heading: Option<f64>,
-        period_s: f64,
-    ) -> f64 {
+    fn yaw_rate_amplitude(shape: Shape, rate: Option<f64>, heading: Option<f64>, period_s: f64) -> f64 {
         rate.or(heading.map(|h| h / (shape.integral() * period_s))).unwrap_or(0.0)
     }
 }

@@ -1,11 +1,8 @@
 //! Words of messages: text of foreign files, short and in one line; names, and those most like a wrong one.
 
-/// Most characters that a message quotes from a foreign file.
-const FOREIGN: usize = 80;
-
 /// Text from a foreign file, as a message may quote it: in one line, at most 80 characters.
 pub fn foreign(text: &str) -> String {
-    shortened(&one_line(text), FOREIGN)
+    shortened(&one_line(text), 80)
 }
 
 /// `text`, with `…` in place of its end where it has more than `most` characters.
@@ -65,7 +62,6 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
 }
 
 const NO_DRIFT: &str = "it is gone: take `--estimator prediction-error`, or `--unknown-current earth`";
-
 const NO_SWEEP: &str =
     "it is gone: `make sweep` runs every cell of a grid by `seatrial run --set`, into sweep.csv";
 
@@ -100,8 +96,7 @@ const LISTED: usize = 12;
 /// `names` for a message; of a long list, those most like `name`.
 pub fn some_of(names: &[impl AsRef<str>], name: &str) -> String {
     let mut left: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
-    let total = left.len();
-    if total <= LISTED {
+    if left.len() <= LISTED {
         return left.iter().map(|name| format!("`{}`", foreign(name))).collect::<Vec<_>>().join(", ");
     }
     let mut listed = Vec::new();

@@ -2,7 +2,6 @@ use std::ops::Range;
 
 use numerics::lanes::lane_of;
 use numerics::{LANES, Lane, Number, transposed};
-use ship::model::Model;
 
 use crate::spans::columns::{self, Kept};
 use crate::sums::{AnyBatch, over_batch};
@@ -19,7 +18,10 @@ impl LaneSums {
     /// The sums that depend on the instruments alone, over samples `range`; the others are zero. `kept` is ζ of all
     /// samples, if stored.
     pub(crate) fn of_instruments(batch: AnyBatch, kept: &Kept, range: Range<usize>) -> Self {
-        let mut sums = Self::zero(batch.model(), range);
+        let mut degrees = batch.model().degrees.each_ref().map(DegreeSums::of);
+        let count = Lane::splat(range.len() as f64);
+        degrees.iter_mut().flat_map(|degree| degree.a.last_mut()).for_each(|corner| *corner = count);
+        let mut sums = Self { degrees, range };
         over_batch!(batch, |batch| {
             columns::add_instruments(&batch, kept, sums.range.clone(), &mut sums.degrees);
         });
@@ -33,14 +35,6 @@ impl LaneSums {
             columns::add_measured(&batch, kept, sums.range.clone(), &mut sums.degrees);
         });
         sums
-    }
-
-    /// Zero sums with the number of samples.
-    fn zero(model: &Model, range: Range<usize>) -> Self {
-        let mut degrees = model.degrees.each_ref().map(DegreeSums::of);
-        let count = Lane::splat(range.len() as f64);
-        degrees.iter_mut().flat_map(|degree| degree.a.last_mut()).for_each(|corner| *corner = count);
-        Self { degrees, range }
     }
 
     /// The sums of one lane.

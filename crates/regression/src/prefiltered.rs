@@ -25,24 +25,24 @@ pub fn estimate_prefiltered(
     removal: MeanRemoval,
     noise: Option<&Noise>,
 ) -> Vec<Outcome> {
-    let mut signals: BTreeMap<(usize, usize), Signals> = BTreeMap::new();
+    let mut groups: BTreeMap<(usize, usize), [Degree; 3]> = BTreeMap::new();
     for (start, end) in (0..LANES).flat_map(|lane| ranges(batch, removal, lane)) {
-        signals.entry((start, end)).or_insert_with(|| Signals::of(batch, parameters, start..end));
+        groups.entry((start, end)).or_insert_with(|| filtered(batch, parameters, start..end));
     }
     let centred = removal != MeanRemoval::None;
     let run = |lane: usize| {
         let sums = |(start, end): (usize, usize)| Sums {
             samples: (end - start) as u64,
-            degrees: signals[&(start, end)].degrees.iter().map(|degree| degree.sums.lane(lane)).collect(),
+            degrees: groups[&(start, end)].iter().map(|degree| degree.sums.lane(lane)).collect(),
         };
         Run { groups: ranges(batch, removal, lane).map(sums).collect(), centred }
     };
     let runs: Vec<Run> = (0..LANES).map(run).collect();
     let solved: Vec<Result<Solved, Outcome>> = runs.iter().map(Run::solution).collect();
     let mut meats = [const { Meats([const { Vec::new() }; 3]) }; LANES];
-    for (range, signals) in &signals {
+    for (range, degrees) in &groups {
         let group_of = |lane: usize| ranges(batch, removal, lane).position(|other| other == *range);
-        signals.add_meats(&mut meats, &runs, &solved, noise, group_of);
+        add_meats(degrees, &mut meats, &runs, &solved, noise, group_of);
     }
     let finish = |(solved, meats): (Result<Solved, Outcome>, Meats)| {
         solved.map_or_else(std::convert::identity, |solved| {
@@ -67,12 +67,7 @@ impl Meats {
     }
 }
 
-/// The filtered signals of one group of samples.
-struct Signals {
-    degrees: [Degree; 3],
-}
-
-/// Those of a degree of freedom with p parameters, p̃ = p + 1, and their sums.
+/// The filtered signals of one group of samples, of a degree of freedom with p parameters, p̃ = p + 1, and their sums.
 struct Degree {
     parameters: usize,
     /// Filtered φ̃, ζ̃: N × p̃. The last column is the filtered 1.
@@ -110,56 +105,54 @@ impl SampleBlock {
     }
 }
 
-impl Signals {
-    fn of(batch: &Batch, parameters: &[Lane], range: Range<usize>) -> Self {
-        let mut degrees = [0, 1, 2].map(|d| Degree::new(batch, d, range.len()));
-        let mut model = Compiled::new(batch.model, parameters);
-        numerics::vectorized!(filter(&mut degrees, [&mut model.clone(), &mut model], batch, range));
-        Self { degrees }
-    }
+/// The filtered signals of the samples `range`.
+fn filtered(batch: &Batch, parameters: &[Lane], range: Range<usize>) -> [Degree; 3] {
+    let mut degrees = [0, 1, 2].map(|d| Degree::new(batch, d, range.len()));
+    let mut model = Compiled::new(batch.model, parameters);
+    numerics::vectorized!(filter(&mut degrees, [&mut model.clone(), &mut model], batch, range));
+    degrees
+}
 
-    /// Adds the contribution of these samples, one group, to the `meats` of the runs that have an estimate and this group.
-    fn add_meats(
-        &self,
-        meats: &mut [Meats; LANES],
-        runs: &[Run],
-        solved: &[Result<Solved, Outcome>],
-        noise: Option<&Noise>,
-        group: impl Fn(usize) -> Option<usize>,
-    ) {
-        let mut first = 0;
-        for (d, degree) in self.degrees.iter().enumerate() {
-            let (p, centred) = (degree.parameters, runs[0].centred);
-            let (mut theta, mut means) = (vec![Lane::ZERO; p + 1], vec![Lane::ZERO; p]);
-            let mut is_filtered = [false; LANES];
-            for lane in 0..LANES {
-                let (Some(group), Ok(solved)) = (group(lane), &solved[lane]) else { continue };
-                is_filtered[lane] = true;
-                let sums = &runs[lane].groups[group].degrees[d];
-                let solution = &solved.theta[first..first + p];
-                theta.iter_mut().zip(solution).for_each(|(lanes, value)| lanes[lane] = *value);
-                theta[p][lane] = sums.intercept(solution, centred);
-                let centres = means.iter_mut().zip(sums.instrument_means(centred));
-                centres.for_each(|(lanes, mean)| lanes[lane] = mean);
-            }
-            let means = &means;
-            let lanes = (0..LANES).filter(|lane| is_filtered[*lane]);
-            if let Some(noise) = noise {
-                let meat = numerics::vectorized!(degree.responses(d, means, noise));
-                lanes.for_each(|lane| meats[lane].add(d, meat.iter().map(|m| m[lane])));
-            } else {
-                let blocks = numerics::vectorized!(degree.blocks(&theta, means));
-                for lane in lanes {
-                    if let Ok(solved) = &solved[lane] {
-                        let left_out = |block: &SampleBlock| block.left_out(lane, solved.inverse(d));
-                        let meat =
-                            jackknife(blocks.iter(), left_out).unwrap_or_else(|| vec![f64::NAN; p * p]);
-                        meats[lane].add(d, meat.into_iter());
-                    }
+/// Adds the contribution of a group of samples to the `meats` of the runs that have an estimate and this group.
+fn add_meats(
+    degrees: &[Degree; 3],
+    meats: &mut [Meats; LANES],
+    runs: &[Run],
+    solved: &[Result<Solved, Outcome>],
+    noise: Option<&Noise>,
+    group: impl Fn(usize) -> Option<usize>,
+) {
+    let mut first = 0;
+    for (d, degree) in degrees.iter().enumerate() {
+        let (p, centred) = (degree.parameters, runs[0].centred);
+        let (mut theta, mut means) = (vec![Lane::ZERO; p + 1], vec![Lane::ZERO; p]);
+        let mut is_filtered = [false; LANES];
+        for lane in 0..LANES {
+            let (Some(group), Ok(solved)) = (group(lane), &solved[lane]) else { continue };
+            is_filtered[lane] = true;
+            let sums = &runs[lane].groups[group].degrees[d];
+            let solution = &solved.theta[first..first + p];
+            theta.iter_mut().zip(solution).for_each(|(lanes, value)| lanes[lane] = *value);
+            theta[p][lane] = sums.intercept(solution, centred);
+            let centres = means.iter_mut().zip(sums.instrument_means(centred));
+            centres.for_each(|(lanes, mean)| lanes[lane] = mean);
+        }
+        let means = &means;
+        let lanes = (0..LANES).filter(|lane| is_filtered[*lane]);
+        if let Some(noise) = noise {
+            let meat = numerics::vectorized!(degree.responses(d, means, noise));
+            lanes.for_each(|lane| meats[lane].add(d, meat.iter().map(|m| m[lane])));
+        } else {
+            let blocks = numerics::vectorized!(degree.blocks(&theta, means));
+            for lane in lanes {
+                if let Ok(solved) = &solved[lane] {
+                    let left_out = |block: &SampleBlock| block.left_out(lane, solved.inverse(d));
+                    let meat = jackknife(blocks.iter(), left_out).unwrap_or_else(|| vec![f64::NAN; p * p]);
+                    meats[lane].add(d, meat.into_iter());
                 }
             }
-            first += p;
         }
+        first += p;
     }
 }
 

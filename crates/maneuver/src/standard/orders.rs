@@ -6,18 +6,6 @@ use ship::model::Vessel;
 use super::{Sensors, Settings, Standard, steps};
 use crate::feedback::{Gains, Loop};
 
-/// The approach of a standard maneuver.
-pub(crate) struct Approach<'a> {
-    /// The vessel.
-    pub vessel: &'a Vessel,
-    /// Inputs that hold it.
-    pub inputs: Vec<f64>,
-    /// Slopes of the increments of u, v, r in a sample by these inputs.
-    pub slopes: Vec<[f64; 3]>,
-    /// How fast u, v and r decay on it \[1/sample\].
-    pub decay: [f64; 3],
-}
-
 /// What is done until a condition is met, then what is next.
 #[derive(Clone, Debug)]
 struct Order {
@@ -98,12 +86,18 @@ struct Turning {
 }
 
 impl Orders {
-    /// The orders of `standard` from `approach`.
-    pub fn new(standard: Standard, approach: &Approach) -> Self {
-        let (held, helm) = (&approach.inputs, changes(standard.settings().1, approach.vessel));
-        let stopped = |i: usize, input: f64| {
-            approach.vessel.actuators[i].range.map_or(input, |range| at_stop(range, input))
-        };
+    /// The orders of `standard` from its approach, which the inputs `held` hold. `slopes`: of the increments of u, v, r in a sample by
+    /// these inputs; `decay`: how fast u, v and r decay there \[1/sample\].
+    pub fn new(
+        standard: Standard,
+        vessel: &Vessel,
+        held: &[f64],
+        slopes: &[[f64; 3]],
+        decay: [f64; 3],
+    ) -> Self {
+        let helm = changes(standard.settings().1, vessel);
+        let stopped =
+            |i: usize, input: f64| vessel.actuators[i].range.map_or(input, |range| at_stop(range, input));
         let helm_of = |part: f64| {
             let inputs = held.iter().zip(&helm).enumerate();
             Act::Set(inputs.map(|(i, (u, h))| stopped(i, u + part * h)).collect())
@@ -117,7 +111,7 @@ impl Orders {
             delay_s: 0.0,
             every_s: None,
             sensors: Sensors::Own,
-            rate_hz: approach.vessel.sample_rate_hz,
+            rate_hz: vessel.sample_rate_hz,
         };
         match standard {
             Standard::ZigZagTest(test) => {
@@ -151,8 +145,8 @@ impl Orders {
                     let rate = spiral.to.sign() * part * spiral.yaw_rate_rad_s;
                     sequence.order(Act::Turn(rate), Until::Seconds(spiral.dwell_s));
                 }
-                let authority = helm.iter().zip(&approach.slopes).map(|(h, slope)| h * slope[2]).sum();
-                let (amidships, gains) = (held.clone(), Gains::of(approach.decay));
+                let authority = helm.iter().zip(slopes).map(|(h, slope)| h * slope[2]).sum();
+                let (amidships, gains) = (held.to_vec(), Gains::of(decay));
                 sequence.turning = Some(Turning { amidships, helm, gains, authority });
             }
             Standard::Stop(stop) => {

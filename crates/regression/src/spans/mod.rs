@@ -108,7 +108,7 @@ impl<'a> Column<'a> {
 
 /// The product of two columns, computed when it is read: that is faster than to write it and to read it again.
 #[derive(Clone, Copy)]
-struct Product<'a>(pub [Column<'a>; 2]);
+struct Product<'a>([Column<'a>; 2]);
 
 impl Signal for Product<'_> {
     #[inline(always)]
@@ -120,7 +120,7 @@ impl Signal for Product<'_> {
 
 /// The difference of two columns.
 #[derive(Clone, Copy)]
-struct Difference<'a>(pub [Column<'a>; 2]);
+struct Difference<'a>([Column<'a>; 2]);
 
 impl Signal for Difference<'_> {
     #[inline(always)]
@@ -132,7 +132,7 @@ impl Signal for Difference<'_> {
 
 /// The modulus of a column.
 #[derive(Clone, Copy)]
-struct Modulus<'a>(pub Column<'a>);
+struct Modulus<'a>(Column<'a>);
 
 impl Signal for Modulus<'_> {
     #[inline(always)]
@@ -152,8 +152,8 @@ impl Signal for &[f64; SPAN] {
 /// Columns of numbers that all runs share, from sample `k` on.
 #[derive(Clone, Copy)]
 struct Shared<'a> {
-    pub columns: &'a [Vec<f64>],
-    pub k: usize,
+    columns: &'a [Vec<f64>],
+    k: usize,
 }
 
 impl<'a> Signals for Shared<'a> {

@@ -132,7 +132,7 @@ pub(crate) struct Normals {
 
 impl Normals {
     /// Seeded by 32 bytes per lane.
-    pub(crate) fn seeded(seeds: [&[u8; 32]; LANES]) -> Self {
+    fn seeded(seeds: [&[u8; 32]; LANES]) -> Self {
         let mut state = [[0; LANES]; 4];
         for (lane, seed) in seeds.into_iter().enumerate() {
             for (word, bytes) in state.iter_mut().zip(seed.as_chunks::<8>().0) {

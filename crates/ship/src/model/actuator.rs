@@ -67,7 +67,7 @@ impl Actuator {
     }
 
     /// Whether any command moves it, at any sample.
-    pub(crate) fn takes_every_command(&self) -> bool {
+    fn takes_every_command(&self) -> bool {
         self.dead_band == 0.0 && self.hold_s == 0.0
     }
 
@@ -87,7 +87,7 @@ impl Actuator {
     }
 
     /// The command that reaches `wanted` by the end of its hold, or of a sample of `seconds`, within the range.
-    pub(crate) fn command_for(&self, setting: f64, wanted: f64, seconds: f64) -> f64 {
+    fn command_for(&self, setting: f64, wanted: f64, seconds: f64) -> f64 {
         let command = match self.lag_s > 0.0 {
             true => setting - (wanted - setting) / libm::expm1(-seconds.max(self.hold_s) / self.lag_s),
             false => wanted,

@@ -13,14 +13,6 @@ pub(crate) struct Equation<'a> {
     others: Vec<&'a str>,
 }
 
-/// The result for a degree of freedom.
-pub(crate) struct Reduced {
-    pub degree: Degree,
-    pub value: Vec<Option<f64>>,
-    pub nominal: Vec<f64>,
-    pub constrained: Vec<Constrained>,
-}
-
 /// The role of a written parameter.
 enum Role {
     Estimated {
@@ -41,15 +33,15 @@ impl<'a> Equation<'a> {
         Self { degree, specs, others }
     }
 
-    /// The estimated parameters, with the terms of those that are tied to them; `first` is the model's index of the first one.
+    /// Adds the estimated parameters, with the terms of those that are tied to them, and the others to the `parts` of a model.
     ///
     /// # Errors
     /// A constraint that is meaningless, contradicts itself or the values, or leaves nothing to be estimated.
-    pub fn reduced(self, first: usize) -> Result<Reduced, Invalid> {
+    pub fn reduce_to(self, parts: &mut Parts) -> Result<(), Invalid> {
+        let first = parts.nominal.len();
         let roles: Vec<Role> = (0..self.specs.len()).map(|i| self.role(i)).collect::<Result<_, _>>()?;
         self.check_constants(&roles)?;
         let (mut degree, mut places) = (Degree::default(), BTreeMap::new());
-        let (mut value, mut nominal) = (Vec::new(), Vec::new());
         for (i, ((spec, term), role)) in self.specs.iter().zip(&roles).enumerate() {
             if let Role::Estimated { nominal: number, bounds } = role {
                 let place = degree.terms.len();
@@ -57,14 +49,13 @@ impl<'a> Equation<'a> {
                 degree.parameters.push(spec.parameter.clone());
                 degree.terms.push(term.clone());
                 degree.bounds.extend(bounds.map(|bounds| (place, bounds)));
-                value.push(spec.value);
-                nominal.push(*number);
+                parts.value.push(spec.value);
+                parts.nominal.push(*number);
             }
         }
         if degree.terms.is_empty() {
             return Err(self.nothing_left());
         }
-        let mut constrained = Vec::new();
         for (place, ((spec, term), role)) in self.specs.iter().zip(&roles).enumerate() {
             let constraint = match *role {
                 Role::Estimated { .. } => continue,
@@ -84,9 +75,10 @@ impl<'a> Equation<'a> {
                 }
             }
             let (name, term) = (spec.parameter.clone(), term.clone());
-            constrained.push(Constrained { degree: self.degree, place, name, term, constraint });
+            parts.constrained.push(Constrained { degree: self.degree, place, name, term, constraint });
         }
-        Ok(Reduced { degree, value, nominal, constrained })
+        parts.degrees[self.degree as usize] = degree;
+        Ok(())
     }
 
     fn role(&self, i: usize) -> Result<Role, Invalid> {

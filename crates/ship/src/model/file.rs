@@ -6,8 +6,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::formula::derive;
-use crate::forces::TermSpec;
-use crate::model::equation::{Equation, Parts, Reduced};
+use crate::forces::{Forces, TermSpec};
+use crate::model::equation::{Equation, Parts};
 use crate::model::physics::{self, Kind, VesselFile, missing, moved, preset};
 use crate::model::{
     Actuator, Constrained, DegreeOfFreedom, InputSpec, Model, RateChange, Term, Unusual, Variable, Written,
@@ -223,12 +223,7 @@ fn parts_per_sample(file: &VesselFile, variables: &[Variable]) -> Result<Parts, 
     let mut parts = Parts::default();
     for d in DegreeOfFreedom::ALL {
         let specs = written[d as usize].iter().zip(terms.next().unwrap_or_default()).collect();
-        let Reduced { degree, value, nominal, constrained } =
-            Equation::new(d, specs, &all).reduced(parts.nominal.len())?;
-        parts.degrees[d as usize] = degree;
-        parts.value.extend(value);
-        parts.nominal.extend(nominal);
-        parts.constrained.extend(constrained);
+        Equation::new(d, specs, &all).reduce_to(&mut parts)?;
     }
     Ok(parts)
 }
@@ -409,17 +404,16 @@ impl Vessel {
             "deg" | "°" => HARD_OVER_DEG,
             _ => return None,
         };
-        let forces = self.model.forces.as_ref().map(|model| (&model.forces, model.forces.description()));
-        let drives = |(forces, parts): &(&crate::forces::Forces, &crate::forces::Description)| {
-            (0..parts.rudder.len()).any(|k| forces.rudder_input(k).0.channel == i)
-        };
-        let turns = |(forces, parts): &(&crate::forces::Forces, &crate::forces::Description)| {
-            (0..parts.thruster.len())
-                .any(|k| forces.thruster_inputs(k).1.is_some_and(|angle| angle.channel == i))
+        let forces = self.model.forces.as_ref().map(|model| &model.forces);
+        let drives =
+            |ship: &Forces| (0..ship.description().rudder.len()).any(|k| ship.rudder_input(k).0.channel == i);
+        let turns = |ship: &Forces| {
+            let mut thrusters = 0..ship.description().thruster.len();
+            thrusters.any(|k| ship.thruster_inputs(k).1.is_some_and(|angle| angle.channel == i))
         };
         let name = input.name.to_lowercase();
         let is_called = !self.accepts_unusual && RUDDERS.iter().any(|rudder| name.starts_with(rudder));
-        let is_one = forces.is_some_and(|parts| drives(&parts) || (is_called && !turns(&parts)));
+        let is_one = forces.is_some_and(|ship| drives(ship) || (is_called && !turns(ship)));
         (is_one || (forces.is_none() && is_called)).then_some(most * (1.0 + 1e-9))
     }
 
@@ -440,7 +434,7 @@ impl Vessel {
     }
 
     /// Refuses ranges of rudders beyond 90°.
-    pub(crate) fn check_rudders(&self) -> Result<(), Invalid> {
+    fn check_rudders(&self) -> Result<(), Invalid> {
         let ends = [0, 1].map(|end| {
             self.actuators.iter().map(move |actuator| actuator.range.map_or(0.0, |range| range[end]))
         });
