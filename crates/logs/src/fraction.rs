@@ -1,7 +1,7 @@
 //! Times whose decimals are a whole number of nano- or microseconds, printed without leading zeros: `12.5`
 //! for 12 s and 5 µs.
 
-use numerics::statistics::median_again;
+use numerics::statistics::streamed_median as median_again;
 
 use crate::Samples;
 use crate::samples::steps;

@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use numerics::statistics::median_again;
+use numerics::statistics::streamed_median as median_again;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

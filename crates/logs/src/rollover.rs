@@ -1,7 +1,7 @@
 //! Clocks that begin anew: at midnight if they have no date, after a week, when a counter overflows. And
 //! clocks that were set while the log ran.
 
-use numerics::statistics::median_again;
+use numerics::statistics::streamed_median as median_again;
 
 use crate::Samples;
 use crate::samples::steps;

@@ -1,7 +1,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use numerics::statistics::median_again;
+use numerics::statistics::streamed_median as median_again;
 
 use crate::Unwrapping;
 use crate::samples::{Samples, View, steps};

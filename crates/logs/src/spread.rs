@@ -1,6 +1,6 @@
 //! Rows that share a time, spread until the next one: clocks that were logged more coarsely than the rows.
 
-use numerics::statistics::median_again;
+use numerics::statistics::streamed_median as median_again;
 
 use crate::Samples;
 

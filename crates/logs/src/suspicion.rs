@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use numerics::statistics::median_again;
+use numerics::statistics::streamed_median as median_again;
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

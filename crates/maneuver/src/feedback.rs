@@ -7,8 +7,8 @@ use numerics::inverse;
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::Deserialize;
-use ship::engine::{Command, Compiled, Program, Seen};
-use ship::model::Vessel;
+use ship::engine::{Command, Compiled, Helm, Program, Progress, Seen};
+use ship::model::{Actuator, ActuatorState, SampleCommand, Vessel};
 
 use crate::standard::Sensors;
 
@@ -27,7 +27,7 @@ refusal::choices! {
 #[serde(deny_unknown_fields)]
 pub struct Controller {
     /// What it reads.
-    #[serde(default = "own")]
+    #[serde(default = "own_sensors")]
     pub sensors: Sensors,
     /// Its period \[s\]; by default that of the samples.
     pub every_s: Option<f64>,
@@ -36,7 +36,7 @@ pub struct Controller {
     pub strength: f64,
 }
 
-fn own() -> Sensors {
+fn own_sensors() -> Sensors {
     Sensors::Own
 }
 
@@ -46,16 +46,16 @@ fn one() -> f64 {
 
 impl Default for Controller {
     fn default() -> Self {
-        Self { sensors: own(), every_s: None, strength: one() }
+        Self { sensors: own_sensors(), every_s: None, strength: one() }
     }
 }
 
 impl Controller {
     /// Refuses what is no controller of maneuver `name`.
     pub(crate) fn check(&self, name: &str) -> Result<(), Invalid> {
-        let refuse = |key: &str, found: f64, expected: &str| {
+        let refuse = |key: &str, given: f64, expected: &str| {
             let thing = format!("maneuver `{name}`, `feedback.{key}`");
-            Err(Invalid::new(thing, found.to_string(), expected, "correct it"))
+            Err(Invalid::new(thing, given.to_string(), expected, "correct it"))
         };
         match self.every_s {
             Some(every) if !(every > 0.0 && every <= 1e6) => {
@@ -188,26 +188,21 @@ struct Track {
     sensors: Sensors,
 }
 
-/// A nominal motion: inputs, N × inputs, states, (N+1) × 3, and whether inputs keep to their couplings.
-pub(crate) struct Nominal<'n> {
-    pub inputs: &'n [f64],
-    pub states: &'n [f64],
-    pub coupled: bool,
-}
-
 impl Tracked {
-    /// A controller of the motion of the ship with `parameters`.
+    /// A controller of the nominal motion of the ship with `parameters`: inputs, N × inputs, which keep to their couplings where they
+    /// are `coupled`, and states, (N+1) × 3.
     ///
     /// # Errors
     /// A vessel without two or three inputs to correct surge, yaw and sway by.
     pub fn new(
         vessel: &Vessel,
         parameters: &[f64],
-        nominal: &Nominal,
+        (inputs, states): (&[f64], &[f64]),
+        coupled: bool,
         controller: &Controller,
     ) -> Result<Self, Invalid> {
         let width = vessel.model.inputs;
-        let leads = |i: &usize| !nominal.coupled || vessel.couplings[*i].is_none();
+        let leads = |i: &usize| !coupled || vessel.couplings[*i].is_none();
         let free: Vec<usize> = (0..width).filter(leads).collect();
         let rows: &[usize] = match free.len() {
             3 => &[0, 1, 2],
@@ -221,18 +216,18 @@ impl Tracked {
                 ));
             }
         };
-        let exogenous = vessel.model.undisturbed(nominal.inputs);
-        let samples = nominal.inputs.len() / width.max(1);
+        let exogenous = vessel.model.undisturbed(inputs);
+        let samples = inputs.len() / width.max(1);
         let mut linearised = Linearised::new(vessel, parameters);
         let mut decay = [0.0_f64; 3];
         let mut corrections = Vec::with_capacity(samples * width * 3);
         for (state, row) in
-            nominal.states.as_chunks::<3>().0.iter().zip(exogenous.chunks_exact(vessel.model.exogenous()))
+            states.as_chunks::<3>().0.iter().zip(exogenous.chunks_exact(vessel.model.exogenous()))
         {
             linearised.look(*state, row);
-            let own = linearised.decay();
-            (0..3).for_each(|d| decay[d] = decay[d].max(own[d]));
-            let inverse = linearised.corrections(&free, rows, nominal.coupled);
+            let now = linearised.decay();
+            (0..3).for_each(|d| decay[d] = decay[d].max(now[d]));
+            let inverse = linearised.corrections(&free, rows, coupled);
             let first = corrections.len();
             corrections.resize(first + 3 * width, 0.0);
             let here = &mut corrections[first..];
@@ -242,7 +237,7 @@ impl Tracked {
                         inverse.as_ref().map_or(0.0, |inverse| inverse[i * free.len() + j]);
                 }
             }
-            for (i, coupling) in vessel.couplings.iter().enumerate().filter(|_| nominal.coupled) {
+            for (i, coupling) in vessel.couplings.iter().enumerate().filter(|_| coupled) {
                 if let Some((leader, factor)) = coupling {
                     (0..3).for_each(|d| here[3 * i + d] = factor * here[3 * leader + d]);
                 }
@@ -250,10 +245,10 @@ impl Tracked {
         }
         let period = controller.every_s.map_or(1, |every| vessel.samples(every).max(1));
         Ok(Self(Arc::new(Track {
-            inputs: nominal.inputs.to_vec(),
-            reference: nominal.states.to_vec(),
+            inputs: inputs.to_vec(),
+            reference: states.to_vec(),
             corrections,
-            ranges: vessel.actuators.iter().map(|own| own.range).collect(),
+            ranges: vessel.actuators.iter().map(|actuator| actuator.range).collect(),
             gains: Gains::of(decay).times(controller.strength),
             period,
             sensors: controller.sensors,
@@ -268,7 +263,7 @@ impl Program for Tracked {
             sample: 0,
             wanted: [0.0; 3],
             errors: [0.0; 3],
-            own: Loop::default(),
+            control: Loop::default(),
         })
     }
 
@@ -284,7 +279,7 @@ struct Tracking {
     /// Increments that are wanted beside those of the motion, since the controller last looked.
     wanted: [f64; 3],
     errors: [f64; 3],
-    own: Loop,
+    control: Loop,
 }
 
 impl Command for Tracking {
@@ -297,7 +292,7 @@ impl Command for Tracking {
                 Sensors::Logged => seen.state,
             };
             self.errors = [0, 1, 2].map(|d| of.reference[3 * k + d] - state[d]);
-            self.wanted = self.own.wanted(&of.gains, self.errors);
+            self.wanted = self.control.wanted(&of.gains, self.errors);
         }
         let mut is_limited = false;
         let nominal = &of.inputs[k * width..][..width];
@@ -310,8 +305,72 @@ impl Command for Tracking {
             is_limited |= *input != u + wanted;
         }
         if !is_limited {
-            self.own.learn(&of.gains, self.errors);
+            self.control.learn(&of.gains, self.errors);
         }
         self.sample += 1;
+    }
+}
+
+/// `helm` by way of the actuators of `vessel`, which are at `settings` before its first command; itself where all of them follow at
+/// once.
+pub(crate) fn actuated(helm: Helm, vessel: &Vessel, settings: &[f64]) -> Helm {
+    if vessel.actuators.iter().all(Actuator::is_immediate) {
+        return helm;
+    }
+    let (actuators, settings) = (vessel.actuators.clone().into(), settings.into());
+    Helm::new(Actuated { helm, actuators, settings, sample_s: 1.0 / vessel.sample_rate_hz })
+}
+
+#[derive(Debug)]
+struct Actuated {
+    helm: Helm,
+    actuators: Arc<[Actuator]>,
+    settings: Arc<[f64]>,
+    sample_s: f64,
+}
+
+impl Program for Actuated {
+    fn begin(&self) -> Box<dyn Command> {
+        Box::new(Following {
+            command: self.helm.begin(),
+            actuators: Arc::clone(&self.actuators),
+            acting: self.settings.iter().map(|setting| ActuatorState::at(*setting)).collect(),
+            commanded: Vec::new(),
+            sample_s: self.sample_s,
+        })
+    }
+
+    fn tracks(&self) -> bool {
+        self.helm.tracks()
+    }
+}
+
+/// Commands while actuators follow them.
+struct Following {
+    command: Box<dyn Command>,
+    actuators: Arc<[Actuator]>,
+    acting: Vec<ActuatorState>,
+    /// The commands of the last sample.
+    commanded: Vec<f64>,
+    sample_s: f64,
+}
+
+impl Command for Following {
+    fn command(&mut self, seen: &Seen, inputs: &mut [f64]) {
+        self.command.command(seen, inputs);
+        self.commanded.clear();
+        self.commanded.extend_from_slice(inputs);
+        let ends = self.command.ends();
+        for (i, (acting, actuator)) in self.acting.iter_mut().zip(&*self.actuators).enumerate() {
+            inputs[i] = acting.follow(actuator, SampleCommand::of(i, inputs[i], ends), self.sample_s);
+        }
+    }
+
+    fn commanded(&self) -> Option<&[f64]> {
+        Some(&self.commanded)
+    }
+
+    fn progress(&self) -> Progress {
+        self.command.progress()
     }
 }

@@ -1,19 +1,17 @@
 use std::collections::BTreeMap;
 
 use refusal::Invalid;
-use ship::engine::{Helm, Streams, check_diverged, refuse_endless, simulate_command, simulate_one};
+use ship::engine::{Helm, check_diverged, refuse_endless, simulate_command, simulate_one};
 use ship::model::{Source, Vessel};
 
-use super::generate_spec::Limits;
-use super::played::PlayedTable;
-use super::settings::check_range;
-use super::signal::Wave;
-use super::spec::{Kind, ManeuverSpec};
+use super::kind::{ManeuverKind, Plan};
+use super::played::{PlayedTable, check_range};
+use super::spec::ManeuverSpec;
 use crate::DictionaryFile;
-use crate::actuated::actuated;
-use crate::feedback::{Executed, Linearised, Nominal, Tracked};
-use crate::reached::{self, Aim, Tolerance};
-use crate::standard::{Approach, Orders, Settings, Standard, changes, check_names};
+use crate::feedback::{Executed, Linearised, Tracked, actuated};
+use crate::limits::{self, Aim, Limits, Tolerance};
+use crate::standard::orders::{Orders, changes};
+use crate::standard::{Settings, Standard, check_names};
 use crate::steady::{Motion, Steady};
 
 /// A maneuver turned into inputs.
@@ -21,8 +19,7 @@ use crate::steady::{Motion, Steady};
 pub struct Realized {
     /// State at the start: u, v \[m/s\], r \[rad/s\].
     pub initial: [f64; 3],
-    /// N × inputs, row-major; for a maneuver that reacts, those of the undisturbed ship, which the dictionary
-    /// is computed with.
+    /// N × inputs, row-major; for a maneuver that reacts, those of the undisturbed ship, which the dictionary is computed with.
     pub inputs: Vec<f64>,
     /// Its commands, if they depend on the ship's motion.
     pub helm: Option<Helm>,
@@ -94,7 +91,7 @@ impl Generator {
                 check_approach(maneuver, vessel)?;
             }
         }
-        let own = Self {
+        let generator = Self {
             vessel: vessel.clone(),
             parameters: vessel.parameters(source)?,
             maneuvers,
@@ -105,14 +102,14 @@ impl Generator {
             tables,
             helms: BTreeMap::new(),
         };
-        own.check_holds()?;
-        Ok(own)
+        generator.check_holds()?;
+        Ok(generator)
     }
 
     /// Refuses a maneuver that reacts and ends before an actuator takes a second command.
     fn check_holds(&self) -> Result<(), Invalid> {
         let actuators = self.vessel.actuators.iter().zip(self.vessel.model.input_variables());
-        let Some((own, input)) = actuators.max_by(|(a, _), (b, _)| a.hold_s.total_cmp(&b.hold_s)) else {
+        let Some((actuator, input)) = actuators.max_by(|(a, _), (b, _)| a.hold_s.total_cmp(&b.hold_s)) else {
             return Ok(());
         };
         let seconds = |index: usize| match self.tables.get(&index) {
@@ -121,12 +118,12 @@ impl Generator {
         };
         let mut reacting = (0..self.maneuvers.len()).filter(|index| self.reacts(*index));
         let ended =
-            reacting.find_map(|index| Some((index, seconds(index).filter(|all| own.hold_s >= *all)?)));
+            reacting.find_map(|index| Some((index, seconds(index).filter(|all| actuator.hold_s >= *all)?)));
         match ended {
             None => Ok(()),
             Some((index, duration_s)) => Err(Invalid::new(
                 format!("maneuver `{}` of {duration_s} s", self.maneuvers[index].name),
-                format!("`hold_s` = {} s of input `{}` in the vessel's file", own.hold_s, input.name),
+                format!("`hold_s` = {} s of input `{}` in the vessel's file", actuator.hold_s, input.name),
                 "a shorter hold, so that a command can follow the ship's motion",
                 "shorten the hold, or lengthen the maneuver with `duration_s`",
             )),
@@ -145,7 +142,7 @@ impl Generator {
     #[must_use]
     pub fn later(mut self, seconds: f64) -> Self {
         for maneuver in &mut self.maneuvers {
-            if let Kind::ZigZagTest(test) = &mut maneuver.kind {
+            if let ManeuverKind::ZigZagTest(test) = &mut maneuver.kind {
                 test.hold_s += seconds;
             }
         }
@@ -190,8 +187,8 @@ impl Generator {
     pub fn samples(&self, index: usize) -> Result<usize, Invalid> {
         let maneuver = &self.maneuvers[index];
         let endless = || format!("maneuver `{}`, `duration_s`", maneuver.name);
-        let own = maneuver.duration(self.default_s).map(|s| self.vessel.samples(s));
-        match self.tables.get(&index).map(|table| table.samples).or(own) {
+        let stated = maneuver.duration(self.default_s).map(|s| self.vessel.samples(s));
+        match self.tables.get(&index).map(|table| table.samples).or(stated) {
             Some(samples) if samples > 0 => refuse_endless(endless(), samples).map(|()| samples),
             _ => Err(Invalid::new(
                 format!("maneuver `{}`", maneuver.name),
@@ -207,8 +204,7 @@ impl Generator {
         &self.tables
     }
 
-    /// Whether a shorter run of maneuver `index` is the beginning of a longer one: no part of it is
-    /// stretched.
+    /// Whether a shorter run of maneuver `index` is the beginning of a longer one: no part of it is stretched.
     pub fn is_unstretched(&self, index: usize) -> bool {
         self.helms.contains_key(&index) || self.maneuvers[index].kind.is_unstretched()
     }
@@ -219,7 +215,8 @@ impl Generator {
             || self.helms.values().any(Helm::tracks);
         let reacts = (0..self.maneuvers.len()).any(|index| self.reacts(index));
         let actuators = self.vessel.actuators.iter().enumerate();
-        let followed = actuators.filter(|(_, own)| reacts && !own.is_immediate()).map(|(i, _)| i).collect();
+        let followed =
+            actuators.filter(|(_, actuator)| reacts && !actuator.is_immediate()).map(|(i, _)| i).collect();
         Reacting { tracks, followed }
     }
 
@@ -323,12 +320,10 @@ impl Generator {
         inputs.truncate(width);
         let mut linearised = Linearised::new(vessel, &self.parameters);
         linearised.look([motion.u, 0.0, 0.0], &vessel.model.undisturbed(&inputs));
-        let (slopes, decay) = (linearised.by_inputs().to_vec(), linearised.decay());
-        let held = inputs.clone();
-        let orders = Orders::new(standard, &Approach { vessel, inputs, slopes, decay });
+        let orders = Orders::new(standard, vessel, &inputs, linearised.by_inputs(), linearised.decay());
         let key = standard.settings().0;
         orders.extremes().try_for_each(|inputs| check_range(vessel, &inputs, || format!("`{key}`")))?;
-        Ok((orders, held))
+        Ok((orders, inputs))
     }
 
     /// The controller that makes ships move as the nominal one does under `inputs`.
@@ -340,9 +335,8 @@ impl Generator {
             return Err(at.invalid("the motion to be held", vessel.sample_rate_hz));
         }
         let coupled = !self.tables.contains_key(&index) && maneuver.kind.sway_is_free();
-        let nominal = Nominal { inputs, states: &states, coupled };
-        Tracked::new(vessel, &self.parameters, &nominal, &maneuver.feedback.unwrap_or_default())
-            .map(Helm::new)
+        let controller = maneuver.feedback.unwrap_or_default();
+        Tracked::new(vessel, &self.parameters, (inputs, &states), coupled, &controller).map(Helm::new)
     }
 
     /// What written maneuver `index` is to reach, and what it reaches in `states`, (N+1) × 3; nothing of one that is
@@ -353,12 +347,13 @@ impl Generator {
             return Vec::new();
         }
         if let Some(standard) = maneuver.kind.standard() {
-            return reached::of_standard(standard, states, rate_hz);
+            return limits::of_standard(standard, states, rate_hz);
         }
         let samples = states.len() / 3 - 1;
         let plan = Plan::new(&maneuver.kind, rate_hz, samples);
-        let wanted: Vec<[f64; 2]> = (0..samples).map(|k| plan.motion(k)).map(|own| [own.u, own.r]).collect();
-        reached::of_motion(&wanted, states, rate_hz, &self.tolerance)
+        let wanted: Vec<[f64; 2]> =
+            (0..samples).map(|k| plan.motion(k)).map(|motion| [motion.u, motion.r]).collect();
+        limits::of_motion(&wanted, states, rate_hz, &self.tolerance)
     }
 
     /// The inputs that hold or follow the motion of `plan`; `within` the ranges of the vessel's inputs, or not.
@@ -392,144 +387,4 @@ fn check_approach(maneuver: &ManeuverSpec, vessel: &Vessel) -> Result<(), Invali
     check_names(&maneuver.name, "approach", approach, vessel)?;
     let thing = || format!("maneuver `{}`, `approach`", maneuver.name);
     check_range(vessel, &changes(approach, vessel), thing)
-}
-
-/// The wanted motion, sample by sample.
-struct Plan<'a> {
-    kind: &'a Kind,
-    rate_hz: f64,
-    samples: usize,
-    signs: [Vec<f64>; 3],
-    /// Speed, yaw rate and sway speed of a combined maneuver.
-    waves: [Option<Wave>; 3],
-}
-
-impl<'a> Plan<'a> {
-    fn new(kind: &'a Kind, rate_hz: f64, samples: usize) -> Self {
-        let signs = match kind {
-            Kind::PseudoRandomBinary { dwell_s, seed, .. } => {
-                let dwells = ((samples as f64 / (dwell_s * rate_hz)).floor() as usize).min(samples) + 1;
-                let streams = Streams::new(*seed, "pseudo-random-binary");
-                [0, 1, 2].map(|c| {
-                    streams.choices(0, c, 2, dwells).iter().map(|b| 2.0 * f64::from(*b) - 1.0).collect()
-                })
-            }
-            _ => [const { Vec::new() }; 3],
-        };
-        let duration_s = samples as f64 / rate_hz;
-        let waves = match *kind {
-            Kind::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s, .. } => {
-                let mut channel = 0;
-                [Some(speed_m_s), yaw_rate_rad_s, sway_m_s].map(|signal| {
-                    channel += 1;
-                    signal.map(|signal| Wave::new(signal, channel, duration_s))
-                })
-            }
-            _ => [const { None }; 3],
-        };
-        Self { kind, rate_hz, samples, signs, waves }
-    }
-
-    fn start_speed(&self) -> f64 {
-        match *self.kind {
-            Kind::Accelerate { from_m_s, .. } | Kind::Decelerate { from_m_s, .. } => from_m_s,
-            Kind::ZigZag { speed_m_s, .. }
-            | Kind::SwayZigZag { speed_m_s, .. }
-            | Kind::Spiral { speed_m_s, .. }
-            | Kind::SteadyTurn { speed_m_s, .. }
-            | Kind::PseudoRandomBinary { speed_m_s, .. }
-            | Kind::Inputs { speed_m_s, .. } => speed_m_s,
-            Kind::ZigZagTest(_)
-            | Kind::TurningCircle(_)
-            | Kind::PullOut(_)
-            | Kind::SpiralTest(_)
-            | Kind::ReverseSpiral(_)
-            | Kind::Stop(_) => self.kind.standard().map_or(0.0, |own| own.speed_m_s()),
-            Kind::Combined { start_m_s, .. } => start_m_s.unwrap_or_else(|| self.motion(0).u),
-        }
-    }
-
-    /// State at the start: u, v \[m/s\], r \[rad/s\].
-    fn start(&self) -> [f64; 3] {
-        if !self.exact() {
-            return [self.start_speed(), 0.0, 0.0];
-        }
-        let Motion { u, v, r } = self.motion(0);
-        [u, v.unwrap_or(0.0), r]
-    }
-
-    /// Whether each motion leads to the next.
-    fn exact(&self) -> bool {
-        matches!(self.kind, Kind::Combined { exact: true, .. })
-    }
-
-    /// The state's increment until the next sample: zero where a steady motion is held.
-    fn gain(&self, k: usize) -> [f64; 3] {
-        if !self.exact() {
-            return [0.0; 3];
-        }
-        let (now, next) = (self.motion(k), self.motion(k + 1));
-        [next.u - now.u, next.v.unwrap_or(0.0) - now.v.unwrap_or(0.0), next.r - now.r]
-    }
-
-    fn motion(&self, k: usize) -> Motion {
-        let t = k as f64 / self.rate_hz;
-        match *self.kind {
-            Kind::Accelerate { from_m_s: from, to_m_s: to, hold_s }
-            | Kind::Decelerate { from_m_s: from, to_m_s: to, hold_s } => {
-                Motion { u: if t < hold_s { from } else { to }, v: None, r: 0.0 }
-            }
-            Kind::ZigZag {
-                shape,
-                speed_m_s: u,
-                yaw_rate_amplitude_rad_s: rate,
-                heading_amplitude_rad: heading,
-                sway_amplitude_m_s: sway,
-                period_s,
-            } => {
-                let swing = shape.at(t / period_s);
-                let amplitude = Kind::yaw_rate_amplitude(shape, rate, heading, period_s);
-                Motion { u, v: sway.map(|v| -v * swing), r: amplitude * swing }
-            }
-            Kind::SwayZigZag { shape, speed_m_s: u, sway_amplitude_m_s, period_s } => {
-                Motion { u, v: Some(sway_amplitude_m_s * shape.at(t / period_s)), r: 0.0 }
-            }
-            Kind::Spiral {
-                speed_m_s: u,
-                yaw_rate_from_rad_s: from,
-                yaw_rate_to_rad_s: to,
-                sway_speed_m_s: v,
-            } => Motion { u, v, r: from + (to - from) * (k as f64 + 0.5) / self.samples as f64 },
-            Kind::SteadyTurn { speed_m_s: u, yaw_rate_rad_s: r, sway_speed_m_s: v } => Motion { u, v, r },
-            Kind::PseudoRandomBinary {
-                speed_m_s,
-                speed_amplitude_m_s,
-                yaw_rate_amplitude_rad_s,
-                sway_amplitude_m_s,
-                dwell_s,
-                ..
-            } => {
-                let dwell = (t / dwell_s).floor() as usize;
-                let sign = |c: usize| self.signs[c][dwell.min(self.signs[c].len() - 1)];
-                Motion {
-                    u: speed_m_s + speed_amplitude_m_s * sign(0),
-                    v: sway_amplitude_m_s.map(|v| v * sign(1)),
-                    r: yaw_rate_amplitude_rad_s * sign(2),
-                }
-            }
-            Kind::Combined { exact, .. } => {
-                // Inputs hold the motion halfway between two samples; an exact motion is that at the sample.
-                let done = (k as f64 + if exact { 0.0 } else { 0.5 }) / self.samples as f64;
-                let [u, r, v] = self.waves.each_ref().map(|wave| wave.as_ref().map(|wave| wave.at(t, done)));
-                Motion { u: u.unwrap_or(0.0), v, r: r.unwrap_or(0.0) }
-            }
-            Kind::Inputs { speed_m_s: u, .. } => Motion { u, v: None, r: 0.0 },
-            Kind::ZigZagTest(_)
-            | Kind::TurningCircle(_)
-            | Kind::PullOut(_)
-            | Kind::SpiralTest(_)
-            | Kind::ReverseSpiral(_)
-            | Kind::Stop(_) => Motion { u: self.start_speed(), v: None, r: 0.0 },
-        }
-    }
 }

@@ -3,40 +3,26 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-mod actuated;
-mod candidates;
 mod dictionary;
-mod draw;
 mod feedback;
 mod generate;
-mod generate_spec;
-mod input_limit;
-mod input_table;
-mod kept;
+mod kind;
+mod limits;
 pub mod merit;
-mod newton;
 mod played;
-mod reached;
-mod settings;
-mod shape;
 mod signal;
 mod spec;
-mod stamps;
 mod standard;
 mod steady;
 
-pub use dictionary::DictionaryFile;
+pub use dictionary::{CandidateKind, DictionaryFile, GenerateSpec};
 pub use feedback::{Controller, Executed};
 pub use generate::{Generator, Reacting, Realized};
-pub use generate_spec::{CandidateKind, Exceeded, GenerateSpec, Limits};
-pub use input_limit::InputLimit;
-pub use input_table::{InputTable, Resampling};
-pub use kept::Kept;
-pub use played::PlayedTable;
-pub use reached::{Aim, Tolerance, of_motion as aims_of_motion};
-pub use shape::Shape;
-pub use signal::{Signal, SignalShape};
-pub use spec::{Kind, ManeuverSpec};
+pub use kind::ManeuverKind;
+pub use limits::{Aim, Exceeded, InputLimit, Kept, Limits, Tolerance, of_motion as aims_of_motion};
+pub use played::{InputTable, PlayedTable, Resampling};
+pub use signal::{Shape, Signal, SignalShape};
+pub use spec::ManeuverSpec;
 pub use standard::{
     Board, PullOut, ReverseSpiral, Sensors, Settings, SpiralTest, Standard, Stop, TurningCircle, WRONG_SIGN,
     ZigZagTest,

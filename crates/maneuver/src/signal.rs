@@ -6,8 +6,6 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use ship::engine::Streams;
 
-use super::shape::Shape;
-
 /// The course of one speed over a combined maneuver, in the unit of its key.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -107,13 +105,13 @@ impl Signal {
             ("exponent", self.exponent, LARGEST_EXPONENT, "a number above 0, and 100 at most"),
             ("over_s", self.over_s, LONGEST_S, "more than 0 s, and 1e9 s at most"),
         ];
-        for (key, found, most, expected) in keys {
-            let Some(x) = found else { continue };
+        for (key, given, most, expected) in keys {
+            let Some(x) = given else { continue };
             if self.shape != SignalShape::Ramp {
-                return Err((key, found, "none, but with shape = \"ramp\""));
+                return Err((key, given, "none, but with shape = \"ramp\""));
             }
             if !(x > 0.0 && x <= most) {
-                return Err((key, found, expected));
+                return Err((key, given, expected));
             }
         }
         Ok(())
@@ -207,5 +205,45 @@ impl Wave {
     fn harmonics(&self, periods: f64) -> f64 {
         let line = |(h, phase): (usize, &f64)| Shape::Sine.at((h + 1) as f64 * periods + phase);
         self.draws.iter().enumerate().map(line).sum()
+    }
+}
+
+/// How a zig-zag swings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Shape {
+    /// Between two levels.
+    Square,
+    /// As a sine.
+    #[default]
+    Sine,
+    /// In straight ramps.
+    Triangle,
+}
+
+impl Shape {
+    /// Value at `phase` (in periods), within −1 and 1, starting upwards.
+    pub fn at(self, phase: f64) -> f64 {
+        let phase = phase - phase.floor();
+        match self {
+            Self::Square => {
+                if phase < 0.5 {
+                    1.0
+                } else {
+                    -1.0
+                }
+            }
+            Self::Sine => libm::sin(std::f64::consts::TAU * phase),
+            Self::Triangle => 1.0 - 4.0 * ((phase + 0.75) % 1.0 - 0.5).abs(),
+        }
+    }
+
+    /// Amplitude of a signal whose derivative swings like this with amplitude 1 and period 1 s.
+    pub(super) fn integral(self) -> f64 {
+        match self {
+            Self::Square => 0.25,
+            Self::Sine => 1.0 / std::f64::consts::TAU,
+            Self::Triangle => 0.125,
+        }
     }
 }

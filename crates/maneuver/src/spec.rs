@@ -5,13 +5,11 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer};
 
-use super::kept::Kept;
-use super::shape::Shape;
+use super::kind::ManeuverKind;
+use super::limits::Kept;
 use super::signal::{LONGEST_S, SWING_SAMPLES, Signal, check_period};
 use crate::feedback::{Controller, Executed};
-use crate::standard::{
-    PullOut, ReverseSpiral, Sensors, Settings, SpiralTest, Standard, Stop, TurningCircle, ZigZagTest,
-};
+use crate::standard::{Sensors, Settings};
 
 /// One maneuver.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +29,7 @@ pub struct ManeuverSpec {
     /// Inputs of the approach of a standard maneuver; `None`: those that hold it steady.
     pub approach: Option<Settings>,
     /// Its kind and parameters.
-    pub kind: Kind,
+    pub kind: ManeuverKind,
 }
 
 /// Greatest speeds and rates of turn of any ship \[m/s, rad/s\].
@@ -43,8 +41,7 @@ const COMMON_KEYS: [&str; 8] =
     ["name", "kind", "description", "duration_s", "keeps", "executed", "feedback", "approach"];
 
 impl<'de> Deserialize<'de> for ManeuverSpec {
-    /// The keys that all kinds share, then those of the kind: any other key is refused (which a flattened enum would
-    /// let pass).
+    /// The keys that all kinds share, then those of the kind: any other key is refused (which a flattened enum would let pass).
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         #[derive(Deserialize)]
         struct Common {
@@ -77,7 +74,7 @@ impl<'de> Deserialize<'de> for ManeuverSpec {
         };
         let keeps = keeps.map(strictly).transpose().map_err(within("keeps"))?.unwrap_or_default();
         let named = |e: toml::de::Error| D::Error::custom(in_item(&e, Some(&name), wrong_key(&table, &e)));
-        let kind: Kind = strictly(table.clone()).map_err(named)?;
+        let kind: ManeuverKind = strictly(table.clone()).map_err(named)?;
         let executed = executed.unwrap_or(Executed::Inputs);
         let feedback = feedback.map(strictly).transpose().map_err(within("feedback"))?;
         let approach = approach.map(strictly).transpose().map_err(within("approach"))?;
@@ -106,10 +103,10 @@ fn wrong_key<'a>(table: &'a toml::Table, error: &toml::de::Error) -> Option<&'a 
     let without = |key: &&str| {
         let rest: toml::Table = table
             .iter()
-            .filter(|(own, _)| own != key)
-            .map(|(own, value)| (own.clone(), value.clone()))
+            .filter(|(other, _)| other != key)
+            .map(|(other, value)| (other.clone(), value.clone()))
             .collect();
-        strictly::<Kind, _>(rest).err().is_none_or(|other| other.message() != error.message())
+        strictly::<ManeuverKind, _>(rest).err().is_none_or(|other| other.message() != error.message())
     };
     let of_value = error.message().starts_with("invalid") || error.message().starts_with("unknown variant");
     // Without its kind every table is refused otherwise.
@@ -144,14 +141,14 @@ impl JsonSchema for ManeuverSpec {
 
     /// Each kind with the keys that all kinds share.
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let (mut kinds, common) = (Kind::json_schema(generator), CommonKeys::json_schema(generator));
-        let shared = common.get("properties").and_then(|own| own.as_object()).cloned().unwrap_or_default();
+        let (mut kinds, common) = (ManeuverKind::json_schema(generator), CommonKeys::json_schema(generator));
+        let shared = common.get("properties").and_then(|keys| keys.as_object()).cloned().unwrap_or_default();
         let kinds_of = kinds.get_mut("oneOf").and_then(|all| all.as_array_mut()).into_iter().flatten();
         for kind in kinds_of.filter_map(|kind| kind.as_object_mut()) {
-            if let Some(own) = kind.get_mut("properties").and_then(|own| own.as_object_mut()) {
-                own.extend(shared.clone());
+            if let Some(properties) = kind.get_mut("properties").and_then(|keys| keys.as_object_mut()) {
+                properties.extend(shared.clone());
             }
-            if let Some(required) = kind.get_mut("required").and_then(|own| own.as_array_mut()) {
+            if let Some(required) = kind.get_mut("required").and_then(|keys| keys.as_array_mut()) {
                 required.push("name".into());
             }
             kind.insert("additionalProperties".to_owned(), false.into());
@@ -163,150 +160,13 @@ impl JsonSchema for ManeuverSpec {
 /// Adds [`COMMON_KEYS`] to the known keys that serde's message on an unknown field lists.
 fn with_common_keys(message: &str) -> String {
     match message.split_once(", expected ") {
-        Some((found, known)) if found.starts_with("unknown field") => {
-            let own = known.split('`').skip(1).step_by(2);
-            let all: Vec<String> = own.chain(COMMON_KEYS).map(|key| format!("`{key}`")).collect();
-            format!("{found}, expected one of {}", all.join(", "))
+        Some((fault, known)) if fault.starts_with("unknown field") => {
+            let names = known.split('`').skip(1).step_by(2);
+            let all: Vec<String> = names.chain(COMMON_KEYS).map(|key| format!("`{key}`")).collect();
+            format!("{fault}, expected one of {}", all.join(", "))
         }
         _ => message.to_owned(),
     }
-}
-
-/// A kind of maneuver with its parameters. Speeds are surge speeds unless stated otherwise.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
-#[allow(clippy::large_enum_variant)] // A dictionary has only dozens of these.
-pub enum Kind {
-    /// The thrust for `to_m_s`, set at the speed `from_m_s`.
-    Accelerate {
-        /// Speed at the start \[m/s\].
-        from_m_s: f64,
-        /// Steady speed of the thrust that is set \[m/s\].
-        to_m_s: f64,
-        /// How long the speed at the start is held first \[s\].
-        #[serde(default)]
-        hold_s: f64,
-    },
-    /// The same towards a lower speed.
-    Decelerate {
-        /// Speed at the start \[m/s\].
-        from_m_s: f64,
-        /// Steady speed of the thrust that is set \[m/s\].
-        to_m_s: f64,
-        /// How long the speed at the start is held first \[s\].
-        #[serde(default)]
-        hold_s: f64,
-    },
-    /// The yaw rate swings about zero.
-    ZigZag {
-        /// How it swings.
-        #[serde(default)]
-        shape: Shape,
-        /// Speed \[m/s\].
-        speed_m_s: f64,
-        /// Amplitude of the yaw rate \[rad/s\]; this or `heading_amplitude_rad`.
-        yaw_rate_amplitude_rad_s: Option<f64>,
-        /// Amplitude of the heading \[rad\].
-        heading_amplitude_rad: Option<f64>,
-        /// Amplitude of the sway speed, outwards of the turn \[m/s\]; by default the drift of the turn.
-        sway_amplitude_m_s: Option<f64>,
-        /// Period \[s\].
-        period_s: f64,
-    },
-    /// The sway speed swings about zero, heading kept.
-    SwayZigZag {
-        /// How it swings.
-        #[serde(default)]
-        shape: Shape,
-        /// Surge speed \[m/s\].
-        #[serde(default)]
-        speed_m_s: f64,
-        /// Amplitude of the sway speed \[m/s\].
-        sway_amplitude_m_s: f64,
-        /// Period \[s\].
-        period_s: f64,
-    },
-    /// The yaw rate is swept evenly over the maneuver.
-    Spiral {
-        /// Speed \[m/s\].
-        speed_m_s: f64,
-        /// Yaw rate at the start \[rad/s\].
-        #[serde(default)]
-        yaw_rate_from_rad_s: f64,
-        /// Yaw rate at the end \[rad/s\].
-        yaw_rate_to_rad_s: f64,
-        /// Sway speed \[m/s\]; by default the drift of the turn.
-        sway_speed_m_s: Option<f64>,
-    },
-    /// A turning circle, approached straight ahead.
-    SteadyTurn {
-        /// Speed \[m/s\].
-        speed_m_s: f64,
-        /// Yaw rate \[rad/s\].
-        yaw_rate_rad_s: f64,
-        /// Sway speed \[m/s\]; by default the drift of the turn.
-        sway_speed_m_s: Option<f64>,
-    },
-    /// Speed, yaw rate and sway speed each switch at random between two levels.
-    PseudoRandomBinary {
-        /// Mean speed \[m/s\].
-        speed_m_s: f64,
-        /// The speed is above or below its mean by this much \[m/s\].
-        #[serde(default)]
-        speed_amplitude_m_s: f64,
-        /// The yaw rate is plus or minus this \[rad/s\].
-        #[serde(default)]
-        yaw_rate_amplitude_rad_s: f64,
-        /// The sway speed is plus or minus this \[m/s\]; by default the drift of the turn.
-        sway_amplitude_m_s: Option<f64>,
-        /// Shortest time at a level \[s\].
-        dwell_s: f64,
-        /// Seed of the sequence.
-        #[serde(default)]
-        seed: u64,
-    },
-    /// Speed, yaw rate and sway speed each follow a signal of their own.
-    Combined {
-        /// Whether the inputs make the model follow the signals from sample to sample, from the start on.
-        /// Otherwise inputs hold the motion of each sample steady, and the ship lags behind.
-        #[serde(default)]
-        exact: bool,
-        /// Surge speed at the start \[m/s\]; by default that of the signal.
-        start_m_s: Option<f64>,
-        /// Surge speed \[m/s\].
-        #[serde(deserialize_with = "strictly")]
-        speed_m_s: Signal,
-        /// Yaw rate \[rad/s\]; zero by default.
-        #[serde(default, deserialize_with = "strictly")]
-        yaw_rate_rad_s: Option<Signal>,
-        /// Sway speed \[m/s\]; by default the drift of the turn.
-        #[serde(default, deserialize_with = "strictly")]
-        sway_m_s: Option<Signal>,
-    },
-    /// Inputs from a file.
-    Inputs {
-        /// Name of the table with a column per input, and a row per sample or with its time in a column `t` \[s\].
-        file: String,
-        /// Whether the table's rows are at other times than the samples, so that inputs are interpolated
-        /// linearly.
-        #[serde(default)]
-        resample: bool,
-        /// Speed at the start \[m/s\].
-        #[serde(default)]
-        speed_m_s: f64,
-    },
-    /// A zig-zag test δ/ψ.
-    ZigZagTest(ZigZagTest),
-    /// A turning circle.
-    TurningCircle(TurningCircle),
-    /// A pull-out.
-    PullOut(PullOut),
-    /// Dieudonné's direct spiral.
-    SpiralTest(SpiralTest),
-    /// A reverse spiral.
-    ReverseSpiral(ReverseSpiral),
-    /// A crash stop or an inertial stop.
-    Stop(Stop),
 }
 
 impl ManeuverSpec {
@@ -318,19 +178,19 @@ impl ManeuverSpec {
     /// Whether its inputs follow the noise of the logged sensors, and no instruments are known that do not: rates of turn are held
     /// by what they show. Triggers are reached once; a tracked motion has the inputs of the nominal ship as instruments.
     pub fn is_steered_by_the_log(&self) -> bool {
-        matches!(&self.kind, Kind::ReverseSpiral(own) if own.sensors == Sensors::Logged)
+        matches!(&self.kind, ManeuverKind::ReverseSpiral(spiral) if spiral.sensors == Sensors::Logged)
     }
 
     /// Whether it is commanded by what logged sensors show.
     pub fn reads_logged_sensors(&self) -> bool {
-        let by_kind = self.kind.standard().is_some_and(|own| own.sensors() == Sensors::Logged);
+        let by_kind = self.kind.standard().is_some_and(|standard| standard.sensors() == Sensors::Logged);
         let tracked = self.executed == Executed::Feedback
             && self.feedback.unwrap_or_default().sensors == Sensors::Logged;
         by_kind || tracked
     }
 
     pub(super) fn check(&self, default_s: Option<f64>) -> Result<(), Invalid> {
-        if !matches!(self.kind, Kind::Inputs { .. }) {
+        if !matches!(self.kind, ManeuverKind::Inputs { .. }) {
             let missing = || {
                 let thing = format!("maneuver `{}`, `duration_s`", self.name);
                 Invalid::new(thing, "none", "a duration here or for the whole dictionary", "add it")
@@ -358,19 +218,22 @@ impl ManeuverSpec {
             }
         }
         match self.kind {
-            Kind::Accelerate { from_m_s, to_m_s, .. } if to_m_s <= from_m_s => {
+            ManeuverKind::Accelerate { from_m_s, to_m_s, .. } if to_m_s <= from_m_s => {
                 Err(self.invalid("to_m_s", to_m_s, "more than from_m_s"))
             }
-            Kind::Decelerate { from_m_s, to_m_s, .. } if to_m_s >= from_m_s => {
+            ManeuverKind::Decelerate { from_m_s, to_m_s, .. } if to_m_s >= from_m_s => {
                 Err(self.invalid("to_m_s", to_m_s, "less than from_m_s"))
             }
-            Kind::Accelerate { hold_s, .. } | Kind::Decelerate { hold_s, .. }
+            ManeuverKind::Accelerate { hold_s, .. } | ManeuverKind::Decelerate { hold_s, .. }
                 if !(0.0..=LONGEST_S).contains(&hold_s) =>
             {
                 Err(self.invalid("hold_s", hold_s, &format!("from 0 to {LONGEST_S:e} s")))
             }
-            Kind::ZigZag {
-                period_s, yaw_rate_amplitude_rad_s: rate, heading_amplitude_rad: heading, ..
+            ManeuverKind::ZigZag {
+                period_s,
+                yaw_rate_amplitude_rad_s: rate,
+                heading_amplitude_rad: heading,
+                ..
             } => {
                 if rate.is_some() == heading.is_some() {
                     return Err(Invalid::new(
@@ -382,9 +245,9 @@ impl ManeuverSpec {
                 }
                 self.above_zero("period_s", period_s)
             }
-            Kind::SwayZigZag { period_s, .. } => self.above_zero("period_s", period_s),
-            Kind::PseudoRandomBinary { dwell_s, .. } => self.above_zero("dwell_s", dwell_s),
-            Kind::Combined { exact, start_m_s, sway_m_s, .. } => {
+            ManeuverKind::SwayZigZag { period_s, .. } => self.above_zero("period_s", period_s),
+            ManeuverKind::PseudoRandomBinary { dwell_s, .. } => self.above_zero("dwell_s", dwell_s),
+            ManeuverKind::Combined { exact, start_m_s, sway_m_s, .. } => {
                 let mut signals = self.kind.signals().into_iter();
                 signals.try_for_each(|(key, signal)| self.check_signal(key, &signal))?;
                 if exact { self.check_exact(start_m_s, sway_m_s) } else { Ok(()) }
@@ -394,8 +257,8 @@ impl ManeuverSpec {
     }
 
     fn check_feedback(&self) -> Result<(), Invalid> {
-        let refuse = |key: &str, found: &str, expected: &str, remedy: &str| {
-            Err(Invalid::new(format!("maneuver `{}`, `{key}`", self.name), found, expected, remedy))
+        let refuse = |key: &str, given: &str, expected: &str, remedy: &str| {
+            Err(Invalid::new(format!("maneuver `{}`, `{key}`", self.name), given, expected, remedy))
         };
         match (self.executed, &self.feedback) {
             (Executed::Feedback, _) if self.kind.standard().is_some() => {
@@ -418,8 +281,8 @@ impl ManeuverSpec {
 
     fn check_approach(&self) -> Result<(), Invalid> {
         let Some(approach) = &self.approach else { return Ok(()) };
-        let refuse = |found: String, expected: &str, remedy: &str| {
-            Err(Invalid::new(format!("maneuver `{}`, `approach`", self.name), found, expected, remedy))
+        let refuse = |given: String, expected: &str, remedy: &str| {
+            Err(Invalid::new(format!("maneuver `{}`, `approach`", self.name), given, expected, remedy))
         };
         if self.kind.standard().is_none() {
             let expected = "the approach of a standard maneuver, such as `kind = \"zig-zag-test\"`";
@@ -435,18 +298,18 @@ impl ManeuverSpec {
         if signal.has_period() {
             self.above_zero(&format!("{key}.period_s"), signal.period_s)?;
         }
-        signal.check_shape().map_err(|(own, found, expected)| {
-            let found = found.map_or("none".into(), |found| found.to_string());
-            let thing = format!("maneuver `{}`, `{key}.{own}`", self.name);
-            Invalid::new(thing, found, expected, "correct it")
+        signal.check_shape().map_err(|(shape_key, given, expected)| {
+            let given = given.map_or("none".into(), |given| given.to_string());
+            let thing = format!("maneuver `{}`, `{key}.{shape_key}`", self.name);
+            Invalid::new(thing, given, expected, "correct it")
         })
     }
 
     /// Refuses an exact motion that does not determine all of the ship's speeds from the start on.
     fn check_exact(&self, start_m_s: Option<f64>, sway_m_s: Option<Signal>) -> Result<(), Invalid> {
-        let refuse = |key: &str, found: &str, expected: &str, remedy: &str| {
+        let refuse = |key: &str, given: &str, expected: &str, remedy: &str| {
             let thing = format!("maneuver `{}`, `{key}`", self.name);
-            Err(Invalid::new(thing, found, expected, remedy))
+            Err(Invalid::new(thing, given, expected, remedy))
         };
         match (start_m_s, sway_m_s) {
             (Some(start), _) => refuse(
@@ -471,11 +334,11 @@ impl ManeuverSpec {
             check_period(format!("maneuver `{}`, `{key}`", self.name), period_s, least, rate_hz)
         };
         match self.kind {
-            Kind::ZigZag { period_s, .. } | Kind::SwayZigZag { period_s, .. } => {
+            ManeuverKind::ZigZag { period_s, .. } | ManeuverKind::SwayZigZag { period_s, .. } => {
                 check("period_s", period_s, SWING_SAMPLES)
             }
-            Kind::PseudoRandomBinary { dwell_s, .. } => check("dwell_s", dwell_s, 1),
-            Kind::Combined { .. } => self.kind.signals().into_iter().try_for_each(|(key, signal)| {
+            ManeuverKind::PseudoRandomBinary { dwell_s, .. } => check("dwell_s", dwell_s, 1),
+            ManeuverKind::Combined { .. } => self.kind.signals().into_iter().try_for_each(|(key, signal)| {
                 signal
                     .least_samples()
                     .map_or(Ok(()), |n| check(&format!("{key}.period_s"), signal.period_s, n))
@@ -496,118 +359,5 @@ impl ManeuverSpec {
 
     fn invalid(&self, key: &str, value: f64, expected: &str) -> Invalid {
         Invalid::new(format!("maneuver `{}`, `{key}`", self.name), value.to_string(), expected, "correct it")
-    }
-}
-
-impl Kind {
-    /// The standard maneuver that it is, if it is one.
-    pub fn standard(&self) -> Option<Standard<'_>> {
-        match self {
-            Self::ZigZagTest(own) => Some(Standard::ZigZagTest(own)),
-            Self::TurningCircle(own) => Some(Standard::TurningCircle(own)),
-            Self::PullOut(own) => Some(Standard::PullOut(own)),
-            Self::SpiralTest(own) => Some(Standard::SpiralTest(own)),
-            Self::ReverseSpiral(own) => Some(Standard::ReverseSpiral(own)),
-            Self::Stop(own) => Some(Standard::Stop(own)),
-            _ => None,
-        }
-    }
-
-    /// Whether its beginning does not depend on its length.
-    pub(super) fn is_unstretched(&self) -> bool {
-        match *self {
-            Self::Spiral { .. } => false,
-            Self::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s, .. } => {
-                let signals = [Some(speed_m_s), yaw_rate_rad_s, sway_m_s];
-                !signals.iter().flatten().any(Signal::is_stretched)
-            }
-            _ => true,
-        }
-    }
-
-    /// Its numbers with their keys, where given.
-    pub(super) fn numbers(&self) -> Vec<(&'static str, f64)> {
-        // An absent optional number counts as 0.
-        macro_rules! keyed {
-            ($($key:ident),+) => { vec![$((stringify!($key), Option::from($key).unwrap_or(0.0))),+] };
-        }
-        match *self {
-            Self::Accelerate { from_m_s, to_m_s, .. } | Self::Decelerate { from_m_s, to_m_s, .. } => {
-                keyed![from_m_s, to_m_s]
-            }
-            Self::ZigZag {
-                speed_m_s,
-                yaw_rate_amplitude_rad_s,
-                heading_amplitude_rad,
-                sway_amplitude_m_s,
-                ..
-            } => keyed![speed_m_s, yaw_rate_amplitude_rad_s, heading_amplitude_rad, sway_amplitude_m_s],
-            Self::SwayZigZag { speed_m_s, sway_amplitude_m_s, .. } => keyed![speed_m_s, sway_amplitude_m_s],
-            Self::Spiral { speed_m_s, yaw_rate_from_rad_s, yaw_rate_to_rad_s, sway_speed_m_s } => {
-                keyed![speed_m_s, yaw_rate_from_rad_s, yaw_rate_to_rad_s, sway_speed_m_s]
-            }
-            Self::SteadyTurn { speed_m_s, yaw_rate_rad_s, sway_speed_m_s } => {
-                keyed![speed_m_s, yaw_rate_rad_s, sway_speed_m_s]
-            }
-            Self::PseudoRandomBinary {
-                speed_m_s,
-                speed_amplitude_m_s,
-                yaw_rate_amplitude_rad_s,
-                sway_amplitude_m_s,
-                ..
-            } => keyed![speed_m_s, speed_amplitude_m_s, yaw_rate_amplitude_rad_s, sway_amplitude_m_s],
-            Self::Combined { start_m_s, .. } => {
-                let numbers =
-                    |(key, s): (&'static str, Signal)| [s.mean, s.amplitude, s.phase].map(|x| (key, x));
-                let signals = self.signals().into_iter().flat_map(numbers);
-                signals.chain(start_m_s.map(|start| ("start_m_s", start))).collect()
-            }
-            Self::Inputs { speed_m_s, .. } => keyed![speed_m_s],
-            _ => self.standard().map_or(Vec::new(), |own| own.numbers()),
-        }
-    }
-
-    /// The signals of a combined maneuver with their keys.
-    fn signals(&self) -> Vec<(&'static str, Signal)> {
-        let Self::Combined { speed_m_s, yaw_rate_rad_s, sway_m_s, .. } = *self else { return Vec::new() };
-        let others = [("yaw_rate_rad_s", yaw_rate_rad_s), ("sway_m_s", sway_m_s)];
-        let others = others.into_iter().filter_map(|(key, signal)| signal.map(|signal| (key, signal)));
-        [("speed_m_s", speed_m_s)].into_iter().chain(others).collect()
-    }
-
-    /// Whether the sway speed is left to the drift of the turn.
-    pub(super) fn sway_is_free(&self) -> bool {
-        match self {
-            Self::ZigZag { sway_amplitude_m_s: sway, .. }
-            | Self::Spiral { sway_speed_m_s: sway, .. }
-            | Self::SteadyTurn { sway_speed_m_s: sway, .. }
-            | Self::PseudoRandomBinary { sway_amplitude_m_s: sway, .. } => sway.is_none(),
-            Self::Combined { sway_m_s, .. } => sway_m_s.is_none(),
-            Self::SwayZigZag { .. } => false,
-            _ => true,
-        }
-    }
-
-    /// Removes commanded sway, so that only the drift of the turn remains. A swing of the sway speed alone is
-    /// kept.
-    pub(super) fn release_sway(&mut self) {
-        match self {
-            Self::ZigZag { sway_amplitude_m_s: sway, .. }
-            | Self::Spiral { sway_speed_m_s: sway, .. }
-            | Self::SteadyTurn { sway_speed_m_s: sway, .. }
-            | Self::PseudoRandomBinary { sway_amplitude_m_s: sway, .. } => *sway = None,
-            Self::Combined { sway_m_s, .. } => *sway_m_s = None,
-            _ => {}
-        }
-    }
-
-    /// Amplitude of the yaw rate of a zig-zag \[rad/s\].
-    pub(crate) fn yaw_rate_amplitude(
-        shape: Shape,
-        rate: Option<f64>,
-        heading: Option<f64>,
-        period_s: f64,
-    ) -> f64 {
-        rate.or(heading.map(|h| h / (shape.integral() * period_s))).unwrap_or(0.0)
     }
 }

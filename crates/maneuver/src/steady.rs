@@ -4,8 +4,6 @@ use refusal::Invalid;
 use ship::engine::Compiled;
 use ship::model::{Actuator, Vessel};
 
-use crate::newton::{Rows, Workspace, damped, plain};
-
 /// A motion through the water to hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
@@ -26,7 +24,7 @@ pub struct Steady<'a> {
     exogenous: Vec<f64>,
     gradients: Vec<[f64; 3]>,
     /// The last solution: consecutive motions have similar inputs.
-    found: Vec<f64>,
+    last: Vec<f64>,
     workspace: Workspace,
     /// The current point of a search.
     at: Vec<f64>,
@@ -35,15 +33,12 @@ pub struct Steady<'a> {
 impl<'a> Steady<'a> {
     /// For `vessel` with `parameters`.
     pub fn new(vessel: &'a Vessel, parameters: &[f64]) -> Self {
-        let gradients = vec![[0.0; 3]; vessel.model.variables.len()];
-        let exogenous = vec![0.0; vessel.model.exogenous()];
-        let model = Compiled::new(&vessel.model, parameters);
         Self {
             vessel,
-            model,
-            exogenous,
-            gradients,
-            found: Vec::new(),
+            model: Compiled::new(&vessel.model, parameters),
+            exogenous: vec![0.0; vessel.model.exogenous()],
+            gradients: vec![[0.0; 3]; vessel.model.variables.len()],
+            last: Vec::new(),
             workspace: Workspace::default(),
             at: Vec::new(),
         }
@@ -62,13 +57,12 @@ impl<'a> Steady<'a> {
         self.follow(motion, [0.0; 3], unknowns)
     }
 
-    /// [`Self::solve`] for inputs by which u, v and r change by `gain` until the next sample \[m/s, m/s,
-    /// rad/s\].
+    /// [`Self::solve`] for inputs by which u, v and r change by `gain` until the next sample \[m/s, m/s, rad/s\].
     ///
     /// # Errors
     /// As [`Steady::solve`].
     pub fn follow(&mut self, motion: Motion, gain: [f64; 3], unknowns: &mut [f64]) -> Result<(), Invalid> {
-        let wanted = Wanted { gain, ..Wanted::of(motion, self.vessel)? };
+        let wanted = WantedMotion { gain, ..WantedMotion::of(motion, self.vessel)? };
         let used = self.vessel.model.inputs + usize::from(wanted.sway_free);
         let mut beyond = None;
         for from_zero in [false, true] {
@@ -78,10 +72,10 @@ impl<'a> Steady<'a> {
             let (mut at, mut workspace) = (std::mem::take(&mut self.at), std::mem::take(&mut self.workspace));
             at.clear();
             at.extend_from_slice(&unknowns[..used]);
-            let found =
+            let has_converged =
                 plain(&mut at, &mut workspace, |unknowns, rows| self.linearised(&wanted, unknowns, rows));
             (self.at, self.workspace) = (at, workspace);
-            if found {
+            if has_converged {
                 if self.within(&self.at) {
                     unknowns[..used].copy_from_slice(&self.at);
                     return Ok(());
@@ -89,17 +83,16 @@ impl<'a> Steady<'a> {
                 beyond.get_or_insert_with(|| self.at.clone());
             }
         }
-        let found = self.search(&wanted, beyond).ok_or_else(|| unreachable_motion(&wanted))?;
-        unknowns[..used].copy_from_slice(&found);
-        self.found = found;
+        let solution = self.search(&wanted, beyond).ok_or_else(|| unreachable_motion(&wanted))?;
+        unknowns[..used].copy_from_slice(&solution);
+        self.last = solution;
         Ok(())
     }
 
-    /// The first solution from any start that is within the inputs' ranges, else any; `beyond` is a known
-    /// one.
-    fn search(&mut self, wanted: &Wanted, mut beyond: Option<Vec<f64>>) -> Option<Vec<f64>> {
+    /// The first solution from any start that is within the inputs' ranges, else any; `beyond` is a known one.
+    fn search(&mut self, wanted: &WantedMotion, mut beyond: Option<Vec<f64>>) -> Option<Vec<f64>> {
         let used = self.vessel.model.inputs + usize::from(wanted.sway_free);
-        let last = (self.found.len() == used).then(|| self.found.clone());
+        let last = (self.last.len() == used).then(|| self.last.clone());
         let search = Starts::new(self.vessel, wanted);
         let rest = (vec![0.0; used], search.scales(0));
         let starts = last.map(|last| (last, search.scales(0))).into_iter().chain([rest]);
@@ -120,7 +113,7 @@ impl<'a> Steady<'a> {
     }
 
     /// Fills in rows \[Jacobian | −residual\] at `unknowns`.
-    fn linearised(&mut self, wanted: &Wanted, unknowns: &[f64], rows: &mut Rows) {
+    fn linearised(&mut self, wanted: &WantedMotion, unknowns: &[f64], rows: &mut NewtonRows) {
         let inputs = self.vessel.model.inputs;
         let n = inputs + usize::from(wanted.sway_free);
         let Motion { u, v, r } = wanted.motion;
@@ -155,7 +148,7 @@ impl<'a> Steady<'a> {
 }
 
 /// A motion, and its unknowns and equations.
-struct Wanted {
+struct WantedMotion {
     motion: Motion,
     /// Increments of u, v and r until the next sample.
     gain: [f64; 3],
@@ -163,7 +156,7 @@ struct Wanted {
     coupled: bool,
 }
 
-impl Wanted {
+impl WantedMotion {
     fn of(motion: Motion, vessel: &Vessel) -> Result<Self, Invalid> {
         let couplings = vessel.couplings.iter().flatten().count();
         let coupled = motion.v.is_none();
@@ -185,7 +178,7 @@ impl Wanted {
 /// Starting points of a search.
 struct Starts<'a> {
     vessel: &'a Vessel,
-    wanted: &'a Wanted,
+    wanted: &'a WantedMotion,
 }
 
 /// Distance of an input's start from the centre of its range, in halves of the range …
@@ -198,12 +191,11 @@ const MAGNITUDES: [f64; 6] = [1.0, 1e2, 1e-2, 1e4, 1e6, 1e-4];
 const MOST_SIDES: usize = 4;
 
 impl<'a> Starts<'a> {
-    fn new(vessel: &'a Vessel, wanted: &'a Wanted) -> Self {
+    fn new(vessel: &'a Vessel, wanted: &'a WantedMotion) -> Self {
         Self { vessel, wanted }
     }
 
-    /// Starts with the scales of their unknowns: all inputs at the centre or on either side, combined with
-    /// each sway.
+    /// Starts with the scales of their unknowns: all inputs at the centre or on either side, combined with each sway.
     fn starts(&self) -> impl Iterator<Item = (Vec<f64>, Vec<f64>)> {
         let sides = 3_usize.pow(self.vessel.model.inputs.min(MOST_SIDES) as u32);
         let ways = if self.wanted.sway_free { 3 } else { 1 };
@@ -239,14 +231,15 @@ impl<'a> Starts<'a> {
     }
 
     fn scales(&self, level: usize) -> Vec<f64> {
-        let input = |own: &Actuator| own.range.map_or(MAGNITUDES[level], |[low, high]| 0.5 * (high - low));
+        let input =
+            |actuator: &Actuator| actuator.range.map_or(MAGNITUDES[level], |[low, high]| 0.5 * (high - low));
         let sway = self.wanted.sway_free.then(|| self.wanted.motion.u.abs().max(0.1));
         self.vessel.actuators.iter().map(input).chain(sway).collect()
     }
 }
 
-fn unreachable_motion(wanted: &Wanted) -> Invalid {
-    let Wanted { motion, gain, .. } = wanted;
+fn unreachable_motion(wanted: &WantedMotion) -> Invalid {
+    let WantedMotion { motion, gain, .. } = wanted;
     let (how, what) = if *gain == [0.0; 3] { ("hold steady", "hold") } else { ("follow", "follow") };
     let sway = motion.v.map_or(String::new(), |v| format!(", v = {v} m/s"));
     Invalid::new(
@@ -255,4 +248,158 @@ fn unreachable_motion(wanted: &Wanted) -> Invalid {
         format!("a motion that the model can {what}"),
         "lower the speeds, or turn the maneuver into inputs with the other parameters (`inputs_from`)",
     )
+}
+
+/// Most steps; damped ones may be short.
+const STEPS: usize = 50;
+const DAMPED_STEPS: usize = 200;
+
+/// Relative change of the unknowns at which they count as solved.
+const SOLVED: f64 = 1e-13;
+
+/// Solves the equations from `unknowns` by full steps; returns whether they converge. `linearised` fills in
+/// rows \[Jacobian | −residual\].
+fn plain(
+    unknowns: &mut [f64],
+    Workspace { rows, solver }: &mut Workspace,
+    mut linearised: impl FnMut(&[f64], &mut NewtonRows),
+) -> bool {
+    for _ in 0..STEPS {
+        linearised(unknowns, rows);
+        let Some(step) = solver.solve(rows) else {
+            return false;
+        };
+        let mut change: f64 = 0.0;
+        for (x, dx) in unknowns.iter_mut().zip(step) {
+            change = change.max(dx.abs() / (x.abs() + 1e-9));
+            *x += dx;
+        }
+        if !unknowns.iter().all(|x| x.is_finite()) {
+            return false;
+        }
+        if change < SOLVED {
+            return true;
+        }
+    }
+    false
+}
+
+/// Buffers that searches reuse.
+#[derive(Clone, Debug, Default)]
+struct Workspace {
+    rows: NewtonRows,
+    solver: Solver,
+}
+
+/// Rows \[Jacobian | −residual\] of as many equations as unknowns.
+#[derive(Clone, Debug, Default)]
+struct NewtonRows {
+    entries: Vec<f64>,
+    width: usize,
+}
+
+impl NewtonRows {
+    /// Prepares for the rows of `unknowns`, without any yet.
+    pub(crate) fn clear(&mut self, unknowns: usize) {
+        self.entries.clear();
+        self.width = unknowns + 1;
+    }
+
+    /// Appends a row of zeros.
+    pub(crate) fn push(&mut self) -> &mut [f64] {
+        let before = self.entries.len();
+        self.entries.resize(before + self.width, 0.0);
+        &mut self.entries[before..]
+    }
+
+    fn iter(&self) -> impl ExactSizeIterator<Item = &[f64]> {
+        self.entries.chunks_exact(self.width.max(1))
+    }
+}
+
+/// [`plain`] with steps that are halved until the next one, with the same Jacobian, is shorter, so that the
+/// units of the equations do not matter. `scales`: magnitudes of the unknowns.
+///
+/// The test is the natural one of Deuflhard, Newton Methods for Nonlinear Problems, 2011, section 3.3.
+fn damped(unknowns: &mut [f64], scales: &[f64], mut linearised: impl FnMut(&[f64], &mut NewtonRows)) -> bool {
+    let (mut rows, mut solver) = (NewtonRows::default(), Solver::default());
+    linearised(unknowns, &mut rows);
+    // At rest the equations hold, and the step is undetermined.
+    if rows.iter().all(|row| row.last() == Some(&0.0)) {
+        return true;
+    }
+    let mut before = f64::INFINITY;
+    for _ in 0..DAMPED_STEPS {
+        let Some(step) = solver.solve(&rows).map(<[f64]>::to_vec) else { return false };
+        let length = length(&step, unknowns, scales);
+        // Only rounding remains: the equations cannot be solved more accurately.
+        let rounding = length < 1e-8 && length >= 0.5 * before;
+        if length < SOLVED || rounding {
+            unknowns.iter_mut().zip(&step).for_each(|(x, dx)| *x += dx);
+            return true;
+        }
+        let Some((next, after)) = shortened(unknowns, scales, (&step, length), &rows, &mut linearised) else {
+            return false;
+        };
+        unknowns.copy_from_slice(&next);
+        (rows, before) = (after, length);
+    }
+    false
+}
+
+/// Advances along `step`, whose length is given, as far as the next step with the same Jacobian becomes
+/// shorter: returns the unknowns there, with their rows.
+fn shortened(
+    unknowns: &[f64],
+    scales: &[f64],
+    (step, whole): (&[f64], f64),
+    rows: &NewtonRows,
+    linearised: &mut impl FnMut(&[f64], &mut NewtonRows),
+) -> Option<(Vec<f64>, NewtonRows)> {
+    let (mut share, mut solver) = (1.0, Solver::default());
+    while share > 1e-6 {
+        let next: Vec<f64> = unknowns.iter().zip(step).map(|(x, dx)| x + share * dx).collect();
+        let mut after = NewtonRows::default();
+        linearised(&next, &mut after);
+        let mut mixed = rows.clone();
+        for (row, after) in mixed.entries.chunks_exact_mut(rows.width).zip(after.iter()) {
+            row[rows.width - 1] = after[rows.width - 1];
+        }
+        let left = solver.solve(&mixed);
+        let shorter = left.is_some_and(|left| length(left, unknowns, scales) <= (1.0 - share / 4.0) * whole);
+        if shorter || whole < 1e-8 {
+            return Some((next, after));
+        }
+        share *= 0.5;
+    }
+    None
+}
+
+/// The largest relative change by `step`.
+fn length(step: &[f64], unknowns: &[f64], scales: &[f64]) -> f64 {
+    let all = step.iter().zip(unknowns).zip(scales);
+    all.fold(0.0, |most: f64, ((dx, x), scale)| most.max(dx.abs() / (x.abs() + 1e-3 * scale)))
+}
+
+/// Buffers of the linear solver.
+#[derive(Clone, Debug, Default)]
+struct Solver {
+    a: Vec<f64>,
+    b: Vec<f64>,
+}
+
+impl Solver {
+    /// Solves rows \[a | b\], each scaled to a largest coefficient of 1; `None` where they are singular.
+    fn solve(&mut self, rows: &NewtonRows) -> Option<&[f64]> {
+        let n = rows.iter().len();
+        self.a.clear();
+        self.b.clear();
+        for row in rows.iter() {
+            let scale = row[..n].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            self.a.extend(row[..n].iter().map(|x| x / scale));
+            self.b.push(row[n] / scale);
+        }
+        numerics::solve(n, &mut self.a, &mut self.b)?;
+        self.b.iter().all(|x| x.is_finite()).then_some(&self.b)
+    }
 }

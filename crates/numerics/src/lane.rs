@@ -21,15 +21,6 @@ impl Lane {
         Self([value; LANES])
     }
 
-    /// Modulus, lane by lane.
-    #[inline(always)]
-    pub fn abs(mut self) -> Self {
-        for value in &mut self.0 {
-            *value = value.abs();
-        }
-        self
-    }
-
     /// This times `factor` plus `other`, rounded once: the same bits on every processor. Without an
     /// instruction for it, it takes a hundred times as long.
     #[inline(always)]
@@ -39,33 +30,27 @@ impl Lane {
         }
         self
     }
+}
 
-    /// −1, 0 or 1, lane by lane.
-    #[inline(always)]
-    pub fn sign(mut self) -> Self {
-        for value in &mut self.0 {
-            *value = Arithmetic::sign(*value);
+macro_rules! of_each_lane {
+    ($($about:literal $function:ident = $of:expr;)+) => {
+        impl Lane {
+            $(#[doc = $about]
+            #[inline(always)]
+            pub fn $function(mut self) -> Self {
+                for value in &mut self.0 {
+                    *value = $of(*value);
+                }
+                self
+            })+
         }
-        self
-    }
-
-    /// Square root, lane by lane.
-    #[inline(always)]
-    pub fn sqrt(mut self) -> Self {
-        for value in &mut self.0 {
-            *value = value.sqrt();
-        }
-        self
-    }
-
-    /// 1/x, lane by lane.
-    #[inline(always)]
-    pub fn recip(mut self) -> Self {
-        for value in &mut self.0 {
-            *value = 1.0 / *value;
-        }
-        self
-    }
+    };
+}
+of_each_lane! {
+    "Modulus, lane by lane." abs = f64::abs;
+    "−1, 0 or 1, lane by lane." sign = Arithmetic::sign;
+    "Square root, lane by lane." sqrt = f64::sqrt;
+    "1/x, lane by lane." recip = f64::recip;
 }
 
 macro_rules! lane_by_lane {
@@ -101,8 +86,7 @@ impl From<f64> for Lane {
     }
 }
 
-/// The number type that a model is stepped with: a [`Lane`], several of them, or one number. All give the
-/// same bits.
+/// The number type that a model is stepped with: a [`Lane`], several of them, or one number. All give the same bits.
 pub trait Arithmetic:
     Copy
     + std::fmt::Debug
@@ -126,16 +110,15 @@ pub trait Arithmetic:
     type Place: Copy;
     /// The number at an index.
     fn at(&self, place: Self::Place) -> f64;
-    /// Applies `f` to `own`, place by place. The loop over the lanes stays in one piece until it is
-    /// vectorized, so that the compiler produces whole vectors even for values that are carried from sample
-    /// to sample.
-    fn change<const N: usize>(own: &mut [Self; N], f: impl Fn(Self::Place, [f64; N]) -> [f64; N]);
+    /// Applies `f` to `numbers`, place by place. The loop over the lanes stays in one piece until it is vectorized, so that the
+    /// compiler produces whole vectors even for values that are carried from sample to sample.
+    fn change<const N: usize>(numbers: &mut [Self; N], f: impl Fn(Self::Place, [f64; N]) -> [f64; N]);
     /// Built from the number at every place.
     #[inline(always)]
     fn of(f: impl Fn(Self::Place) -> f64) -> Self {
-        let mut own = [Self::ZERO];
-        Self::change(&mut own, |place, _| [f(place)]);
-        own[0]
+        let mut whole = [Self::ZERO];
+        Self::change(&mut whole, |place, _| [f(place)]);
+        whole[0]
     }
 }
 
@@ -195,11 +178,11 @@ impl Arithmetic for Lane {
         self.0[lane]
     }
     #[inline(always)]
-    fn change<const N: usize>(own: &mut [Self; N], f: impl Fn(usize, [f64; N]) -> [f64; N]) {
+    fn change<const N: usize>(numbers: &mut [Self; N], f: impl Fn(usize, [f64; N]) -> [f64; N]) {
         for lane in 0..LANES {
-            let found = f(lane, std::array::from_fn(|i| own[i].0[lane]));
+            let changed = f(lane, std::array::from_fn(|i| numbers[i].0[lane]));
             for i in 0..N {
-                own[i].0[lane] = found[i];
+                numbers[i].0[lane] = changed[i];
             }
         }
     }
@@ -239,8 +222,8 @@ impl Arithmetic for f64 {
         *self
     }
     #[inline(always)]
-    fn change<const N: usize>(own: &mut [Self; N], f: impl Fn((), [f64; N]) -> [f64; N]) {
-        *own = f((), *own);
+    fn change<const N: usize>(numbers: &mut [Self; N], f: impl Fn((), [f64; N]) -> [f64; N]) {
+        *numbers = f((), *numbers);
     }
 }
 
@@ -270,5 +253,115 @@ impl IndexMut<usize> for Lane {
     #[inline(always)]
     fn index_mut(&mut self, lane: usize) -> &mut f64 {
         &mut self.0[lane]
+    }
+}
+
+/// How many times [`crate::LANES`] runs are stepped at once where there are as many, to hide the latency of a step.
+pub const GROUPS: usize = 4;
+
+/// A number of each of `G` times [`crate::LANES`] runs. A step of a model waits for the previous one,
+/// operation by operation; meanwhile the processor has time for other runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wide<const G: usize>(pub [Lane; G]);
+
+macro_rules! group_by_group {
+    ($trait:ident, $method:ident) => {
+        impl<const G: usize> $trait for Wide<G> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(mut self, other: Self) -> Self {
+                for (lane, other) in self.0.iter_mut().zip(other.0) {
+                    *lane = lane.$method(other);
+                }
+                self
+            }
+        }
+    };
+}
+group_by_group!(Add, add);
+group_by_group!(Sub, sub);
+group_by_group!(Mul, mul);
+
+impl<const G: usize> AddAssign for Wide<G> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl<const G: usize> From<f64> for Wide<G> {
+    #[inline(always)]
+    fn from(value: f64) -> Self {
+        Self([Lane::splat(value); G])
+    }
+}
+
+impl<const G: usize> From<Lane> for Wide<G> {
+    #[inline(always)]
+    fn from(lane: Lane) -> Self {
+        Self([lane; G])
+    }
+}
+
+impl<const G: usize> Arithmetic for Wide<G> {
+    const ZERO: Self = Self([Lane::ZERO; G]);
+    const ONE: Self = Self([Lane::ONE; G]);
+    #[inline(always)]
+    fn modulus(self) -> Self {
+        Self(self.0.map(Lane::abs))
+    }
+    #[inline(always)]
+    fn sign(self) -> Self {
+        Self(self.0.map(Lane::sign))
+    }
+    type Place = [usize; 2];
+    #[inline(always)]
+    fn at(&self, [group, lane]: [usize; 2]) -> f64 {
+        self.0[group].0[lane]
+    }
+    #[allow(clippy::needless_range_loop)] // What iterators make of arrays is not always inlined, and then has no vectors.
+    #[inline(always)]
+    fn change<const N: usize>(numbers: &mut [Self; N], f: impl Fn([usize; 2], [f64; N]) -> [f64; N]) {
+        for group in 0..G {
+            let mut here = [[0.0; LANES]; N];
+            for i in 0..N {
+                here[i] = numbers[i].0[group].0;
+            }
+            for lane in 0..LANES {
+                let mut now = [0.0; N];
+                for i in 0..N {
+                    now[i] = here[i][lane];
+                }
+                let changed = f([group, lane], now);
+                for i in 0..N {
+                    here[i][lane] = changed[i];
+                }
+            }
+            for i in 0..N {
+                numbers[i].0[group].0 = here[i];
+            }
+        }
+    }
+}
+
+impl<const G: usize> Row<Wide<G>> for &[Lane] {
+    #[inline(always)]
+    fn up_to(self, count: usize) -> Self {
+        &self[..count]
+    }
+    #[inline(always)]
+    fn entry(&self, i: usize, [_, lane]: [usize; 2]) -> f64 {
+        self[i].0[lane]
+    }
+}
+
+impl<const G: usize> Row<Wide<G>> for [&[Lane]; G] {
+    #[inline(always)]
+    fn up_to(self, count: usize) -> Self {
+        self.map(|rows| &rows[..count])
+    }
+    #[inline(always)]
+    fn entry(&self, i: usize, [group, lane]: [usize; 2]) -> f64 {
+        self[group][i].0[lane]
     }
 }

@@ -53,8 +53,8 @@ pub fn interleave_into(runs: &[&[f64]], out: &mut Vec<Lane>) {
     let rows: [&[f64]; LANES] = by_lane(runs.len(), |run| runs[run]);
     // Whole blocks, up to the end of the shortest run.
     let blocks = rows.map(|run| run.as_chunks::<LANES>().0);
-    let whole = blocks.iter().map(|own| own.len()).min().unwrap_or(0);
-    vectorized!(transpose(blocks.map(|own| &own[..whole]), out));
+    let whole = blocks.iter().map(|chunks| chunks.len()).min().unwrap_or(0);
+    vectorized!(transpose(blocks.map(|chunks| &chunks[..whole]), out));
     let entry = |run: &[f64], i: usize| run.get(i).copied().unwrap_or(0.0);
     out.extend((out.len()..length).map(|i| Lane(rows.map(|run| entry(run, i)))));
 }
@@ -63,13 +63,13 @@ pub fn interleave_into(runs: &[&[f64]], out: &mut Vec<Lane>) {
 #[inline(always)]
 fn transpose(blocks: [&[[f64; LANES]]; LANES], out: &mut Vec<Lane>) {
     for block in 0..blocks[0].len() {
-        let mut own = [Lane::ZERO; LANES];
+        let mut transposed = [Lane::ZERO; LANES];
         for (lane, blocks) in blocks.iter().enumerate() {
             for i in 0..LANES {
-                own[i].0[lane] = blocks[block][i];
+                transposed[i].0[lane] = blocks[block][i];
             }
         }
-        out.extend_from_slice(&own);
+        out.extend_from_slice(&transposed);
     }
 }
 

@@ -1,36 +1,30 @@
 //! Linear algebra on dense matrices, row-major in slices; lanes of runs; statistics; steps of searches.
 //!
-//! Small square blocks (2 to about 20 rows) are eliminated in place, without allocation, for use in hot
-//! loops: a general library spends most of its time on such blocks in set-up. faer does everything else:
-//! larger systems, singular values, eigenvalues.
+//! Small square blocks (2 to about 20 rows) are eliminated in place, without allocation, for use in hot loops: a general library
+//! spends most of its time on such blocks in set-up. faer does everything else: larger systems, singular values, eigenvalues.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
 pub mod bounded;
-mod decompositions;
 pub mod distributions;
-mod instructions;
-mod iterations;
 mod lane;
 pub mod lanes;
 mod lu;
 mod product;
 pub mod registers;
-mod semidefinite;
 pub mod statistics;
 #[doc(hidden)]
 pub mod vectorized;
-mod wide;
 
-pub use decompositions::{Weakest, symmetric, weakest};
-pub use instructions::{dispatch, dispatch_narrow, missing_instructions};
-pub use iterations::{Watch, iterate};
-pub use lane::{Arithmetic, LANES, Lane, Number, Numbers, Row};
+pub use bounded::{Watch, iterate};
+pub use lane::{Arithmetic, GROUPS, LANES, Lane, Number, Numbers, Row, Wide};
 pub use lu::{
-    LogDet, condition, inverse, inverse_and_log_det, inverse_in_order, log_det, one_norm, scaled_inverse,
-    solve,
+    LogDet, Weakest, condition, inverse, inverse_and_log_det, inverse_in_order, log_det, one_norm,
+    scaled_inverse, solve, symmetric, weakest,
 };
-pub use product::{add_outer, add_rows, congruence, dot, product, quadratic, times, transposed};
-pub use semidefinite::{dependent_columns, quadratic_of_inverse};
-pub use wide::{GROUPS, Wide};
+pub use product::{
+    add_outer, add_rows, congruence, dependent_columns, dot, product, quadratic, quadratic_of_inverse, times,
+    transposed,
+};
+pub use vectorized::{dispatch, dispatch_narrow, missing_instructions};

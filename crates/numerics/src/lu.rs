@@ -1,8 +1,9 @@
 use std::ops::{Div, Mul, Sub};
 
-use pulp::{Simd, WithSimd};
+use faer::linalg::solvers::{DenseSolveCore, Solve as _};
+use faer::{MatRef, Side};
 
-use crate::decompositions;
+use crate::vectorized;
 
 /// A determinant by sign and logarithm of its modulus.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,30 +21,13 @@ const LARGE: usize = 48;
 /// X. `None` where a pivot is zero or not finite.
 pub fn solve(n: usize, a: &mut [f64], b: &mut [f64]) -> Option<()> {
     if n >= LARGE {
-        return decompositions::solve(n, a, b);
+        return solve_large(n, a, b);
     }
-    crate::dispatch(Solve { n, a, b }).map(|_| ())
+    vectorized!(solved(n, a, b)).map(|_| ())
 }
 
-/// The arguments, for the instruction sets that pulp selects from: the same sums in the same order, so that
-/// all give the same bits.
-struct Solve<'a> {
-    n: usize,
-    a: &'a mut [f64],
-    b: &'a mut [f64],
-}
-
-impl WithSimd for Solve<'_> {
-    type Output = Option<f64>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Option<f64> {
-        let Self { n, a, b } = self;
-        solved(n, a, b)
-    }
-}
-
-/// Replaces B by X and returns the sign of the determinant; the pivots are then on the diagonal of `a`.
+/// Replaces B by X and returns the sign of the determinant; the pivots are then on the diagonal of `a`. For all instruction sets
+/// the same sums in the same order.
 #[inline(always)]
 fn solved(n: usize, a: &mut [f64], b: &mut [f64]) -> Option<f64> {
     let columns = b.len() / n.max(1);
@@ -65,7 +49,7 @@ fn solved(n: usize, a: &mut [f64], b: &mut [f64]) -> Option<f64> {
 /// The inverse of A (n × n, destroyed) into `out` (n × n).
 pub fn inverse(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<()> {
     if n >= LARGE {
-        return decompositions::inverse(n, a, out);
+        return inverse_large(n, a, out);
     }
     signed_inverse(n, a, out).map(|_| ())
 }
@@ -74,11 +58,11 @@ pub fn inverse(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<()> {
 /// `None` where it is singular.
 pub fn scaled_inverse(n: usize, a: &[f64]) -> Option<Vec<f64>> {
     let scale: Vec<f64> = (0..n).map(|i| a[i * n + i].sqrt()).collect();
-    let mut own: Vec<f64> = (0..n * n).map(|k| a[k] / (scale[k / n] * scale[k % n])).collect();
+    let mut correlations: Vec<f64> = (0..n * n).map(|k| a[k] / (scale[k / n] * scale[k % n])).collect();
     let mut out = vec![0.0; n * n];
-    inverse(n, &mut own, &mut out)?;
+    inverse(n, &mut correlations, &mut out)?;
     (0..n * n).for_each(|k| out[k] /= scale[k / n] * scale[k % n]);
-    out.iter().all(|own| own.is_finite()).then_some(out)
+    out.iter().all(|entry| entry.is_finite()).then_some(out)
 }
 
 /// The inverse of A (n × n, destroyed) into `out` (n × n), with the determinant.
@@ -89,7 +73,7 @@ pub fn inverse_and_log_det(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<L
 fn signed_inverse(n: usize, a: &mut [f64], out: &mut [f64]) -> Option<f64> {
     out.fill(0.0);
     out.iter_mut().step_by(n + 1).for_each(|d| *d = 1.0);
-    crate::dispatch(Solve { n, a, b: out })
+    vectorized!(solved(n, a, out))
 }
 
 /// The inverse of A (n × n, destroyed) into `out` (n × n) by Gauss–Jordan elimination without row exchanges;
@@ -147,8 +131,7 @@ fn of_pivots(n: usize, a: &[f64], sign: f64) -> LogDet {
     LogDet { log_abs: a.iter().step_by(n + 1).map(|pivot| libm::log(pivot.abs())).sum(), sign }
 }
 
-/// Reduces A to upper triangular form, doing the same to the rows of B, and returns the sign of its
-/// determinant.
+/// Reduces A to upper triangular form, doing the same to the rows of B, and returns the sign of its determinant.
 #[inline(always)]
 fn eliminate(n: usize, a: &mut [f64], columns: usize, b: &mut [f64]) -> Option<f64> {
     let mut sign = 1.0;
@@ -188,4 +171,67 @@ fn subtract_row(a: &mut [f64], width: usize, k: usize, row: usize, from: usize, 
 fn swap_rows(a: &mut [f64], width: usize, upper: usize, lower: usize) {
     let (above, below) = a.split_at_mut(lower * width);
     above[upper * width..(upper + 1) * width].swap_with_slice(&mut below[..width]);
+}
+
+/// The weakest direction of a matrix.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Weakest {
+    /// Smallest over largest singular value: the reciprocal condition number.
+    pub ratio: f64,
+    /// The right singular vector of the smallest singular value; its largest entry is positive.
+    pub direction: Vec<f64>,
+}
+
+impl Weakest {
+    /// The index, among the first `n`, of the dominant entry of the direction.
+    pub fn dominant(&self, n: usize) -> usize {
+        largest(&self.direction[..n])
+    }
+}
+
+/// The index of the entry of largest modulus.
+fn largest(of: &[f64]) -> usize {
+    (0..of.len()).max_by(|i, j| of[*i].abs().total_cmp(&of[*j].abs())).unwrap_or(0)
+}
+
+/// The weakest direction of A (n × n). `None` where an entry is not finite or A is zero.
+pub fn weakest(n: usize, a: &[f64]) -> Option<Weakest> {
+    if !a.iter().all(|x| x.is_finite()) || a.iter().all(|x| *x == 0.0) {
+        return None;
+    }
+    let svd = MatRef::from_row_major_slice(a, n, n).svd().ok()?;
+    let (values, vectors) = (svd.S().column_vector(), svd.V());
+    let mut direction: Vec<f64> = (0..n).map(|i| vectors[(i, n - 1)]).collect();
+    if direction[largest(&direction)] < 0.0 {
+        direction.iter_mut().for_each(|x| *x = -*x);
+    }
+    Some(Weakest { ratio: values[n - 1] / values[0], direction })
+}
+
+/// Eigenvalues of a symmetric matrix (n × n), ascending, and its eigenvectors, one per column. `None` where an entry is not
+/// finite.
+pub fn symmetric(n: usize, a: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+    if !a.iter().all(|x| x.is_finite()) {
+        return None;
+    }
+    let eigen = MatRef::from_row_major_slice(a, n, n).self_adjoint_eigen(Side::Lower).ok()?;
+    let (values, vectors) = (eigen.S().column_vector(), eigen.U());
+    Some(((0..n).map(|i| values[i]).collect(), (0..n * n).map(|k| vectors[(k / n, k % n)]).collect()))
+}
+
+/// [`crate::solve`] for large systems, which keeps `a`.
+fn solve_large(n: usize, a: &[f64], b: &mut [f64]) -> Option<()> {
+    let columns = b.len() / n;
+    let solution = MatRef::from_row_major_slice(a, n, n)
+        .partial_piv_lu()
+        .solve(MatRef::from_row_major_slice(b, n, columns));
+    b.iter_mut().enumerate().for_each(|(k, x)| *x = solution[(k / columns, k % columns)]);
+    b.iter().all(|x| x.is_finite()).then_some(())
+}
+
+/// [`crate::inverse`] for large matrices, which keeps `a`.
+fn inverse_large(n: usize, a: &[f64], out: &mut [f64]) -> Option<()> {
+    let inverted = MatRef::from_row_major_slice(a, n, n).partial_piv_lu().inverse();
+    out.iter_mut().enumerate().for_each(|(k, x)| *x = inverted[(k / n, k % n)]);
+    out.iter().all(|x| x.is_finite()).then_some(())
 }

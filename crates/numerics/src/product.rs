@@ -2,13 +2,13 @@
 
 use std::ops::{AddAssign, Mul};
 
-use pulp::{Simd, WithSimd};
+use crate::vectorized;
 
 /// A B.
 pub fn product(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; n * n];
     if n > 0 {
-        crate::dispatch(Product { n, a, b, out: &mut out });
+        vectorized!(add_product(n, a, b, &mut out));
     }
     out
 }
@@ -16,41 +16,27 @@ pub fn product(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
 /// Columns of a product that are summed in parallel.
 const COLUMNS: usize = 8;
 
-/// The arguments, for the instruction sets that pulp selects from: the same sums in the same order, so that
-/// all give the same bits.
-struct Product<'a> {
-    n: usize,
-    a: &'a [f64],
-    b: &'a [f64],
-    out: &'a mut [f64],
-}
-
-impl WithSimd for Product<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { n, a, b, out } = self;
-        for (row, left) in out.chunks_exact_mut(n).zip(a.chunks_exact(n)) {
-            if n < COLUMNS {
-                for (factor, right) in left.iter().zip(b.chunks_exact(n)) {
-                    row.iter_mut().zip(right).for_each(|(o, r)| *o += factor * r);
-                }
-                continue;
+/// Adds A B to zeros: for all instruction sets the same sums in the same order.
+#[inline(always)]
+fn add_product(n: usize, a: &[f64], b: &[f64], out: &mut [f64]) {
+    for (row, left) in out.chunks_exact_mut(n).zip(a.chunks_exact(n)) {
+        if n < COLUMNS {
+            for (factor, right) in left.iter().zip(b.chunks_exact(n)) {
+                row.iter_mut().zip(right).for_each(|(o, r)| *o += factor * r);
             }
-            // The last block has the same width; it repeats some columns.
-            for first in (0..n.next_multiple_of(COLUMNS)).step_by(COLUMNS).map(|first| first.min(n - COLUMNS))
-            {
-                let mut sums = [0.0; COLUMNS];
-                for (factor, right) in left.iter().zip(b.chunks_exact(n)) {
-                    if let Some(right) = right[first..].first_chunk::<COLUMNS>() {
-                        for (sum, right) in sums.iter_mut().zip(right) {
-                            *sum += factor * right;
-                        }
+            continue;
+        }
+        // The last block has the same width; it repeats some columns.
+        for first in (0..n.next_multiple_of(COLUMNS)).step_by(COLUMNS).map(|first| first.min(n - COLUMNS)) {
+            let mut sums = [0.0; COLUMNS];
+            for (factor, right) in left.iter().zip(b.chunks_exact(n)) {
+                if let Some(right) = right[first..].first_chunk::<COLUMNS>() {
+                    for (sum, right) in sums.iter_mut().zip(right) {
+                        *sum += factor * right;
                     }
                 }
-                row[first..first + COLUMNS].copy_from_slice(&sums);
             }
+            row[first..first + COLUMNS].copy_from_slice(&sums);
         }
     }
 }
@@ -75,70 +61,40 @@ pub fn add_outer(a: &mut [f64], x: &[f64], y: &[f64]) {
 /// Entries from which on checking the processor pays off.
 const MANY: usize = 64;
 
-/// Σ_ij a_ij b_ij, over the entries that both have: eight sums in parallel, so that none waits for the
-/// previous one.
+/// Σ_ij a_ij b_ij, over the entries that both have: eight sums in parallel, so that none waits for the previous one.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let both = a.len().min(b.len());
-    let dot = Dot { a: &a[..both], b: &b[..both] };
-    if both < MANY { dot.sum() } else { crate::dispatch(dot) }
+    let (a, b) = (&a[..both], &b[..both]);
+    if both < MANY { dot_of_equals(a, b) } else { vectorized!(dot_of_equals(a, b)) }
 }
 
-struct Dot<'a> {
-    a: &'a [f64],
-    b: &'a [f64],
-}
-
-impl Dot<'_> {
-    #[inline(always)]
-    fn sum(self) -> f64 {
-        let ((a, a_rest), (b, b_rest)) = (self.a.as_chunks::<8>(), self.b.as_chunks::<8>());
-        let mut sums = [0.0; 8];
-        for (a, b) in a.iter().zip(b) {
-            for i in 0..8 {
-                sums[i] += a[i] * b[i];
-            }
+/// [`dot`] of as many entries.
+#[inline(always)]
+fn dot_of_equals(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    let mut sums = [0.0; 8];
+    for (a, b) in a.iter().zip(b) {
+        for i in 0..8 {
+            sums[i] += a[i] * b[i];
         }
-        let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-        let [s0, s1, s2, s3, s4, s5, s6, s7] = sums;
-        ((s0 + s4) + (s2 + s6)) + ((s1 + s5) + (s3 + s7)) + rest
     }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    let [s0, s1, s2, s3, s4, s5, s6, s7] = sums;
+    ((s0 + s4) + (s2 + s6)) + ((s1 + s5) + (s3 + s7)) + rest
 }
 
-impl WithSimd for Dot<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
-        self.sum()
-    }
-}
-
-/// Adds c_k x_k to `out` for every row x_k of `rows`, in order; each row has as many entries as `out`, and a
-/// coefficient c_k.
+/// Adds c_k x_k to `out` for every row x_k of `rows`, in order; each row has as many entries as `out`, and a coefficient c_k.
 pub fn add_rows(out: &mut [f64], rows: &[f64], coefficients: &[f64]) {
-    if !out.is_empty() {
-        crate::dispatch(Rows { out, rows, coefficients });
+    if out.is_empty() {
+        return;
     }
-}
-
-struct Rows<'a> {
-    out: &'a mut [f64],
-    rows: &'a [f64],
-    coefficients: &'a [f64],
-}
-
-impl WithSimd for Rows<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { out, rows, coefficients } = self;
-        for (row, c) in rows.chunks_exact(out.len()).zip(coefficients) {
-            if *c != 0.0 {
-                out.iter_mut().zip(row).for_each(|(o, x)| *o += c * x);
+    vectorized!(for (row, c) in rows.chunks_exact(out.len()).zip(coefficients) {
+        if *c != 0.0 {
+            for (o, x) in out.iter_mut().zip(row) {
+                *o += c * x;
             }
         }
-    }
+    });
 }
 
 /// A x.
@@ -156,4 +112,52 @@ pub fn quadratic<T: Copy + From<f64> + Mul<Output = T> + AddAssign>(x: &[T], a: 
         }
     }
     sum
+}
+
+/// sᵀV⁺s and the rank of V, a positive semidefinite matrix n × n, with `s` in its range. V is what is left of a matrix with
+/// the diagonal `whole`: a pivot counts if it is more than the share `least` of that.
+pub fn quadratic_of_inverse(mut v: Vec<f64>, mut s: Vec<f64>, whole: &[f64], least: f64) -> (f64, usize) {
+    let p = s.len();
+    let (mut statistic, mut rank) = (0.0, 0);
+    loop {
+        let share = |i: &usize| if whole[*i] > 0.0 { v[i * p + i] / whole[*i] } else { 0.0 };
+        let Some(best) = (0..p).max_by(|a, b| share(a).total_cmp(&share(b))) else { break };
+        if share(&best) <= least {
+            break;
+        }
+        let pivot = v[best * p + best];
+        let row: Vec<f64> = v[best * p..(best + 1) * p].to_vec();
+        let score = s[best];
+        statistic += score * score / pivot;
+        rank += 1;
+        for i in 0..p {
+            s[i] -= row[i] * score / pivot;
+            for j in 0..p {
+                v[i * p + j] -= row[i] * row[j] / pivot;
+            }
+        }
+        v[best * p + best] = 0.0;
+    }
+    (statistic, rank)
+}
+
+/// The columns that depend linearly on those before them, from their n × n sums of products `a`, by Cholesky's method: those
+/// before them leave at most the share `least` of their squares.
+pub fn dependent_columns(n: usize, a: &[f64], least: f64) -> Vec<usize> {
+    let (mut rows, mut dependent): (Vec<(usize, Vec<f64>)>, Vec<usize>) = (Vec::new(), Vec::new());
+    for i in 0..n {
+        let mut row: Vec<f64> = Vec::with_capacity(rows.len() + 1);
+        for (j, before) in &rows {
+            let rest = a[i * n + j] - dot(&row, &before[..row.len()]);
+            row.push(rest / before[row.len()]);
+        }
+        let rest = a[i * n + i] - dot(&row, &row);
+        if rest <= least * a[i * n + i] {
+            dependent.push(i);
+        } else {
+            row.push(rest.sqrt());
+            rows.push((i, row));
+        }
+    }
+    dependent
 }

@@ -1,8 +1,7 @@
 /// An enum of choices with the same names in files, on the command line and on pages. Each name is stated
 /// once, and so is its meaning: a variant's doc comment without the full stop is its line in `--help`.
 ///
-/// Defines `ALL`, `name`, `description`, `Display` and the names for `serde` and `schemars`, which the caller
-/// must depend on.
+/// Defines `ALL`, `name`, `description`, `Display` and the names for `serde` and `schemars`, which the caller must depend on.
 #[macro_export]
 macro_rules! choices {
     (

@@ -1,7 +1,8 @@
-use std::fmt;
+use std::fmt::{self, Display};
+use std::ops::RangeInclusive;
 
-use crate::bounded::fitted;
-use crate::{one_line, suggestion};
+use crate::words::fitted;
+use crate::{foreign, one_line, suggestion};
 
 /// Most characters of the four parts of a message together: with a file's name they stay below 500.
 const MOST: usize = 360;
@@ -52,3 +53,68 @@ impl fmt::Display for Invalid {
 }
 
 impl std::error::Error for Invalid {}
+
+/// Most characters of a name: it stands in figures and routes.
+const LONGEST: usize = 200;
+
+/// Refuses a name that figures, routes and pages cannot hold: an empty one, one of more than 200 characters,
+/// or one with line breaks, invisible marks, or characters that XML does not allow.
+///
+/// # Errors
+/// Names `thing`, the owner of the name.
+pub fn check_name(thing: impl Into<String>, name: &str) -> Result<(), Invalid> {
+    let count = name.chars().count();
+    let refuse = |found: String| {
+        let expected = format!("1 to {LONGEST} visible characters in one line");
+        Err(Invalid::new(thing, found, expected, "rename it"))
+    };
+    let unheld = |c: &char| matches!(c, '\u{fffe}' | '\u{ffff}') || one_line(&c.to_string()) != c.to_string();
+    match name.chars().find(unheld) {
+        Some(c) => refuse(format!("`{}` with the character U+{:04X}", foreign(name), u32::from(c))),
+        None if name.trim().is_empty() => refuse("no name".to_owned()),
+        None if count > LONGEST => refuse(format!("`{}`, {count} characters", foreign(name))),
+        None => Ok(()),
+    }
+}
+
+/// Refuses the first of `numbers`, each with its key, that is not finite or not valid: it should be `expected`.
+///
+/// # Errors
+/// Names the key.
+pub fn check_numbers<K: Display>(
+    numbers: impl IntoIterator<Item = (K, f64)>,
+    expected: &str,
+    fits: impl Fn(f64) -> bool,
+) -> Result<(), Invalid> {
+    match numbers.into_iter().find(|(_, value)| !(value.is_finite() && fits(*value))) {
+        Some((key, value)) => Err(invalid(key, value, expected)),
+        None => Ok(()),
+    }
+}
+
+/// Refuses the first of `numbers`, each with its key, range and unit, that is out of range: derived sizes,
+/// such as a number of samples, would be unbounded.
+///
+/// # Errors
+/// Names the key and the range.
+pub fn check_ranges<K: Display>(
+    numbers: impl IntoIterator<Item = (K, f64, RangeInclusive<f64>, &'static str)>,
+) -> Result<(), Invalid> {
+    match numbers.into_iter().find(|(_, value, range, _)| !range.contains(value)) {
+        Some((key, value, range, unit)) => {
+            let expected = format!("{} to {} {unit}", short(*range.start()), short(*range.end()));
+            Err(invalid(key, value, expected.trim_end()))
+        }
+        None => Ok(()),
+    }
+}
+
+fn invalid(key: impl Display, value: f64, expected: &str) -> Invalid {
+    Invalid::new(format!("`{key}`"), short(value), expected, "correct it")
+}
+
+/// A number without long runs of zeros.
+fn short(number: f64) -> String {
+    let plain = number == 0.0 || !number.is_finite() || (1e-3..1e7).contains(&number.abs());
+    if plain { number.to_string() } else { format!("{number:e}") }
+}

@@ -4,21 +4,13 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-mod bounded;
 mod choices;
 mod invalid;
-mod listed;
-mod names;
-mod nearest;
-mod numbers;
-mod some_of;
 mod strict;
+mod words;
 
-pub use bounded::{fitted, foreign, one_line, shortened, with_remedy};
-pub use invalid::Invalid;
-pub use listed::{listed, names_in};
-pub use names::check_name;
-pub use nearest::{gone, nearest, suggestion};
-pub use numbers::{check_numbers, check_ranges};
-pub use some_of::some_of;
+pub use invalid::{Invalid, check_name, check_numbers, check_ranges};
 pub use strict::strictly;
+pub use words::{
+    fitted, foreign, gone, listed, names_in, nearest, one_line, shortened, some_of, suggestion, with_remedy,
+};

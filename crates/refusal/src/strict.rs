@@ -19,9 +19,8 @@ fn strict<'a, D>(inner: D) -> Strict<'a, D> {
     Strict { inner, keys: None }
 }
 
-/// Reads `T` from `deserializer`. A list in place of a table is refused, because its values would be
-/// identified by position alone; so are a key that occurs twice, because the first value would be lost, and
-/// surplus values of a list.
+/// Reads `T` from `deserializer`. A list in place of a table is refused, because its values would be identified by position
+/// alone; so are a key that occurs twice, because the first value would be lost, and surplus values of a list.
 ///
 /// # Errors
 /// These, and those of `T`.
@@ -36,12 +35,8 @@ struct Taking<'a, V> {
     keys: Option<&'a mut BTreeSet<String>>,
 }
 
-fn any<'a, V>(visitor: V) -> Taking<'a, V> {
-    Taking { visitor, keyed: false, keys: None }
-}
-
-fn keyed<'a, V>(visitor: V) -> Taking<'a, V> {
-    Taking { visitor, keyed: true, keys: None }
+fn taking<'a, V>(visitor: V, keyed: bool) -> Taking<'a, V> {
+    Taking { visitor, keyed, keys: None }
 }
 
 /// Refuses a `key` that occurred before.
@@ -82,7 +77,7 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Strict<'_, D> {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, D::Error> {
-        self.inner.deserialize_struct(name, fields, keyed(visitor))
+        self.inner.deserialize_struct(name, fields, taking(visitor, true))
     }
 
     fn is_human_readable(&self) -> bool {
@@ -91,8 +86,9 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Strict<'_, D> {
 }
 
 macro_rules! take {
-    ($($method:ident($Type:ty);)+) => {
+    ($($method:ident($Type:ty)$(, if $unlike:ident)?;)+) => {
         $(fn $method<E: Error>(self, value: $Type) -> Result<V::Value, E> {
+            $($unlike(self.keys, value.as_ref())?;)?
             self.visitor.$method(value)
         })+
     };
@@ -116,21 +112,9 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for Taking<'_, V> {
         visit_bytes(&[u8]);
         visit_borrowed_bytes(&'de [u8]);
         visit_byte_buf(Vec<u8>);
-    }
-
-    fn visit_str<E: Error>(self, value: &str) -> Result<V::Value, E> {
-        once(self.keys, value)?;
-        self.visitor.visit_str(value)
-    }
-
-    fn visit_borrowed_str<E: Error>(self, value: &'de str) -> Result<V::Value, E> {
-        once(self.keys, value)?;
-        self.visitor.visit_borrowed_str(value)
-    }
-
-    fn visit_string<E: Error>(self, value: String) -> Result<V::Value, E> {
-        once(self.keys, &value)?;
-        self.visitor.visit_string(value)
+        visit_str(&str), if once;
+        visit_borrowed_str(&'de str), if once;
+        visit_string(String), if once;
     }
 
     fn visit_none<E: Error>(self) -> Result<V::Value, E> {
@@ -234,7 +218,7 @@ impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for Strict<'_, A> {
     }
 
     fn tuple_variant<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, A::Error> {
-        self.inner.tuple_variant(length, any(visitor))
+        self.inner.tuple_variant(length, taking(visitor, false))
     }
 
     fn struct_variant<V: Visitor<'de>>(
@@ -242,6 +226,6 @@ impl<'de, A: VariantAccess<'de>> VariantAccess<'de> for Strict<'_, A> {
         fields: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, A::Error> {
-        self.inner.struct_variant(fields, keyed(visitor))
+        self.inner.struct_variant(fields, taking(visitor, true))
     }
 }

@@ -4,13 +4,12 @@ use std::sync::OnceLock;
 use numerics::lanes::lane_of;
 use numerics::{LANES, Lane, Number, congruence, quadratic};
 
-use crate::bounded::estimated;
-use crate::groups::Group;
 use crate::lane_sums::LaneSums;
-use crate::moving_average::autocovariances;
-use crate::residual::{InstrumentSquares, residuals};
-use crate::solve::{Normal, SolvedLanes};
-use crate::spans::Kept;
+use crate::meat::autocovariances;
+use crate::solve::{Normal, SolvedLanes, estimated};
+use crate::spans::columns::Kept;
+use crate::spans::squares::{add_squares, put_residuals};
+use crate::sums::{AnyBatch, Group, Groups, over_batch};
 use crate::{Batch, DegreeSums, Direction, Excitation, MeanRemoval, Sums};
 
 /// An estimate of one run.
@@ -69,8 +68,8 @@ pub struct Instruments {
     sums: BTreeMap<(usize, usize), LaneSums>,
     /// Per run its groups with the instruments' means, one per parameter.
     means: [Vec<Group>; LANES],
-    /// Computed when first asked for: only standard errors need them.
-    squares: OnceLock<InstrumentSquares>,
+    /// See [`squares`]; computed when first asked for: only standard errors need them.
+    squares: OnceLock<[Vec<Lane>; 2]>,
     /// ζ, if the runs share it.
     kept: Kept,
     /// Which degrees of freedom have a term 1, whose parameter is the intercept.
@@ -83,12 +82,12 @@ impl Instruments {
         let (mut sums, kept) = (BTreeMap::new(), Kept::of(batch.any()));
         let means: [Vec<Group>; LANES] = std::array::from_fn(|lane| {
             let group = |(start, end): (usize, usize)| {
-                let own = sums.entry((start, end));
-                let own = own
+                let entry = sums.entry((start, end));
+                let entry = entry
                     .or_insert_with(|| LaneSums::of_instruments(batch.any(), &kept, start..end))
                     .lane(lane);
                 let centred = removal != MeanRemoval::None;
-                let means = own.degrees.iter().flat_map(|d| d.instrument_means(centred)).collect();
+                let means = entry.degrees.iter().flat_map(|d| d.instrument_means(centred)).collect();
                 Group { start, constants: means }
             };
             ranges(batch, removal, lane).map(group).collect()
@@ -106,17 +105,17 @@ impl Instruments {
     /// The parameters of [`Instruments::estimate`]. Their standard errors take as long as all the rest.
     pub fn parameters<X: Number>(&self, batch: &Batch<X>) -> Vec<Outcome<Vec<f64>>> {
         let Fit { unsolved, theta, .. } = self.fit(batch);
-        let found = |(lane, unsolved): (usize, Option<Unsolved>)| match unsolved {
+        let named = |(lane, unsolved): (usize, Option<Unsolved>)| match unsolved {
             Some(unsolved) => unsolved.outcome(),
             None => Outcome::Identified(lane_of(&theta, lane)),
         };
-        unsolved.into_iter().enumerate().map(found).collect()
+        unsolved.into_iter().enumerate().map(named).collect()
     }
 
     /// [`Instruments::estimate`], and per run the [`Excitation`] of surge, sway and yaw.
     pub fn estimate_with_excitation<X: Number>(&self, batch: &Batch<X>) -> Vec<(Outcome, [Excitation; 3])> {
         let fit = self.fit(batch);
-        let excitation = |lane: usize| fit.normals.each_ref().map(|own| own.lane(lane).excitation());
+        let excitation = |lane: usize| fit.normals.each_ref().map(|normal| normal.lane(lane).excitation());
         let excitations: Vec<_> = (0..LANES).map(excitation).collect();
         self.outcomes(batch, fit).into_iter().zip(excitations).collect()
     }
@@ -143,15 +142,15 @@ impl Instruments {
         let intercepts = intercepts.each_ref().map(Vec::as_slice);
         let residuals = residuals(batch.any(), &self.kept, &theta, intercepts);
         let means = || self.means.each_ref().map(Vec::as_slice);
-        let squares = self.squares.get_or_init(|| InstrumentSquares::over(batch.any(), &self.kept, means()));
+        let squares = self.squares.get_or_init(|| squares(batch.any(), &self.kept, means()));
         let (errors, meats) = self.standard_errors(squares, &solved, &residuals);
         let covariance = |lane: usize| {
-            let own = solved.iter().zip(&meats);
-            block_diagonal(own.map(|(own, meat)| {
-                congruence(own.theta.len(), &lane_of(&own.inverse, lane), &lane_of(meat, lane))
+            let pairs = solved.iter().zip(&meats);
+            block_diagonal(pairs.map(|(degree, meat)| {
+                congruence(degree.theta.len(), &lane_of(&degree.inverse, lane), &lane_of(meat, lane))
             }))
         };
-        let found = |(lane, unsolved): (usize, Option<Unsolved>)| match unsolved {
+        let named = |(lane, unsolved): (usize, Option<Unsolved>)| match unsolved {
             Some(unsolved) => unsolved.outcome(),
             None => Outcome::Identified(Estimate {
                 parameters: lane_of(&theta, lane),
@@ -159,7 +158,7 @@ impl Instruments {
                 covariance: covariance(lane),
             }),
         };
-        unsolved.into_iter().enumerate().map(found).collect()
+        unsolved.into_iter().enumerate().map(named).collect()
     }
 
     /// All sums of a batch. Runs with fewer groups than others have empty ones.
@@ -167,7 +166,7 @@ impl Instruments {
         let sums: BTreeMap<_, LaneSums> = self
             .sums
             .iter()
-            .map(|(range, own)| (range, own.with_measured(batch.any(), &self.kept)))
+            .map(|(range, sums)| (range, sums.with_measured(batch.any(), &self.kept)))
             .collect();
         if self.sums.len() == 1 {
             return sums.into_values().map(LaneSums::whole).collect();
@@ -184,13 +183,13 @@ impl Instruments {
 
     /// Why a lane has no estimate.
     fn unsolved(&self, solved: &[SolvedLanes; 3], samples: usize, lane: usize) -> Option<Unsolved> {
-        solved.iter().enumerate().find_map(|(degree, own)| {
-            let (p, inverse) = (own.theta.len(), &own.inverse);
+        solved.iter().enumerate().find_map(|(degree, fit)| {
+            let (p, inverse) = (fit.theta.len(), &fit.inverse);
             let held = || (0..p * p).all(|k| inverse[k][lane] == 0.0);
             if samples <= p + self.intercepts_of(degree, lane) {
                 return Some(Unsolved::TooShort);
             }
-            let unexcited = own.unexcited[lane].or_else(|| held().then_some(0));
+            let unexcited = fit.unexcited[lane].or_else(|| held().then_some(0));
             unexcited.map(|parameter| Unsolved::NotIdentifiable(Direction { degree, parameter }))
         })
     }
@@ -206,19 +205,20 @@ impl Instruments {
         let of = |group: &[DegreeSums<Lane>; 3]| {
             let mut theta = theta;
             group.each_ref().map(|degree| {
-                let (own, rest) = theta.split_at(degree.parameters());
+                let (slopes, rest) = theta.split_at(degree.parameters());
                 theta = rest;
-                degree.intercept(own, centred)
+                degree.intercept(slopes, centred)
             })
         };
         let lanes: Vec<[Lane; 3]> = groups.iter().map(of).collect();
         std::array::from_fn(|lane| {
-            let own = self.means[lane].iter().zip(&lanes);
-            own.map(|(group, lanes)| Group {
-                start: group.start,
-                constants: lanes.map(|own| own[lane]).to_vec(),
-            })
-            .collect()
+            let groups = self.means[lane].iter().zip(&lanes);
+            groups
+                .map(|(group, lanes)| Group {
+                    start: group.start,
+                    constants: lanes.map(|constant| constant[lane]).to_vec(),
+                })
+                .collect()
         })
     }
 
@@ -226,7 +226,7 @@ impl Instruments {
     /// degree of freedom.
     fn standard_errors(
         &self,
-        squares: &InstrumentSquares,
+        [squares, neighbours]: &[Vec<Lane>; 2],
         solved: &[SolvedLanes; 3],
         residuals: &[Vec<Lane>; 3],
     ) -> (Vec<Lane>, Vec<Vec<Lane>>) {
@@ -234,16 +234,15 @@ impl Instruments {
         let freedom = |d: usize| {
             Lane(std::array::from_fn(|lane| {
                 let p = solved[d].theta.len();
-                let intercepts_of =
-                    estimated(p, |k| solved[d].inverse[k][lane]) + self.intercepts_of(d, lane);
-                samples as f64 - intercepts_of as f64
+                let unknowns = estimated(p, |k| solved[d].inverse[k][lane]) + self.intercepts_of(d, lane);
+                samples as f64 - unknowns as f64
             }))
         };
         let freedom = [0, 1, 2].map(freedom);
-        let gammas = residuals.each_ref().map(|own| autocovariances(own));
+        let gammas = residuals.each_ref().map(|sequence| autocovariances(sequence));
         numerics::vectorized!({
             let (mut errors, mut meats) = (Vec::new(), Vec::new());
-            let mut pairs = squares.squares.iter().zip(&squares.neighbours);
+            let mut pairs = squares.iter().zip(neighbours);
             for (d, SolvedLanes { theta, inverse, .. }) in solved.iter().enumerate() {
                 let p = theta.len();
                 let factor = Lane::splat(samples as f64) / freedom[d];
@@ -343,8 +342,8 @@ impl Solved {
 
     /// The covariance of θ̂, of these meats.
     pub(crate) fn covariance(&self, meats: &[Vec<f64>; 3]) -> Vec<f64> {
-        let own = self.inverses.iter().zip(meats);
-        block_diagonal(own.map(|(inverse, meat)| congruence(inverse.len().isqrt(), inverse, meat)))
+        let pairs = self.inverses.iter().zip(meats);
+        block_diagonal(pairs.map(|(inverse, meat)| congruence(inverse.len().isqrt(), inverse, meat)))
     }
 }
 
@@ -356,11 +355,38 @@ fn block_diagonal(blocks: impl Iterator<Item = Vec<f64>>) -> Vec<f64> {
     let mut first = 0;
     for block in blocks {
         let p = block.len().isqrt();
-        for (row, own) in block.chunks_exact(p.max(1)).enumerate() {
+        for (row, entries) in block.chunks_exact(p.max(1)).enumerate() {
             let at = (first + row) * all + first;
-            matrix[at..at + p].copy_from_slice(own);
+            matrix[at..at + p].copy_from_slice(entries);
         }
         first += p;
     }
     matrix
+}
+
+// The contribution of the residuals to the covariance of an estimate.
+//
+// θ̂ − θ = A⁻¹ Σ ζᶜ(k) ε(k). The residual contains e(k+1) − e(k), so it is correlated with its neighbours: its
+// autocovariances γ₀, γ₁ are those of the likeliest moving average of order one.
+
+/// Σ ζᶜζᶜᵀ and Σ (ζᶜ(k−1) ζᶜ(k)ᵀ + its transpose), upper triangles of each degree of freedom. `kept` is ζ, if stored. `means`: the
+/// instruments' means per run and group.
+fn squares(batch: AnyBatch, kept: &Kept, means: Groups) -> [Vec<Lane>; 2] {
+    let degrees = batch.model().degrees.iter();
+    let triangles = degrees.map(|d| d.terms.len() * (d.terms.len() + 1) / 2).sum();
+    let mut sums = [0, 1].map(|_| vec![Lane::ZERO; triangles]);
+    over_batch!(batch, |batch| {
+        add_squares(&batch, kept, means, sums.each_mut().map(Vec::as_mut_slice));
+    });
+    sums
+}
+
+/// The residuals of `theta`, one lane per parameter: surge, sway, yaw. `kept` is ζ, if stored. `intercepts`: three per
+/// run and group.
+fn residuals(batch: AnyBatch, kept: &Kept, theta: &[Lane], intercepts: Groups) -> [Vec<Lane>; 3] {
+    let mut all = [const { Vec::new() }; 3];
+    over_batch!(batch, |batch| {
+        put_residuals(&batch, kept, theta, intercepts, &mut all);
+    });
+    all
 }

@@ -10,33 +10,20 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-mod batch;
-mod bounded;
 mod estimate;
-mod groups;
-mod instrument_kind;
-mod jackknife;
 mod lane_sums;
-mod mean_removal;
-mod middle;
-mod moments;
-mod moving_average;
+mod meat;
 pub mod pooled;
 mod prefiltered;
-mod residual;
 pub mod runs;
 mod solve;
 mod spans;
 mod sums;
 
-pub use batch::Batch;
-pub use bounded::{Equations, bounded};
 pub use estimate::{Estimate, Instruments, Outcome};
-pub use instrument_kind::InstrumentKind;
-pub use jackknife::{BLOCKS, jackknife};
-pub use mean_removal::MeanRemoval;
-pub use middle::{Noise, middle};
-pub use moments::{ManeuverMoments, moments};
-pub use prefiltered::estimate_prefiltered;
-pub use solve::{Direction, Excitation};
-pub use sums::{DegreeSums, Known, Sums};
+pub use lane_sums::{ManeuverMoments, moments};
+pub use meat::{Noise, meat};
+pub use prefiltered::{BLOCKS, estimate_prefiltered, jackknife};
+pub use runs::InstrumentKind;
+pub use solve::{Direction, Equations, Excitation, bounded};
+pub use sums::{Batch, DegreeSums, Known, MeanRemoval, Sums};

@@ -13,7 +13,6 @@ use numerics::{LANES, Lane, product, solve};
 use ship::engine::Compiled;
 
 use crate::estimate::{Run, Solved, ranges};
-use crate::jackknife::{BLOCKS, jackknife};
 use crate::{Batch, DegreeSums, Estimate, MeanRemoval, Noise, Outcome, Sums};
 
 /// Estimates every run of `batch`, whose instrument states were simulated with `parameters`, one lane each: these set
@@ -26,24 +25,24 @@ pub fn estimate_prefiltered(
     removal: MeanRemoval,
     noise: Option<&Noise>,
 ) -> Vec<Outcome> {
-    let mut signals: BTreeMap<(usize, usize), Signals> = BTreeMap::new();
+    let mut groups: BTreeMap<(usize, usize), [Degree; 3]> = BTreeMap::new();
     for (start, end) in (0..LANES).flat_map(|lane| ranges(batch, removal, lane)) {
-        signals.entry((start, end)).or_insert_with(|| Signals::of(batch, parameters, start..end));
+        groups.entry((start, end)).or_insert_with(|| filtered(batch, parameters, start..end));
     }
     let centred = removal != MeanRemoval::None;
     let run = |lane: usize| {
         let sums = |(start, end): (usize, usize)| Sums {
             samples: (end - start) as u64,
-            degrees: signals[&(start, end)].degrees.iter().map(|degree| degree.sums.lane(lane)).collect(),
+            degrees: groups[&(start, end)].iter().map(|degree| degree.sums.lane(lane)).collect(),
         };
         Run { groups: ranges(batch, removal, lane).map(sums).collect(), centred }
     };
     let runs: Vec<Run> = (0..LANES).map(run).collect();
     let solved: Vec<Result<Solved, Outcome>> = runs.iter().map(Run::solution).collect();
     let mut meats = [const { Meats([const { Vec::new() }; 3]) }; LANES];
-    for (range, signals) in &signals {
-        let own = |lane: usize| ranges(batch, removal, lane).position(|other| other == *range);
-        signals.add_meats(&mut meats, &runs, &solved, noise, own);
+    for (range, degrees) in &groups {
+        let group_of = |lane: usize| ranges(batch, removal, lane).position(|other| other == *range);
+        add_meats(degrees, &mut meats, &runs, &solved, noise, group_of);
     }
     let finish = |(solved, meats): (Result<Solved, Outcome>, Meats)| {
         solved.map_or_else(std::convert::identity, |solved| {
@@ -59,21 +58,16 @@ pub fn estimate_prefiltered(
 struct Meats([Vec<f64>; 3]);
 
 impl Meats {
-    fn add(&mut self, d: usize, own: impl Iterator<Item = f64>) {
+    fn add(&mut self, d: usize, entries: impl Iterator<Item = f64>) {
         if self.0[d].is_empty() {
-            self.0[d].extend(own);
+            self.0[d].extend(entries);
         } else {
-            self.0[d].iter_mut().zip(own).for_each(|(all, own)| *all += own);
+            self.0[d].iter_mut().zip(entries).for_each(|(all, entry)| *all += entry);
         }
     }
 }
 
-/// The filtered signals of one group of samples.
-struct Signals {
-    degrees: [Degree; 3],
-}
-
-/// Those of a degree of freedom with p parameters, p̃ = p + 1, and their sums.
+/// The filtered signals of one group of samples, of a degree of freedom with p parameters, p̃ = p + 1, and their sums.
 struct Degree {
     parameters: usize,
     /// Filtered φ̃, ζ̃: N × p̃. The last column is the filtered 1.
@@ -88,12 +82,12 @@ struct Degree {
 }
 
 /// Sums of ζᶜφᵀ, p × p, and of ζᶜε over a block of samples.
-struct Block {
+struct SampleBlock {
     products: Vec<Lane>,
     scores: Vec<Lane>,
 }
 
-impl Block {
+impl SampleBlock {
     fn new(p: usize) -> Self {
         Self { products: vec![Lane::ZERO; p * p], scores: vec![Lane::ZERO; p] }
     }
@@ -111,57 +105,54 @@ impl Block {
     }
 }
 
-impl Signals {
-    fn of(batch: &Batch, parameters: &[Lane], range: Range<usize>) -> Self {
-        let mut degrees = [0, 1, 2].map(|d| Degree::new(batch, d, range.len()));
-        let mut model = Compiled::new(batch.model, parameters);
-        numerics::vectorized!(filter(&mut degrees, [&mut model.clone(), &mut model], batch, range));
-        Self { degrees }
-    }
+/// The filtered signals of the samples `range`.
+fn filtered(batch: &Batch, parameters: &[Lane], range: Range<usize>) -> [Degree; 3] {
+    let mut degrees = [0, 1, 2].map(|d| Degree::new(batch, d, range.len()));
+    let mut model = Compiled::new(batch.model, parameters);
+    numerics::vectorized!(filter(&mut degrees, [&mut model.clone(), &mut model], batch, range));
+    degrees
+}
 
-    /// Adds the contribution of these samples, one group, to the `meats` of the runs that have an estimate and this
-    /// group.
-    fn add_meats(
-        &self,
-        meats: &mut [Meats; LANES],
-        runs: &[Run],
-        solved: &[Result<Solved, Outcome>],
-        noise: Option<&Noise>,
-        group: impl Fn(usize) -> Option<usize>,
-    ) {
-        let mut first = 0;
-        for (d, degree) in self.degrees.iter().enumerate() {
-            let (p, centred) = (degree.parameters, runs[0].centred);
-            let (mut theta, mut means) = (vec![Lane::ZERO; p + 1], vec![Lane::ZERO; p]);
-            let mut own = [false; LANES];
-            for lane in 0..LANES {
-                let (Some(group), Ok(solved)) = (group(lane), &solved[lane]) else { continue };
-                own[lane] = true;
-                let sums = &runs[lane].groups[group].degrees[d];
-                let found = &solved.theta[first..first + p];
-                theta.iter_mut().zip(found).for_each(|(lanes, value)| lanes[lane] = *value);
-                theta[p][lane] = sums.intercept(found, centred);
-                let centres = means.iter_mut().zip(sums.instrument_means(centred));
-                centres.for_each(|(lanes, mean)| lanes[lane] = mean);
-            }
-            let means = &means;
-            let own = (0..LANES).filter(|lane| own[*lane]);
-            if let Some(noise) = noise {
-                let meat = numerics::vectorized!(degree.responses(d, means, noise));
-                own.for_each(|lane| meats[lane].add(d, meat.iter().map(|m| m[lane])));
-            } else {
-                let blocks = numerics::vectorized!(degree.blocks(&theta, means));
-                for lane in own {
-                    if let Ok(solved) = &solved[lane] {
-                        let left_out = |block: &Block| block.left_out(lane, solved.inverse(d));
-                        let meat =
-                            jackknife(blocks.iter(), left_out).unwrap_or_else(|| vec![f64::NAN; p * p]);
-                        meats[lane].add(d, meat.into_iter());
-                    }
+/// Adds the contribution of a group of samples to the `meats` of the runs that have an estimate and this group.
+fn add_meats(
+    degrees: &[Degree; 3],
+    meats: &mut [Meats; LANES],
+    runs: &[Run],
+    solved: &[Result<Solved, Outcome>],
+    noise: Option<&Noise>,
+    group: impl Fn(usize) -> Option<usize>,
+) {
+    let mut first = 0;
+    for (d, degree) in degrees.iter().enumerate() {
+        let (p, centred) = (degree.parameters, runs[0].centred);
+        let (mut theta, mut means) = (vec![Lane::ZERO; p + 1], vec![Lane::ZERO; p]);
+        let mut is_filtered = [false; LANES];
+        for lane in 0..LANES {
+            let (Some(group), Ok(solved)) = (group(lane), &solved[lane]) else { continue };
+            is_filtered[lane] = true;
+            let sums = &runs[lane].groups[group].degrees[d];
+            let solution = &solved.theta[first..first + p];
+            theta.iter_mut().zip(solution).for_each(|(lanes, value)| lanes[lane] = *value);
+            theta[p][lane] = sums.intercept(solution, centred);
+            let centres = means.iter_mut().zip(sums.instrument_means(centred));
+            centres.for_each(|(lanes, mean)| lanes[lane] = mean);
+        }
+        let means = &means;
+        let lanes = (0..LANES).filter(|lane| is_filtered[*lane]);
+        if let Some(noise) = noise {
+            let meat = numerics::vectorized!(degree.responses(d, means, noise));
+            lanes.for_each(|lane| meats[lane].add(d, meat.iter().map(|m| m[lane])));
+        } else {
+            let blocks = numerics::vectorized!(degree.blocks(&theta, means));
+            for lane in lanes {
+                if let Ok(solved) = &solved[lane] {
+                    let left_out = |block: &SampleBlock| block.left_out(lane, solved.inverse(d));
+                    let meat = jackknife(blocks.iter(), left_out).unwrap_or_else(|| vec![f64::NAN; p * p]);
+                    meats[lane].add(d, meat.into_iter());
                 }
             }
-            first += p;
         }
+        first += p;
     }
 }
 
@@ -199,9 +190,9 @@ impl Degree {
     /// Sums over each of ten blocks of samples. `theta`: with the intercept; `means`: of the instruments, in units of the
     /// filtered 1.
     #[inline(always)]
-    fn blocks(&self, theta: &[Lane], means: &[Lane]) -> Vec<Block> {
+    fn blocks(&self, theta: &[Lane], means: &[Lane]) -> Vec<SampleBlock> {
         let (p, samples) = (self.parameters, self.target.len());
-        let (mut blocks, mut block) = (Vec::with_capacity(BLOCKS), Block::new(p));
+        let (mut blocks, mut block) = (Vec::with_capacity(BLOCKS), SampleBlock::new(p));
         for (k, target) in self.target.iter().enumerate() {
             let phi = &self.phi[k * (p + 1)..(k + 1) * (p + 1)];
             let mut residual = *target;
@@ -216,19 +207,19 @@ impl Degree {
                 }
             }
             if (k + 1) * BLOCKS / samples > k * BLOCKS / samples {
-                blocks.push(std::mem::replace(&mut block, Block::new(p)));
+                blocks.push(std::mem::replace(&mut block, SampleBlock::new(p)));
             }
         }
         blocks
     }
 
     /// cov Σ ζᶜε from stated noise, to first order, p × p. With η(k) = ζᶜ(k) + a(k+1) η(k+1), Σ ζᶜε is Σ η times the
-    /// residuals before the filter (see [`crate::middle`]): a draw of the own state's measurement error is multiplied
+    /// residuals before the filter (see [`crate::meat`]): a draw of the own state's measurement error is multiplied
     /// by ζᶜ, of others and of the current by slope times η.
     #[inline(always)]
     fn responses(&self, d: usize, means: &[Lane], noise: &Noise) -> Vec<Lane> {
         let p = self.parameters;
-        let own = Lane::splat(noise.measurement[d].powi(2));
+        let variance = Lane::splat(noise.measurement[d].powi(2));
         let others = noise.others(d).map(Lane::splat);
         let (mut pole, mut eta) = (Lane::ZERO, vec![Lane::ZERO; p]);
         let (mut centred, mut meat) = (eta.clone(), vec![Lane::ZERO; p * p]);
@@ -244,10 +235,10 @@ impl Degree {
                 share += others[i] * slopes[i] * slopes[i];
             }
             if k == 0 {
-                share += own * pole * pole;
+                share += variance * pole * pole;
             }
             for i in 0..p {
-                let (by_own, by_others) = (own * centred[i], share * eta[i]);
+                let (by_own, by_others) = (variance * centred[i], share * eta[i]);
                 for j in 0..p {
                     meat[i * p + j] += by_own * centred[j] + by_others * eta[j];
                 }
@@ -304,4 +295,29 @@ fn filter(
 fn passed(signal: &mut Vec<Lane>, width: usize, pole: Lane, input: Lane) {
     let before = signal.len().checked_sub(width).map_or(Lane::ZERO, |i| signal[i]);
     signal.push(pole * before + input);
+}
+
+/// Number of blocks of samples that are left out in turn.
+pub const BLOCKS: usize = 10;
+/// Quantile of Student's t with nine degrees of freedom over that of the normal distribution, for 95 % intervals.
+const STUDENT: f64 = 2.262_157_163 / 1.959_963_985;
+
+/// Jackknife covariance of an estimate, from its changes `without` each block, scaled so that 1.96 standard errors
+/// give a 95 % interval. `None` if it is not finite.
+pub fn jackknife<B>(
+    blocks: impl ExactSizeIterator<Item = B>,
+    without: impl Fn(B) -> Option<Vec<f64>>,
+) -> Option<Vec<f64>> {
+    let count = blocks.len() as f64;
+    let share = STUDENT * STUDENT * (count - 1.0) / count;
+    let mut covariance: Vec<f64> = Vec::new();
+    for block in blocks {
+        let moved = without(block)?;
+        let p = moved.len();
+        covariance.resize(p * p, 0.0);
+        for (k, sum) in covariance.iter_mut().enumerate() {
+            *sum += share * moved[k / p] * moved[k % p];
+        }
+    }
+    covariance.iter().all(|c| c.is_finite()).then_some(covariance)
 }

@@ -1,7 +1,7 @@
 //! Solving designs.
 
 use design::{Candidates, Options, solve};
-use maneuver::{DictionaryFile, Generator, Kept, Kind, ManeuverSpec, Shape};
+use maneuver::{DictionaryFile, Generator, Kept, ManeuverKind as Kind, ManeuverSpec, Shape};
 use serde_json::{Value, json};
 use ship::model::Source;
 

@@ -3,16 +3,14 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use numerics::statistics::mean;
 use refusal::Invalid;
 
-use super::figure::{Figure, Hull};
-use super::helm::Held;
-use super::record::{Record, Smoother, least_squares};
-use super::sailed::{Sailed, Sort, degrees};
-use super::{criteria, spirals};
+use super::helm::{Approach, Held, degrees};
+use super::sailed::{Sailed, Sort};
+use super::{Figure, Hull, Record, Smoother, helm, least_squares};
 use crate::standard::{Board, INERTIAL_END, Standard};
 
 /// The figures of a maneuver, and what was sailed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct SailedFigures {
     /// Its kind in dictionaries.
     pub kind: &'static str,
     /// What it was, in words: `zig-zag 10°/10°, to port first`.
@@ -29,42 +27,43 @@ pub struct Found {
 /// # Errors
 /// A record that is too coarse or too short: a heading that is not reached, a circle that does not close; a log of another
 /// maneuver, or of none.
-pub fn figures(standard: Option<Standard>, record: &Record, hull: &Hull) -> Result<Found, Invalid> {
+pub fn figures(standard: Option<Standard>, record: &Record, hull: &Hull) -> Result<SailedFigures, Invalid> {
     let spiral = match standard {
-        Some(Standard::SpiralTest(own)) => Some(spirals::direct(own, record, hull)),
-        Some(Standard::ReverseSpiral(own)) => Some(spirals::reverse(own, record, hull)),
+        Some(Standard::SpiralTest(spiral)) => Some(helm::direct(spiral, record, hull)),
+        Some(Standard::ReverseSpiral(spiral)) => Some(helm::reverse(spiral, record, hull)),
         _ => None,
     };
     if let Some((standard, figures)) = standard.zip(spiral) {
         Smoother::new(hull.length_m, standard.speed_m_s(), record.rate_hz)?;
         let (kind, sailed) = (standard.name(), String::new());
-        return Ok(Found { kind, sailed, figures: figures?, remarks: Vec::new() });
+        return Ok(SailedFigures { kind, sailed, figures: figures?, remarks: Vec::new() });
     }
     let sailed = match standard {
         Some(standard) if record.is_held => Sailed::simulated(standard, record, hull)?,
         _ => Sailed::logged(standard, record, hull)?,
     };
     let speed_m_s = sailed.speed_m_s;
-    let own = Measured { record, hull, sailed: &sailed, speed_m_s };
-    let (mut figures, mut remarks) = (own.all()?, sailed.remarks.clone());
+    let measured = Measured { record, hull, sailed: &sailed, speed_m_s };
+    let (mut figures, mut remarks) = (measured.all()?, sailed.remarks.clone());
     if !record.is_held {
-        remarks.extend(own.unjudged(&figures));
+        remarks.extend(measured.unjudged(&figures));
     }
     if !record.is_held && record.is_placed && sailed.sort != Sort::PullOut {
         match sailed.without_current(record) {
             Ok(Some((remark, still))) => {
                 remarks.push(remark);
-                let corrected = Measured { record: &still, speed_m_s: sailed.speed(&still), ..own }.all()?;
+                let corrected =
+                    Measured { record: &still, speed_m_s: sailed.speed(&still), ..measured }.all()?;
                 for figure in &mut figures {
-                    let same = corrected.iter().find(|own| own.name == figure.name);
-                    figure.corrected = same.map(|own| own.value);
+                    let same = corrected.iter().find(|other| other.name == figure.name);
+                    figure.corrected = same.map(|other| other.value);
                 }
             }
             Ok(None) => {}
             Err(why) => remarks.push(why),
         }
     }
-    Ok(Found { kind: sailed.kind(), sailed: sailed.words(), figures, remarks })
+    Ok(SailedFigures { kind: sailed.kind(), sailed: sailed.words(), figures, remarks })
 }
 
 struct Measured<'a> {
@@ -77,12 +76,12 @@ struct Measured<'a> {
 
 /// The refusal of a heading that is not reached by changes of heading to the side of `to`.
 fn unreached(what: &str, turned: &[f64], expected: f64, to: Board) -> Invalid {
-    let [found, other] = [1.0, -1.0].map(|side| turned.iter().map(|psi| side * psi).fold(0.0, f64::max));
-    if let Some(wrong) = to.turned_away(found, other) {
+    let [most, other] = [1.0, -1.0].map(|side| turned.iter().map(|psi| side * psi).fold(0.0, f64::max));
+    if let Some(wrong) = to.turned_away(most, other) {
         return wrong;
     }
-    let [found, expected] = [found, expected].map(degrees);
-    Invalid::new(what, format!("{found} at the most"), expected, "run it longer, or with more helm")
+    let [most_degrees, expected] = [most, expected].map(degrees);
+    Invalid::new(what, format!("{most_degrees} at the most"), expected, "run it longer, or with more helm")
 }
 
 /// Whether an angle is so many degrees.
@@ -152,7 +151,7 @@ impl Measured<'_> {
     }
 
     fn is_helm(&self, degrees: f64) -> bool {
-        self.sailed.helm.is_some_and(|helm| helm.iter().any(|own| is_degrees(*own, degrees)))
+        self.sailed.helm.is_some_and(|helm| helm.iter().any(|angle| is_degrees(*angle, degrees)))
     }
 
     fn zig_zag(&self) -> Result<Vec<Figure>, Invalid> {
@@ -167,7 +166,7 @@ impl Measured<'_> {
         let is = |degrees: f64| is_degrees(heading, degrees) && self.is_helm(degrees);
         let initial =
             Figure::new("initial_turning", "initial turning ability", self.track(first) / length, "L");
-        let mut all = vec![initial.at_most(is(10.0).then_some(criteria::INITIAL_TURNING))];
+        let mut all = vec![initial.at_most(is(10.0).then_some(INITIAL_TURNING))];
         let executes = &self.sailed.orders[1.min(self.sailed.orders.len())..];
         let values = |sign: f64| turned.iter().map(|psi| sign * psi).collect::<Vec<f64>>();
         let mut late = Vec::new();
@@ -179,9 +178,9 @@ impl Measured<'_> {
                 break;
             };
             let allowed = match number {
-                0 if is(10.0) => Some(criteria::overshoot_10_first(seconds)),
-                1 if is(10.0) => Some(criteria::overshoot_10_second(seconds)),
-                0 if is(20.0) => Some(criteria::OVERSHOOT_20),
+                0 if is(10.0) => Some(overshoot_10_first(seconds)),
+                1 if is(10.0) => Some(overshoot_10_second(seconds)),
+                0 if is(20.0) => Some(OVERSHOOT_20),
                 _ => None,
             };
             let [(overshoot, what), (check_time, time_what)] = SWINGS[number];
@@ -194,9 +193,9 @@ impl Measured<'_> {
         }
         all.extend(late);
         // A simulated helm goes over at the heading itself.
-        for ((own, sign), (name, what)) in executes.iter().zip([1.0, -1.0]).zip(EXECUTES) {
+        for ((execute, sign), (name, what)) in executes.iter().zip([1.0, -1.0]).zip(EXECUTES) {
             if !self.sailed.is_exact {
-                let heading = self.executed(&values(sign), own);
+                let heading = self.executed(&values(sign), execute);
                 all.push(Figure::aside(name, what, heading.to_degrees(), "deg"));
             }
         }
@@ -214,10 +213,10 @@ impl Measured<'_> {
             return heading;
         }
         // An order changes the second derivative, which the curve through both sides does not mind in its middle.
-        let own = self.sailed.smoother.at(at, turned.len(), |k| turned[k]);
+        let smoothed = self.sailed.smoother.at(at, turned.len(), |k| turned[k]);
         let [_, change] = self.sailed.smoother.slope((at.round() as usize).min(turned.len() - 1), turned);
         let within = order.doubt * change.abs();
-        if (own - heading).abs() <= within { heading } else { own }
+        if (smoothed - heading).abs() <= within { heading } else { smoothed }
     }
 
     /// Gain and time constant of T r' + r = K (helm + constant), of least squares over its integral from the order to the end.
@@ -240,9 +239,9 @@ impl Measured<'_> {
             })
         };
         match least_squares((from + 1..=last).filter_map(row)) {
-            Some(own) if own.iter().all(|own| own.is_finite()) => vec![
-                Figure::aside("nomoto_gain", "Nomoto's K", own[0].abs(), "1/s"),
-                Figure::aside("nomoto_time", "Nomoto's T", own[1], "s"),
+            Some(factors) if factors.iter().all(|factor| factor.is_finite()) => vec![
+                Figure::aside("nomoto_gain", "Nomoto's K", factors[0].abs(), "1/s"),
+                Figure::aside("nomoto_time", "Nomoto's T", factors[1], "s"),
             ],
             _ => Vec::new(),
         }
@@ -260,9 +259,9 @@ impl Measured<'_> {
                 if end >= self.record.last() {
                     return unreached("change of heading", turned, angle, to);
                 }
-                let found = format!("taken off after {} of turn to {to}", degrees(most));
+                let given = format!("taken off after {} of turn to {to}", degrees(most));
                 let expected = format!("held until {:.0}°", angle.to_degrees());
-                Invalid::new("helm", found, expected, "hold it longer")
+                Invalid::new("helm", given, expected, "hold it longer")
             })
         };
         let [quarter, half] = [at(FRAC_PI_2)?, at(PI)?];
@@ -271,10 +270,10 @@ impl Measured<'_> {
         let [advance, transfer] = self.run(quarter);
         let [_, across] = self.run(half);
         let mut all = vec![
-            Figure::new("advance", "advance", advance / length, "L").at_most(criterion(criteria::ADVANCE)),
+            Figure::new("advance", "advance", advance / length, "L").at_most(criterion(ADVANCE)),
             Figure::new("transfer", "transfer", transfer / length, "L"),
             Figure::new("tactical_diameter", "tactical diameter", across / length, "L")
-                .at_most(criterion(criteria::TACTICAL_DIAMETER)),
+                .at_most(criterion(TACTICAL_DIAMETER)),
             Figure::new("time_90", "time to 90°", self.seconds(order, quarter), "s"),
             Figure::new("time_180", "time to 180°", self.seconds(order, half), "s"),
         ];
@@ -305,13 +304,13 @@ impl Measured<'_> {
     }
 
     fn pull_out(&self) -> Result<Vec<Figure>, Invalid> {
-        let amidships = self.sailed.orders.get(1).map_or(self.sailed.orders[0].to, |own| own.from);
+        let amidships = self.sailed.orders.get(1).map_or(self.sailed.orders[0].to, |order| order.from);
         let over = amidships.round() as usize;
         if !self.sailed.smoother.is_inside(over, self.record.last()) {
-            let found = format!("{:.1} s", self.record.last() as f64 / self.record.rate_hz);
+            let given = format!("{:.1} s", self.record.last() as f64 / self.record.rate_hz);
             let until_s = self.seconds(0.0, amidships);
             let expected = format!("more than {until_s} s, until the helm is amidships");
-            return Err(Invalid::new("pull-out", found, expected, "run it longer"));
+            return Err(Invalid::new("pull-out", given, expected, "run it longer"));
         }
         let tail = self.record.last() - (self.record.last() - over) / 5;
         let mean = |range| mean(&self.record.yaw_rate[range]).unwrap_or(0.0).to_degrees();
@@ -339,12 +338,12 @@ impl Measured<'_> {
         };
         let end = end.ok_or_else(|| {
             let least = self.record.surge[begin..].iter().copied().fold(f64::INFINITY, f64::min);
-            let (found, expected) = (format!("{least:.3} m/s at the least"), format!("{until:.3} m/s"));
-            Invalid::new("speed", found, expected, "run it longer")
+            let (given, expected) = (format!("{least:.3} m/s at the least"), format!("{until:.3} m/s"));
+            Invalid::new("speed", given, expected, "run it longer")
         })? + begin as f64;
         let [ahead, across] = self.run(end);
         let reach = self.track(end);
-        let criterion = is_full_astern.then_some(criteria::STOPPING);
+        let criterion = is_full_astern.then_some(STOPPING);
         Ok(vec![
             Figure::new("track_reach", "track reach", reach / length, "L").at_most(criterion),
             Figure::new("head_reach", "head reach", ahead / length, "L"),
@@ -353,3 +352,110 @@ impl Measured<'_> {
         ])
     }
 }
+
+/// Part of the speed from which on a drift counts as a current.
+const DRIFTS: f64 = 0.02;
+/// Headings of which places a turn apart are compared.
+const PAIRS: usize = 9;
+
+impl Sailed {
+    /// The record without the current that the log shows, and what is said of it: by MSC/Circ.1053 from places a whole turn
+    /// apart, else from speeds through the water against the track; or why it shows none.
+    pub fn without_current(&self, record: &Record) -> Result<Option<(String, Record)>, String> {
+        let end = self.end(record);
+        let [first, half] = [self.order.ceil() as usize, (0.5 * (self.order + end as f64)) as usize];
+        let size = |vector: [f64; 2]| libm::hypot(vector[0], vector[1]);
+        // Between track and speeds.
+        let off = |from: usize, to: usize| {
+            let mut sum = [0.0; 2];
+            for k in from..to {
+                let (sin, cos) = libm::sincos(0.5 * (record.heading[k] + record.heading[k + 1]));
+                let [u, v] =
+                    [&record.surge, &record.sway].map(|of| 0.5 * (of[k] + of[k + 1]) / record.rate_hz);
+                sum = [sum[0] + u * cos - v * sin, sum[1] + u * sin + v * cos];
+            }
+            let [start, end] = [from, to].map(|k| self.place(record, k as f64));
+            [0, 1].map(|axis| (end[axis] - start[axis] - sum[axis]) / ((to - from) as f64 / record.rate_hz))
+        };
+        let corrected = |to: [f64; 2], by: &str, over_ground: bool| {
+            let (speed, course) = (size(to), libm::atan2(to[1], to[0]).to_degrees().rem_euclid(360.0));
+            let words = format!(
+                "the track drifts at {speed:.2} m/s to {course:03.0}°, {by}: figures are corrected for it as for a steady \
+                 current (MSC/Circ.1053)"
+            );
+            Some((words, record.without(to, self.order, over_ground)))
+        };
+        let least = DRIFTS * self.speed_m_s;
+        let all = if end > first + 2 { off(first, end) } else { [0.0; 2] };
+        let turned = record.turned(self.course, self.to);
+        let whole = turned[..=end].iter().copied().fold(0.0, f64::max);
+        if self.sort == Sort::Circle && whole >= 2.97 * PI {
+            let from = (whole - TAU - PI).clamp(PI, TAU).min(whole - TAU);
+            let at = |psi: f64| self.smoother.crossing(&turned, psi);
+            let (mut seconds, mut moved) = (0.0, [0.0; 2]);
+            for pair in 0..PAIRS {
+                let psi = from + pair as f64 / (PAIRS - 1) as f64 * (whole - TAU - from);
+                let Some((one, other)) = at(psi).zip(at(psi + TAU)) else { continue };
+                let [one_place, other_place] = [one, other].map(|time| self.place(record, time));
+                seconds += (other - one) / record.rate_hz;
+                moved = [0, 1].map(|axis| moved[axis] + other_place[axis] - one_place[axis]);
+            }
+            let to = moved.map(|metres| metres / seconds);
+            if size(to) < least || size(to).is_nan() {
+                return Ok(None);
+            }
+            return Ok(corrected(to, "from places a whole turn apart", size(all) < 0.5 * size(to)));
+        }
+        let [one, other] = if half > first + 2 { [off(first, half), off(half, end)] } else { [[0.0; 2]; 2] };
+        let is_steady = size([one[0] - other[0], one[1] - other[1]]) < 0.5 * size(all);
+        if size(all) >= least && is_steady {
+            let by = "from the speeds of the log, which are through the water, against the track";
+            return Ok(corrected(all, by, false));
+        }
+        let turns = (record.heading[end] - self.course).abs() / TAU;
+        Err(format!(
+            "not corrected for a current: {turns:.1} turns do not show one, 1.5 are needed, or speeds through the water"
+        ))
+    }
+
+    /// The speed of the approach in another record of it \[m/s\].
+    pub fn speed(&self, record: &Record) -> f64 {
+        Approach::of(record, self.begin, self.order, self.smoother.length).motion[1]
+    }
+
+    /// North and east at a time in samples \[m\], smoothed.
+    pub fn place(&self, record: &Record, time: f64) -> [f64; 2] {
+        [0, 1].map(|axis| self.smoother.at(time, record.place.len(), |k| record.place[k][axis]))
+    }
+}
+
+// The criteria of IMO MSC.137(76).
+
+/// The greatest first overshoot in a 10°/10° zig-zag \[°\], for a ship that covers her length in `seconds`.
+fn overshoot_10_first(seconds: f64) -> f64 {
+    match seconds {
+        _ if seconds < 10.0 => 10.0,
+        _ if seconds >= 30.0 => 20.0,
+        _ => 5.0 + 0.5 * seconds,
+    }
+}
+
+/// The greatest second one \[°\].
+fn overshoot_10_second(seconds: f64) -> f64 {
+    match seconds {
+        _ if seconds < 10.0 => 25.0,
+        _ if seconds >= 30.0 => 40.0,
+        _ => 17.5 + 0.75 * seconds,
+    }
+}
+
+/// The greatest first overshoot in a 20°/20° zig-zag \[°\].
+const OVERSHOOT_20: f64 = 25.0;
+/// Of a turning circle \[ship lengths\].
+const ADVANCE: f64 = 4.5;
+/// Of a turning circle \[ship lengths\].
+const TACTICAL_DIAMETER: f64 = 5.0;
+/// Track run with 10° of helm until the heading has changed by 10° \[ship lengths\].
+const INITIAL_TURNING: f64 = 2.5;
+/// Track reach of a full astern stop \[ship lengths\]; it says nothing of stops with less, nor of inertial ones.
+const STOPPING: f64 = 15.0;

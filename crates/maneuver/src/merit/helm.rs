@@ -1,11 +1,11 @@
 use std::ops::RangeInclusive;
 
-use numerics::statistics::{self, quantile};
+use numerics::statistics::{self, mean, quantile, spread};
+use refusal::Invalid;
 use ship::model::Vessel;
 
-use super::figure::Hull;
-use super::record::Record;
-use crate::standard::Settings;
+use super::{Figure, Hull, Record};
+use crate::standard::{ReverseSpiral, Settings, SpiralTest, steps};
 
 /// Half the time over which the helm is smoothed by a median, as a part of the time in which the ship covers her length.
 const HALF: f64 = 0.05;
@@ -25,6 +25,20 @@ const AMIDSHIPS: f64 = 0.3;
 const DOUBT: f64 = 1.25;
 /// The part of a move that a step makes within a sample.
 const STEP: f64 = 0.95;
+
+/// The length of an approach, in times in which the ship covers her length.
+pub(super) const APPROACH: f64 = 2.0;
+/// How much a steady approach may turn while she covers her length \[rad\].
+pub(super) const STEADY_TURN: f64 = 0.035;
+/// How much its speed may change, as a part of it.
+pub(super) const STEADY_SPEED: f64 = 0.05;
+/// Standard deviation of its helm \[rad\].
+pub(super) const STEADY_HELM: f64 = 0.035;
+
+/// An angle in words.
+pub(super) fn degrees(rad: f64) -> String {
+    format!("{:.1}°", rad.to_degrees())
+}
 
 /// Radians in a unit of angle.
 pub(super) fn radians(unit: &str) -> Option<f64> {
@@ -92,7 +106,7 @@ impl Helm {
         };
         let smooth: Vec<f64> = (0..raw.len()).map(around).collect();
         // A helm that rests or moves evenly has no second difference but that of its noise.
-        let bends = raw.windows(3).map(|own| (own[0] - 2.0 * own[1] + own[2]).abs());
+        let bends = raw.windows(3).map(|three| (three[0] - 2.0 * three[1] + three[2]).abs());
         let rough = 1.4826 * median(bends) / 6_f64.sqrt();
         let noise = if half == 0 { rough } else { 1.25 * rough / ((2 * half + 1) as f64).sqrt() };
         Some(Self { smooth, is_angle: angles.is_some(), noise, is_held: record.is_held })
@@ -103,13 +117,13 @@ impl Helm {
         let inputs = hull.vessel.model.input_variables().iter().zip(&hull.vessel.couplings);
         let rudders = inputs.filter(|(_, follows)| follows.is_none());
         // Equal angles of all are one of that size.
-        let equal = rudders.filter_map(|(own, _)| Some((own.name.clone(), 1.0 / radians(&own.unit)?)));
+        let equal = rudders.filter_map(|(input, _)| Some((input.name.clone(), 1.0 / radians(&input.unit)?)));
         Self::of(record, hull.vessel, &equal.collect(), window)
     }
 
     /// How far it departs from `level` from sample `from` on, at the most.
     pub fn departs(&self, level: f64, from: usize) -> f64 {
-        self.smooth[from..].iter().map(|own| (own - level).abs()).fold(0.0, f64::max)
+        self.smooth[from..].iter().map(|angle| (angle - level).abs()).fold(0.0, f64::max)
     }
 
     /// When a move from one level to another, which is half done at sample `over`, began: where the line through its first half
@@ -166,9 +180,9 @@ impl Helm {
         let (mut runs, mut now): (Vec<(i8, usize)>, i8) = (Vec::new(), 0);
         for k in from..self.smooth.len() {
             now = match part(k) {
-                own if own >= OVER => 1,
-                own if own <= -OVER => -1,
-                own if own.abs() <= AMIDSHIPS => 0,
+                share if share >= OVER => 1,
+                share if share <= -OVER => -1,
+                share if share.abs() <= AMIDSHIPS => 0,
                 _ => now,
             };
             if runs.last().map_or(now != 0, |(last, _)| *last != now) {
@@ -189,7 +203,7 @@ impl Helm {
             // Where it moves to and stays: most of the time it is there, and never much beyond.
             side => {
                 let toward = f64::from(side) * helm.signum();
-                let all = self.smooth[kept[i].1..ends(i)].iter().map(|own| Some(toward * own));
+                let all = self.smooth[kept[i].1..ends(i)].iter().map(|angle| Some(toward * angle));
                 toward * quantile(&statistics::sorted(all), 0.7).unwrap_or(0.0)
             }
         };
@@ -206,4 +220,144 @@ impl Helm {
         };
         (0..kept.len()).map(one).collect()
     }
+}
+
+/// What is seen of a ship before the order.
+pub(super) struct Approach {
+    samples: std::ops::Range<usize>,
+    /// Course \[rad\] and speed \[m/s\].
+    pub motion: [f64; 2],
+    /// Its length, in times in which the ship covers hers.
+    length: f64,
+}
+
+impl Approach {
+    /// Before `order`, from sample `begin` on at the earliest.
+    pub fn of(record: &Record, begin: usize, order: f64, window: f64) -> Self {
+        let end = (order.floor() as usize + 1).min(record.heading.len());
+        let first = begin.min(end - 1);
+        let from = |lengths: f64| ((order - lengths * window).ceil().max(0.0) as usize).clamp(first, end - 1);
+        let samples = from(APPROACH)..end;
+        let [course, speed_m_s] = [&record.heading[from(1.0)..end], &record.speed[samples.clone()]]
+            .map(|values| mean(values).unwrap_or(0.0));
+        Self { samples, motion: [course, speed_m_s], length: (order - begin as f64).max(0.0) / window }
+    }
+
+    /// Whether it was long and steady.
+    pub fn remarks(&self, record: &Record, helm: Option<&Helm>, window: f64) -> Vec<String> {
+        let lengths = self.length.min(APPROACH);
+        if self.length < 0.5 {
+            return vec![format!(
+                "the approach in the log is {lengths:.1} ship lengths long, so that its steadiness is not known"
+            )];
+        }
+        let mut unsteady = Vec::new();
+        let change = |of: &[f64]| slope(of, self.samples.clone());
+        let turn = change(&record.heading) * window;
+        if turn.abs() > STEADY_TURN {
+            unsteady.push(format!("she turned by {} while she covered her length", degrees(turn)));
+        }
+        let slower = change(&record.speed) * self.samples.len() as f64 / self.motion[1];
+        if slower.abs() > STEADY_SPEED {
+            unsteady.push(format!("her speed changed by {:.0} %", 100.0 * slower));
+        }
+        if let Some(helm) = helm {
+            let angles = &helm.smooth[self.samples.start..self.samples.end.min(helm.smooth.len())];
+            // The order itself may be in the last of them.
+            let angles = &angles[..angles.len().saturating_sub(2).max(1)];
+            let spread = spread(angles).unwrap_or(0.0);
+            if spread > STEADY_HELM.max(3.0 * helm.noise) {
+                unsteady.push(format!("the helm moved with a standard deviation of {}", degrees(spread)));
+            }
+        }
+        if unsteady.is_empty() {
+            return Vec::new();
+        }
+        vec![format!("the approach was not steady: in {lengths:.1} ship lengths {}", unsteady.join(", "))]
+    }
+}
+
+/// The slope of values by their number, of least squares.
+fn slope(values: &[f64], of: std::ops::Range<usize>) -> f64 {
+    let middle = 0.5 * (of.start + of.end - 1) as f64;
+    let cross: f64 = of.clone().map(|k| (k as f64 - middle) * values[k]).sum();
+    let square: f64 = of.map(|k| (k as f64 - middle).powi(2)).sum();
+    if square > 0.0 { cross / square } else { 0.0 }
+}
+
+/// The input that the helm moves most of its range, or most: its place and unit.
+fn rudder(helm: &Settings, hull: &Hull) -> (usize, String) {
+    let vessel = hull.vessel;
+    let inputs = vessel.model.input_variables();
+    let moved = |(i, input): (usize, &ship::model::Variable)| {
+        let change = helm.get(&input.name)?;
+        let range = vessel.actuators[i].range.map_or(1.0, |[low, high]| high - low);
+        Some((i, input.unit.clone(), change.abs() / range))
+    };
+    let most = inputs.iter().enumerate().filter_map(moved).max_by(|a, b| a.2.total_cmp(&b.2));
+    most.map_or((0, String::new()), |(i, unit, _)| (i, unit))
+}
+
+/// Mean helm and yaw rate over the last quarter of every step.
+fn settled(record: &Record, input: usize, count: usize, dwell_s: f64) -> Result<Vec<[f64; 2]>, Invalid> {
+    let width = record.inputs.len() / record.last().max(1);
+    let needed = count as f64 * dwell_s;
+    if needed > (record.last() as f64 + 0.5) / record.rate_hz {
+        let given = format!("{:.1} s", record.last() as f64 / record.rate_hz);
+        return Err(Invalid::new("spiral", given, format!("{needed} s for all steps"), "run it longer"));
+    }
+    let one = |step: usize| {
+        let from = record.sample((step as f64 + 0.75) * dwell_s);
+        let to = record.sample((step as f64 + 1.0) * dwell_s).max(from + 1);
+        let mean = |of: &dyn Fn(usize) -> f64| (from..to).map(of).sum::<f64>() / (to - from) as f64;
+        [mean(&|k| record.inputs[k.min(record.last() - 1) * width + input]), mean(&|k| record.yaw_rate[k])]
+    };
+    Ok((0..count).map(one).collect())
+}
+
+/// Where straight lines through `points`, \[helm, yaw rate\], first pass a yaw rate of zero.
+fn neutral(points: &[[f64; 2]]) -> Option<f64> {
+    points.windows(2).find_map(|pair| {
+        let [[helm, rate], [next, after]] = [pair[0], pair[1]];
+        (rate == 0.0 || (rate > 0.0) != (after > 0.0)).then(|| helm + rate / (rate - after) * (next - helm))
+    })
+}
+
+/// The loop of a direct spiral: between the helms at which the yaw rate changes sides on the way there and on the way back.
+pub(super) fn direct(spiral: &SpiralTest, record: &Record, hull: &Hull) -> Result<Vec<Figure>, Invalid> {
+    let (input, unit) = rudder(&spiral.helm, hull);
+    let points = settled(record, input, steps(spiral.steps, true).count(), spiral.dwell_s)?;
+    let there = 2 * spiral.steps as usize;
+    let ends = neutral(&points[..=there]).zip(neutral(&points[there..]));
+    let (one, two) = ends.ok_or_else(|| {
+        let expected = "one on the way there and one on the way back";
+        Invalid::new("yaw rate", "no change of sides", expected, "take more helm, or longer steps")
+    })?;
+    let rates = points.iter().map(|[_, rate]| rate.abs()).fold(0.0, f64::max);
+    Ok(vec![
+        Figure::of_helm("loop_width", "width of the loop", (one - two).abs(), &unit),
+        Figure::of_helm("neutral_helm", "helm in the middle of it", 0.5 * (one + two), &unit),
+        Figure::new("greatest_yaw_rate", "greatest yaw rate", rates.to_degrees(), "deg/s"),
+    ])
+}
+
+/// The loop of a reverse spiral: the range of helm in which the curve of helm over yaw rate falls.
+pub(super) fn reverse(spiral: &ReverseSpiral, record: &Record, hull: &Hull) -> Result<Vec<Figure>, Invalid> {
+    let (input, unit) = rudder(&spiral.helm, hull);
+    let points = settled(record, input, steps(spiral.steps, false).count(), spiral.dwell_s)?;
+    let ends = [points[0][0], points[points.len() - 1][0]];
+    let side = (ends[0] - ends[1]).signum();
+    // With a helm that only ever goes one way there is no loop.
+    let (mut least, mut width) = (f64::INFINITY, 0.0_f64);
+    for [helm, _] in &points {
+        least = least.min(side * helm);
+        width = width.max(side * helm - least);
+    }
+    let neutral = neutral(&points).ok_or_else(|| {
+        Invalid::new("yaw rate", "no change of sides", "turns to both sides", "take more helm")
+    })?;
+    Ok(vec![
+        Figure::of_helm("loop_width", "width of the loop", width, &unit),
+        Figure::of_helm("neutral_helm", "helm of no yaw rate", neutral, &unit),
+    ])
 }

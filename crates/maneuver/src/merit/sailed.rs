@@ -1,25 +1,18 @@
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI};
 
-use numerics::statistics::{mean, quantile, sorted, spread};
+use numerics::statistics::{quantile, sorted};
 use refusal::Invalid;
 
-use super::figure::Hull;
-use super::helm::{Held, Helm, median, radians};
-use super::record::{Record, Smoother};
+use super::helm::{
+    APPROACH, Approach, Held, Helm, STEADY_HELM, STEADY_SPEED, STEADY_TURN, degrees, median, radians,
+};
+use super::{Hull, Record, Smoother};
 use crate::standard::{Board, Sensors, Settings, Standard};
 
-/// The length of an approach, in times in which the ship covers her length.
-const APPROACH: f64 = 2.0;
 /// What an order is, at least: an angle \[rad\], or a part of the dictionary's helm.
 const LEAST: [f64; 2] = [0.035, 0.2];
 /// What helm a log begins with at the most before its order: an angle \[rad\], or a part of the dictionary's helm.
 const STRAIGHT: [f64; 2] = [0.07, 0.3];
-/// How much a steady approach may turn while she covers her length \[rad\].
-const STEADY_TURN: f64 = 0.035;
-/// How much its speed may change, as a part of it.
-const STEADY_SPEED: f64 = 0.05;
-/// Standard deviation of its helm \[rad\].
-const STEADY_HELM: f64 = 0.035;
 /// Changes of heading at which a helm goes over in zig-zags \[°\].
 const HEADINGS: [f64; 12] = [1.0, 2.0, 5.0, 7.5, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0];
 /// The greatest such change \[rad\].
@@ -64,11 +57,6 @@ pub(super) struct Sailed {
     pub remarks: Vec<String>,
 }
 
-/// An angle in words.
-pub(super) fn degrees(rad: f64) -> String {
-    format!("{:.1}°", rad.to_degrees())
-}
-
 impl Sailed {
     /// In words: `zig-zag 10°/10°, to port first`.
     pub fn words(&self) -> String {
@@ -101,7 +89,7 @@ impl Sailed {
     /// The last sample before the helm is taken off, or of the record.
     pub fn end(&self, record: &Record) -> usize {
         match (self.sort, self.orders.first()) {
-            (Sort::Circle, Some(own)) if self.orders.len() > 1 => own.to.floor() as usize,
+            (Sort::Circle, Some(order)) if self.orders.len() > 1 => order.to.floor() as usize,
             _ => record.last(),
         }
     }
@@ -133,29 +121,29 @@ impl Sailed {
         let approach = [record.heading[from], standard.speed_m_s()];
         let smoother = Smoother::new(hull.length_m, approach[1], record.rate_hz)?;
         let (settings, window) = (standard.settings().1, smoother.length);
-        let mut own = Self::of(sort, from, from as f64, approach, smoother);
+        let mut sailed = Self::of(sort, from, from as f64, approach, smoother);
         let helm = Helm::of(record, hull.vessel, settings, window);
-        own.to = to.unwrap_or(Board::Starboard);
-        own.helm = angle(settings, hull).map(|angle| [angle; 2]);
-        own.is_most = is_most(settings, 1.0, hull);
+        sailed.to = to.unwrap_or(Board::Starboard);
+        sailed.helm = angle(settings, hull).map(|angle| [angle; 2]);
+        sailed.is_most = is_most(settings, 1.0, hull);
         if let Standard::ZigZagTest(test) = standard {
-            own.heading = test.heading_rad;
-            own.is_exact = test.delay_s == 0.0 && test.every_s.is_none() && test.sensors == Sensors::Own;
+            sailed.heading = test.heading_rad;
+            sailed.is_exact = test.delay_s == 0.0 && test.every_s.is_none() && test.sensors == Sensors::Own;
             if let Some(helm) = &helm {
                 // To both sides of the approach, which a record of orders alone does not show.
                 let of = &helm.smooth[from.min(helm.smooth.len() - 1)..];
                 let low = of.iter().copied().fold(f64::MAX, f64::min);
                 let high = of.iter().copied().fold(f64::MIN, f64::max);
                 let size = 0.5 * (high - low).max(1e-9);
-                own.orders = helm.orders(from, 0.5 * (low + high), own.to.sign() * size, window);
+                sailed.orders = helm.orders(from, 0.5 * (low + high), sailed.to.sign() * size, window);
             }
         }
         if let Standard::PullOut(turn) = standard {
             let over = (turn.hold_s + turn.turn_s) * record.rate_hz;
-            own.orders = vec![Held { side: 1, from: from as f64, to: over, level: 0.0, doubt: 0.0 }];
+            sailed.orders = vec![Held { side: 1, from: from as f64, to: over, level: 0.0, doubt: 0.0 }];
         }
-        own.angle = helm.filter(|helm| helm.is_angle);
-        Ok(own)
+        sailed.angle = helm.filter(|helm| helm.is_angle);
+        Ok(sailed)
     }
 
     /// What was sailed, by its log; `wanted` is what the dictionary says of it.
@@ -170,11 +158,11 @@ impl Sailed {
         let window = Smoother::new(hull.length_m, usual, record.rate_hz)?.length;
         let all = Settings::new();
         let engines = match wanted {
-            Some(Standard::Stop(own)) => Some(&own.inputs),
+            Some(Standard::Stop(stop)) => Some(&stop.inputs),
             Some(_) => None,
             None => Some(&all),
         };
-        let mut own = match engines.and_then(|engines| stop(engines, record, hull, window)) {
+        let mut sailed = match engines.and_then(|engines| stop(engines, record, hull, window)) {
             Some((sort, order)) => {
                 let approach = Approach::of(record, 0, order, window);
                 let remarks = approach.remarks(record, None, window);
@@ -183,15 +171,15 @@ impl Sailed {
             }
             None if matches!(wanted, Some(Standard::Stop(_))) => {
                 let least = record.surge.iter().copied().fold(f64::INFINITY, f64::min);
-                let found = format!("{least:.3} m/s at the least, or no order to the engine");
+                let given = format!("{least:.3} m/s at the least, or no order to the engine");
                 let expected = "an engine that is stopped or goes astern, and a ship that stops";
                 let remedy = "run it longer, or name the maneuver that it is";
-                return Err(Invalid::new("speed", found, expected, remedy));
+                return Err(Invalid::new("speed", given, expected, remedy));
             }
             None => Self::steered(wanted, record, hull, window)?,
         };
-        own.compare(wanted, hull)?;
-        Ok(own)
+        sailed.compare(wanted, hull)?;
+        Ok(sailed)
     }
 
     /// A maneuver of the helm.
@@ -223,15 +211,15 @@ impl Sailed {
         if is_over {
             let turn = record.yaw_rate[begin..].iter().take(3).map(|r| r.abs()).fold(f64::INFINITY, f64::min);
             if turn * window / record.rate_hz > STEADY_TURN {
-                let found = format!("over at {} where the log begins, and a ship that turns", said(before));
+                let given = format!("over at {} where the log begins, and a ship that turns", said(before));
                 let expected = "the approach, and the order after it";
-                return Err(Invalid::new("helm", found, expected, "log from before the order on"));
+                return Err(Invalid::new("helm", given, expected, "log from before the order on"));
             }
         } else if most < least {
-            let found = format!("never more than {} from {}", said(most), said(before));
+            let given = format!("never more than {} from {}", said(most), said(before));
             let expected = format!("an order of a standard maneuver, at least {}", said(least));
             let remedy = "check the channel of the helm; a straight run has no figures";
-            return Err(Invalid::new("helm", found, expected, remedy));
+            return Err(Invalid::new("helm", given, expected, remedy));
         }
         let (amidships, from) = if is_over {
             (0.0, begin)
@@ -275,7 +263,8 @@ impl Sailed {
         let back = (over..helm.smooth.len()).find(|k| sign * off(*k) <= 0.3 * first);
         let held = &helm.smooth[over..back.unwrap_or(helm.smooth.len())];
         let near = (0.1 * (level - amidships).abs()).max(4.0 * helm.noise);
-        let is_held = held.iter().filter(|own| (**own - level).abs() <= near).count() * 3 > held.len() * 2;
+        let is_held =
+            held.iter().filter(|angle| (**angle - level).abs() <= near).count() * 3 > held.len() * 2;
         let sort = match orders.get(1) {
             Some(next) if next.side == -1 && end.abs() <= MOST_HEADING => Sort::ZigZag,
             Some(next) if next.side == 0 && is_pull_out && is_held => Sort::PullOut,
@@ -283,10 +272,10 @@ impl Sailed {
             None if matches!(wanted, Some(Standard::TurningCircle(_))) => Sort::Circle,
             _ => {
                 let what = if is_held { "a helm" } else { "steps of helm from" };
-                let found = format!("{what} of {} for {} of turn", said(level), degrees(end));
+                let given = format!("{what} of {} for {} of turn", said(level), degrees(end));
                 let expected = "a zig-zag, a turning circle, a pull-out or a stop";
                 let remedy = "run it longer, or name the helm and the heading in a dictionary";
-                return Err(Invalid::new("maneuver", found, expected, remedy));
+                return Err(Invalid::new("maneuver", given, expected, remedy));
             }
         };
         let mut size = (level - amidships).abs();
@@ -297,7 +286,7 @@ impl Sailed {
         }
         let gone = orders.iter().skip(1).map(|order| turned(order.from).abs());
         let wanted_heading = match wanted {
-            Some(Standard::ZigZagTest(own)) => Some(own.heading_rad),
+            Some(Standard::ZigZagTest(test)) => Some(test.heading_rad),
             _ => None,
         };
         let heading = heading(median(gone), wanted_heading);
@@ -339,10 +328,10 @@ impl Sailed {
     fn compare(&mut self, wanted: Option<Standard>, hull: &Hull) -> Result<(), Invalid> {
         let Some(standard) = wanted else { return Ok(()) };
         if standard.name() != self.kind() {
-            let [found, said] = [self.words(), standard.name().to_owned()].map(|own| format!("a {own}"));
+            let [sailed, said] = [self.words(), standard.name().to_owned()].map(|name| format!("a {name}"));
             let remedy = "name the maneuver that was sailed, or leave out --dictionary";
             let expected = format!("{said}, as the dictionary says");
-            return Err(Invalid::new("maneuver of the log", found, expected, remedy));
+            return Err(Invalid::new("maneuver of the log", sailed, expected, remedy));
         }
         let (.., to) = ordered(standard, hull);
         if let Some(said) = to.filter(|to| *to != self.to) {
@@ -352,25 +341,25 @@ impl Sailed {
             ));
         }
         let settings = standard.settings().1;
-        let wanted = settings.values().map(|own| own.abs()).sum::<f64>() / settings.len().max(1) as f64;
+        let wanted = settings.values().map(|change| change.abs()).sum::<f64>() / settings.len().max(1) as f64;
         if let Some([change, angle]) = self.helm {
-            let differs = |own: f64| (own - wanted).abs() > (0.05 * wanted).max(0.018);
+            let differs = |seen: f64| (seen - wanted).abs() > (0.05 * wanted).max(0.018);
             if differs(change) && differs(angle) {
-                let [found, said] = [change, wanted].map(degrees);
-                self.remarks.push(format!("the helm was {found}, the dictionary says {said}"));
+                let [sailed, said] = [change, wanted].map(degrees);
+                self.remarks.push(format!("the helm was {sailed}, the dictionary says {said}"));
             }
         }
-        if let Standard::ZigZagTest(own) = standard
-            && (own.heading_rad - self.heading).abs() > 1e-6
+        if let Standard::ZigZagTest(test) = standard
+            && (test.heading_rad - self.heading).abs() > 1e-6
         {
-            let [found, said] = [self.heading, own.heading_rad].map(degrees);
-            self.remarks.push(format!("the helm went over at {found}, the dictionary says {said}"));
+            let [sailed, said] = [self.heading, test.heading_rad].map(degrees);
+            self.remarks.push(format!("the helm went over at {sailed}, the dictionary says {said}"));
         }
         let speed = standard.speed_m_s();
         if (self.speed_m_s - speed).abs() > 2.0 * STEADY_SPEED * speed {
-            let found = self.speed_m_s;
+            let sailed = self.speed_m_s;
             self.remarks.push(format!(
-                "the speed of the approach was {found:.2} m/s, the dictionary says {speed:.2} m/s"
+                "the speed of the approach was {sailed:.2} m/s, the dictionary says {speed:.2} m/s"
             ));
         }
         Ok(())
@@ -379,8 +368,8 @@ impl Sailed {
 
 /// The change of heading at which a helm went over that was seen to do so at `seen`.
 fn heading(seen: f64, wanted: Option<f64>) -> f64 {
-    let away = |own: &f64| (seen - own).abs();
-    let is_near = |own: &f64| away(own) <= (0.1 * own).max(1_f64.to_radians());
+    let away = |angle: &f64| (seen - angle).abs();
+    let is_near = |angle: &f64| away(angle) <= (0.1 * angle).max(1_f64.to_radians());
     let usual = HEADINGS.map(f64::to_radians).into_iter().filter(is_near);
     let nearest = usual.min_by(|a, b| away(a).total_cmp(&away(b)));
     wanted.filter(is_near).or(nearest).unwrap_or(seen)
@@ -389,12 +378,12 @@ fn heading(seen: f64, wanted: Option<f64>) -> f64 {
 /// Of what is ordered: its sort, how long the approach is held \[s\], and the side.
 fn ordered(standard: Standard, hull: &Hull) -> (Sort, f64, Option<Board>) {
     match standard {
-        Standard::ZigZagTest(own) => (Sort::ZigZag, own.hold_s, Some(own.to)),
-        Standard::TurningCircle(own) => (Sort::Circle, own.hold_s, Some(own.to)),
-        Standard::PullOut(own) => (Sort::PullOut, own.hold_s, Some(own.to)),
-        Standard::Stop(own) => {
-            let is_full_astern = own.inputs.iter().any(|(name, setting)| is_astern(hull, name, *setting));
-            (Sort::Stop { is_inertial: own.inputs.is_empty(), is_full_astern }, own.hold_s, None)
+        Standard::ZigZagTest(test) => (Sort::ZigZag, test.hold_s, Some(test.to)),
+        Standard::TurningCircle(turn) => (Sort::Circle, turn.hold_s, Some(turn.to)),
+        Standard::PullOut(turn) => (Sort::PullOut, turn.hold_s, Some(turn.to)),
+        Standard::Stop(stop) => {
+            let is_full_astern = stop.inputs.iter().any(|(name, setting)| is_astern(hull, name, *setting));
+            (Sort::Stop { is_inertial: stop.inputs.is_empty(), is_full_astern }, stop.hold_s, None)
         }
         Standard::SpiralTest(_) | Standard::ReverseSpiral(_) => (Sort::PullOut, 0.0, None),
     }
@@ -405,7 +394,7 @@ const NEARLY: f64 = 0.98;
 
 /// The range of an input, where its vessel states one.
 fn range(hull: &Hull, input: &str) -> Option<[f64; 2]> {
-    let place = hull.vessel.model.input_variables().iter().position(|own| own.name == input)?;
+    let place = hull.vessel.model.input_variables().iter().position(|variable| variable.name == input)?;
     hull.vessel.actuators[place].range
 }
 
@@ -432,18 +421,19 @@ fn is_astern(hull: &Hull, input: &str, setting: f64) -> bool {
 fn angle(helm: &Settings, hull: &Hull) -> Option<f64> {
     let mut set = helm.iter().filter(|(_, change)| **change != 0.0);
     let (name, change) = set.next().filter(|_| helm.len() == 1)?;
-    let input = hull.vessel.model.input_variables().iter().find(|own| own.name == *name)?;
+    let input = hull.vessel.model.input_variables().iter().find(|variable| variable.name == *name)?;
     radians(&input.unit).map(|unit| change.abs() * unit)
 }
 
 /// What kind of stop a log is, and when the engine was ordered, in samples; `None` where she does not stop, or no engine of
 /// those that are `named`, or of all, does anything before.
 fn stop(named: &Settings, record: &Record, hull: &Hull, window: f64) -> Option<(Sort, f64)> {
-    let engines =
-        hull.vessel.model.input_variables().iter().zip(&hull.vessel.couplings).filter(|(own, follows)| {
-            let is_named = named.is_empty() || named.contains_key(&own.name);
-            follows.is_none() && radians(&own.unit).is_none() && is_named
-        });
+    let engines = hull.vessel.model.input_variables().iter().zip(&hull.vessel.couplings).filter(
+        |(variable, follows)| {
+            let is_named = named.is_empty() || named.contains_key(&variable.name);
+            follows.is_none() && radians(&variable.unit).is_none() && is_named
+        },
+    );
     let one = |name: &String| {
         let engine = Helm::of(record, hull.vessel, &Settings::from([(name.clone(), 1.0)]), window)?;
         let before = engine.smooth[0];
@@ -465,145 +455,6 @@ fn stop(named: &Settings, record: &Record, hull: &Hull, window: f64) -> Option<(
         let sort = Sort::Stop { is_inertial: level.abs() <= 0.1 * before.abs(), is_full_astern };
         Some(((sort, orders.first()?.from), most / before.abs()))
     };
-    let found = engines.filter_map(|(own, _)| one(&own.name));
-    found.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(stop, _)| stop)
-}
-
-/// What is seen of a ship before the order.
-struct Approach {
-    samples: std::ops::Range<usize>,
-    /// Course \[rad\] and speed \[m/s\].
-    motion: [f64; 2],
-    /// Its length, in times in which the ship covers hers.
-    length: f64,
-}
-
-impl Approach {
-    /// Before `order`, from sample `begin` on at the earliest.
-    fn of(record: &Record, begin: usize, order: f64, window: f64) -> Self {
-        let end = (order.floor() as usize + 1).min(record.heading.len());
-        let first = begin.min(end - 1);
-        let from = |lengths: f64| ((order - lengths * window).ceil().max(0.0) as usize).clamp(first, end - 1);
-        let samples = from(APPROACH)..end;
-        let [course, speed_m_s] = [&record.heading[from(1.0)..end], &record.speed[samples.clone()]]
-            .map(|own| mean(own).unwrap_or(0.0));
-        Self { samples, motion: [course, speed_m_s], length: (order - begin as f64).max(0.0) / window }
-    }
-
-    /// Whether it was long and steady.
-    fn remarks(&self, record: &Record, helm: Option<&Helm>, window: f64) -> Vec<String> {
-        let lengths = self.length.min(APPROACH);
-        if self.length < 0.5 {
-            return vec![format!(
-                "the approach in the log is {lengths:.1} ship lengths long, so that its steadiness is not known"
-            )];
-        }
-        let mut unsteady = Vec::new();
-        let change = |of: &[f64]| slope(of, self.samples.clone());
-        let turn = change(&record.heading) * window;
-        if turn.abs() > STEADY_TURN {
-            unsteady.push(format!("she turned by {} while she covered her length", degrees(turn)));
-        }
-        let slower = change(&record.speed) * self.samples.len() as f64 / self.motion[1];
-        if slower.abs() > STEADY_SPEED {
-            unsteady.push(format!("her speed changed by {:.0} %", 100.0 * slower));
-        }
-        if let Some(helm) = helm {
-            let own = &helm.smooth[self.samples.start..self.samples.end.min(helm.smooth.len())];
-            // The order itself may be in the last of them.
-            let own = &own[..own.len().saturating_sub(2).max(1)];
-            let spread = spread(own).unwrap_or(0.0);
-            if spread > STEADY_HELM.max(3.0 * helm.noise) {
-                unsteady.push(format!("the helm moved with a standard deviation of {}", degrees(spread)));
-            }
-        }
-        if unsteady.is_empty() {
-            return Vec::new();
-        }
-        vec![format!("the approach was not steady: in {lengths:.1} ship lengths {}", unsteady.join(", "))]
-    }
-}
-
-/// The slope of values by their number, of least squares.
-fn slope(values: &[f64], of: std::ops::Range<usize>) -> f64 {
-    let middle = 0.5 * (of.start + of.end - 1) as f64;
-    let cross: f64 = of.clone().map(|k| (k as f64 - middle) * values[k]).sum();
-    let square: f64 = of.map(|k| (k as f64 - middle).powi(2)).sum();
-    if square > 0.0 { cross / square } else { 0.0 }
-}
-
-/// Part of the speed from which on a drift counts as a current.
-const DRIFTS: f64 = 0.02;
-/// Headings of which places a turn apart are compared.
-const PAIRS: usize = 9;
-
-impl Sailed {
-    /// The record without the current that the log shows, and what is said of it: by MSC/Circ.1053 from places a whole turn
-    /// apart, else from speeds through the water against the track; or why it shows none.
-    pub fn without_current(&self, record: &Record) -> Result<Option<(String, Record)>, String> {
-        let end = self.end(record);
-        let [first, half] = [self.order.ceil() as usize, (0.5 * (self.order + end as f64)) as usize];
-        let size = |own: [f64; 2]| libm::hypot(own[0], own[1]);
-        // Between track and speeds.
-        let off = |from: usize, to: usize| {
-            let mut sum = [0.0; 2];
-            for k in from..to {
-                let (sin, cos) = libm::sincos(0.5 * (record.heading[k] + record.heading[k + 1]));
-                let [u, v] =
-                    [&record.surge, &record.sway].map(|of| 0.5 * (of[k] + of[k + 1]) / record.rate_hz);
-                sum = [sum[0] + u * cos - v * sin, sum[1] + u * sin + v * cos];
-            }
-            let [start, end] = [from, to].map(|k| self.place(record, k as f64));
-            [0, 1].map(|axis| (end[axis] - start[axis] - sum[axis]) / ((to - from) as f64 / record.rate_hz))
-        };
-        let found = |to: [f64; 2], by: &str, over_ground: bool| {
-            let (speed, course) = (size(to), libm::atan2(to[1], to[0]).to_degrees().rem_euclid(360.0));
-            let words = format!(
-                "the track drifts at {speed:.2} m/s to {course:03.0}°, {by}: figures are corrected for it as for a steady \
-                 current (MSC/Circ.1053)"
-            );
-            Some((words, record.without(to, self.order, over_ground)))
-        };
-        let least = DRIFTS * self.speed_m_s;
-        let all = if end > first + 2 { off(first, end) } else { [0.0; 2] };
-        let turned = record.turned(self.course, self.to);
-        let whole = turned[..=end].iter().copied().fold(0.0, f64::max);
-        if self.sort == Sort::Circle && whole >= 2.97 * PI {
-            let from = (whole - TAU - PI).clamp(PI, TAU).min(whole - TAU);
-            let at = |psi: f64| self.smoother.crossing(&turned, psi);
-            let (mut seconds, mut moved) = (0.0, [0.0; 2]);
-            for pair in 0..PAIRS {
-                let psi = from + pair as f64 / (PAIRS - 1) as f64 * (whole - TAU - from);
-                let Some((one, other)) = at(psi).zip(at(psi + TAU)) else { continue };
-                let [one_place, other_place] = [one, other].map(|time| self.place(record, time));
-                seconds += (other - one) / record.rate_hz;
-                moved = [0, 1].map(|axis| moved[axis] + other_place[axis] - one_place[axis]);
-            }
-            let to = moved.map(|own| own / seconds);
-            if size(to) < least || size(to).is_nan() {
-                return Ok(None);
-            }
-            return Ok(found(to, "from places a whole turn apart", size(all) < 0.5 * size(to)));
-        }
-        let [one, other] = if half > first + 2 { [off(first, half), off(half, end)] } else { [[0.0; 2]; 2] };
-        let is_steady = size([one[0] - other[0], one[1] - other[1]]) < 0.5 * size(all);
-        if size(all) >= least && is_steady {
-            let by = "from the speeds of the log, which are through the water, against the track";
-            return Ok(found(all, by, false));
-        }
-        let turns = (record.heading[end] - self.course).abs() / TAU;
-        Err(format!(
-            "not corrected for a current: {turns:.1} turns do not show one, 1.5 are needed, or speeds through the water"
-        ))
-    }
-
-    /// The speed of the approach in another record of it \[m/s\].
-    pub fn speed(&self, record: &Record) -> f64 {
-        Approach::of(record, self.begin, self.order, self.smoother.length).motion[1]
-    }
-
-    /// North and east at a time in samples \[m\], smoothed.
-    pub fn place(&self, record: &Record, time: f64) -> [f64; 2] {
-        [0, 1].map(|axis| self.smoother.at(time, record.place.len(), |k| record.place[k][axis]))
-    }
+    let stops = engines.filter_map(|(variable, _)| one(&variable.name));
+    stops.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(stop, _)| stop)
 }

@@ -3,20 +3,8 @@ use std::sync::Arc;
 use ship::engine::{Command, Program, Progress, Seen};
 use ship::model::Vessel;
 
-use super::spec::{Sensors, Settings, Standard, steps};
+use super::{Sensors, Settings, Standard, steps};
 use crate::feedback::{Gains, Loop};
-
-/// The approach of a standard maneuver.
-pub(crate) struct Approach<'a> {
-    /// The vessel.
-    pub vessel: &'a Vessel,
-    /// Inputs that hold it.
-    pub inputs: Vec<f64>,
-    /// Slopes of the increments of u, v, r in a sample by these inputs.
-    pub slopes: Vec<[f64; 3]>,
-    /// How fast u, v and r decay on it \[1/sample\].
-    pub decay: [f64; 3],
-}
 
 /// What is done until a condition is met, then what is next.
 #[derive(Clone, Debug)]
@@ -98,17 +86,23 @@ struct Turning {
 }
 
 impl Orders {
-    /// The orders of `standard` from `approach`.
-    pub fn new(standard: Standard, approach: &Approach) -> Self {
-        let (held, helm) = (&approach.inputs, changes(standard.settings().1, approach.vessel));
-        let stopped = |i: usize, input: f64| {
-            approach.vessel.actuators[i].range.map_or(input, |range| at_stop(range, input))
-        };
+    /// The orders of `standard` from its approach, which the inputs `held` hold. `slopes`: of the increments of u, v, r in a sample by
+    /// these inputs; `decay`: how fast u, v and r decay there \[1/sample\].
+    pub fn new(
+        standard: Standard,
+        vessel: &Vessel,
+        held: &[f64],
+        slopes: &[[f64; 3]],
+        decay: [f64; 3],
+    ) -> Self {
+        let helm = changes(standard.settings().1, vessel);
+        let stopped =
+            |i: usize, input: f64| vessel.actuators[i].range.map_or(input, |range| at_stop(range, input));
         let helm_of = |part: f64| {
             let inputs = held.iter().zip(&helm).enumerate();
             Act::Set(inputs.map(|(i, (u, h))| stopped(i, u + part * h)).collect())
         };
-        let mut own = Sequence {
+        let mut sequence = Sequence {
             orders: Vec::new(),
             again: None,
             ending: Ending::Open,
@@ -117,51 +111,52 @@ impl Orders {
             delay_s: 0.0,
             every_s: None,
             sensors: Sensors::Own,
-            rate_hz: approach.vessel.sample_rate_hz,
+            rate_hz: vessel.sample_rate_hz,
         };
         match standard {
             Standard::ZigZagTest(test) => {
-                own.hold(held, test.hold_s);
-                own.again = Some(own.course_at);
-                (own.delay_s, own.every_s, own.sensors) = (test.delay_s, test.every_s, test.sensors);
+                sequence.hold(held, test.hold_s);
+                sequence.again = Some(sequence.course_at);
+                (sequence.delay_s, sequence.every_s, sequence.sensors) =
+                    (test.delay_s, test.every_s, test.sensors);
                 for side in [test.to.sign(), -test.to.sign()] {
-                    own.order(helm_of(side), Until::Heading(side * test.heading_rad));
+                    sequence.order(helm_of(side), Until::Heading(side * test.heading_rad));
                 }
             }
             Standard::TurningCircle(turn) => {
-                own.hold(held, turn.hold_s);
-                own.ending = Ending::Turned(turn.turn_rad);
-                own.order(helm_of(turn.to.sign()), Until::End);
+                sequence.hold(held, turn.hold_s);
+                sequence.ending = Ending::Turned(turn.turn_rad);
+                sequence.order(helm_of(turn.to.sign()), Until::End);
             }
             Standard::PullOut(turn) => {
-                own.hold(held, turn.hold_s);
-                own.order(helm_of(turn.to.sign()), Until::Seconds(turn.turn_s));
-                own.order(helm_of(0.0), Until::End);
+                sequence.hold(held, turn.hold_s);
+                sequence.order(helm_of(turn.to.sign()), Until::Seconds(turn.turn_s));
+                sequence.order(helm_of(0.0), Until::End);
             }
             Standard::SpiralTest(spiral) => {
-                own.ending = Ending::Last;
+                sequence.ending = Ending::Last;
                 for part in steps(spiral.steps, true) {
-                    own.order(helm_of(spiral.to.sign() * part), Until::Seconds(spiral.dwell_s));
+                    sequence.order(helm_of(spiral.to.sign() * part), Until::Seconds(spiral.dwell_s));
                 }
             }
             Standard::ReverseSpiral(spiral) => {
-                (own.sensors, own.ending) = (spiral.sensors, Ending::Last);
+                (sequence.sensors, sequence.ending) = (spiral.sensors, Ending::Last);
                 for part in steps(spiral.steps, false) {
                     let rate = spiral.to.sign() * part * spiral.yaw_rate_rad_s;
-                    own.order(Act::Turn(rate), Until::Seconds(spiral.dwell_s));
+                    sequence.order(Act::Turn(rate), Until::Seconds(spiral.dwell_s));
                 }
-                let authority = helm.iter().zip(&approach.slopes).map(|(h, slope)| h * slope[2]).sum();
-                let (amidships, gains) = (held.clone(), Gains::of(approach.decay));
-                own.turning = Some(Turning { amidships, helm, gains, authority });
+                let authority = helm.iter().zip(slopes).map(|(h, slope)| h * slope[2]).sum();
+                let (amidships, gains) = (held.to_vec(), Gains::of(decay));
+                sequence.turning = Some(Turning { amidships, helm, gains, authority });
             }
             Standard::Stop(stop) => {
-                own.hold(held, stop.hold_s);
-                own.ending = Ending::Last;
-                own.order(Act::Set(helm), Until::Speed(stop.end_m_s()));
-                own.order(Act::Set(vec![0.0; held.len()]), Until::End);
+                sequence.hold(held, stop.hold_s);
+                sequence.ending = Ending::Last;
+                sequence.order(Act::Set(helm), Until::Speed(stop.end_m_s()));
+                sequence.order(Act::Set(vec![0.0; held.len()]), Until::End);
             }
         }
-        Self(Arc::new(own))
+        Self(Arc::new(sequence))
     }
 
     /// All settings of inputs that are ordered at some time, and the greatest helm to either side.
@@ -170,7 +165,7 @@ impl Orders {
             Act::Set(inputs) => Some(inputs.clone()),
             Act::Turn(_) => None,
         });
-        let turning = self.0.turning.iter().flat_map(|own| [1.0, -1.0].map(|part| own.inputs(part)));
+        let turning = self.0.turning.iter().flat_map(|turning| [1.0, -1.0].map(|part| turning.inputs(part)));
         set.chain(turning)
     }
 }
@@ -325,9 +320,9 @@ impl Helmsman {
     /// Adds `weight` times the inputs of the present order.
     fn add(&self, weight: f64, inputs: &mut [f64]) {
         match (&self.program.orders[self.now].act, &self.program.turning) {
-            (Act::Set(own), _) => inputs.iter_mut().zip(own).for_each(|(to, u)| *to += weight * u),
-            (Act::Turn(_), Some(own)) => {
-                let rows = own.amidships.iter().zip(&own.helm);
+            (Act::Set(set), _) => inputs.iter_mut().zip(set).for_each(|(to, u)| *to += weight * u),
+            (Act::Turn(_), Some(turning)) => {
+                let rows = turning.amidships.iter().zip(&turning.helm);
                 inputs.iter_mut().zip(rows).for_each(|(to, (u, h))| *to += weight * (u + self.part * h));
             }
             (Act::Turn(_), None) => {}
@@ -336,12 +331,13 @@ impl Helmsman {
 
     /// The helm for the yaw rate of the present order.
     fn turn(&mut self, yaw_rate: f64) {
-        if let (Act::Turn(rate), Some(own)) = (&self.program.orders[self.now].act, &self.program.turning) {
-            let wanted = self.turning.wanted(&own.gains, [0.0, 0.0, rate - yaw_rate]);
-            let part = wanted[2] / own.authority;
+        if let (Act::Turn(rate), Some(turning)) = (&self.program.orders[self.now].act, &self.program.turning)
+        {
+            let wanted = self.turning.wanted(&turning.gains, [0.0, 0.0, rate - yaw_rate]);
+            let part = wanted[2] / turning.authority;
             self.part = part.clamp(-1.0, 1.0);
             if part == self.part {
-                self.turning.learn(&own.gains, [0.0, 0.0, rate - yaw_rate]);
+                self.turning.learn(&turning.gains, [0.0, 0.0, rate - yaw_rate]);
             }
         }
     }

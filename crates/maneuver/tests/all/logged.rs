@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use maneuver::DictionaryFile;
-use maneuver::merit::{Found, Hull, Record, figures};
+use maneuver::merit::{Hull, Record, SailedFigures as Found, figures};
 use refusal::Invalid;
 use ship::model::Vessel;
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use maneuver::merit::{Figure, Hull, Record, figures as found};
-use maneuver::{Kind, Standard};
+use maneuver::{ManeuverKind as Kind, Standard};
 use refusal::Invalid;
 use serde::Deserialize;
 use ship::model::{Vessel, VesselFile};

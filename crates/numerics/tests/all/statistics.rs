@@ -1,6 +1,6 @@
 //! Quantiles and spread.
 
-use numerics::statistics::{median, median_again, quantile, sorted, spread};
+use numerics::statistics::{median, quantile, sorted, spread, streamed_median};
 
 #[test]
 fn law_spread_is_the_sample_standard_deviation() {
@@ -26,10 +26,10 @@ fn law_many_values_have_the_median_that_they_have_in_memory() {
     // More than are selected from in memory.
     let many = (1 << 18) + 1;
     for n in [0, 1, 2, 5, many, many + 1] {
-        assert_eq!(median_again(|| mixed(n)), median(mixed(n).collect()), "{n} mixed");
-        assert_eq!(median_again(|| near(n)), median(near(n).collect()), "{n} near each other");
-        assert_eq!(median_again(|| few(n)), median(few(n).collect()), "{n} of two values");
+        assert_eq!(streamed_median(|| mixed(n)), median(mixed(n).collect()), "{n} mixed");
+        assert_eq!(streamed_median(|| near(n)), median(near(n).collect()), "{n} near each other");
+        assert_eq!(streamed_median(|| few(n)), median(few(n).collect()), "{n} of two values");
     }
     let halves = || (0..2 * many).map(|i| if i < many { 1.0 } else { 2.0 });
-    assert_eq!(median_again(halves), Some(1.5));
+    assert_eq!(streamed_median(halves), Some(1.5));
 }

@@ -18,9 +18,6 @@ pub trait AnyRuns: Sync {
     /// See [`PooledRuns::sources`].
     fn sources(&self) -> usize;
     /// Calls `look` with the name and the whole runs of every source, see [`PooledRuns::each_source`].
-    ///
-    /// # Errors
-    /// Runs that cannot be read.
     fn each_source(&self, look: &mut dyn FnMut(&str, Vec<Part>)) -> Result<(), Unread>;
 }
 
@@ -31,7 +28,7 @@ pub struct Faults<E>(Mutex<Vec<Option<E>>>);
 /// Parts or runs whose errors are kept in [`Faults`].
 #[derive(Debug)]
 pub struct Erased<'a, T, E> {
-    own: &'a T,
+    inner: &'a T,
     faults: &'a Faults<E>,
 }
 
@@ -42,9 +39,9 @@ impl<E> Default for Faults<E> {
 }
 
 impl<E> Faults<E> {
-    /// `own` with its errors kept here.
-    pub fn erased<'a, T>(&'a self, own: &'a T) -> Erased<'a, T, E> {
-        Erased { own, faults: self }
+    /// `inner` with its errors kept here.
+    pub fn erased<'a, T>(&'a self, source: &'a T) -> Erased<'a, T, E> {
+        Erased { inner: source, faults: self }
     }
 
     /// The error that was kept there, once.
@@ -70,28 +67,28 @@ impl<P: Parts> Parts for Erased<'_, P, P::Error> {
     type Error = Unread;
 
     fn count(&self) -> usize {
-        self.own.count()
+        self.inner.count()
     }
 
     fn samples(&self, i: usize) -> usize {
-        self.own.samples(i)
+        self.inner.samples(i)
     }
 
     fn at(&self, places: &[usize], look: &mut dyn FnMut(PartView)) -> Result<(), Unread> {
-        self.own.at(places, look).map_err(|error| self.faults.keep(error))
+        self.inner.at(places, look).map_err(|error| self.faults.keep(error))
     }
 }
 
 impl<R: Recorded> AnyRuns for Erased<'_, PooledRuns<R>, R::Error> {
     fn design(&self) -> &str {
-        self.own.design()
+        self.inner.design()
     }
 
     fn sources(&self) -> usize {
-        self.own.sources()
+        self.inner.sources()
     }
 
     fn each_source(&self, look: &mut dyn FnMut(&str, Vec<Part>)) -> Result<(), Unread> {
-        self.own.each_source(None, look).map_err(|error| self.faults.keep(error))
+        self.inner.each_source(None, look).map_err(|error| self.faults.keep(error))
     }
 }

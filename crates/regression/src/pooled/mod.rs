@@ -7,34 +7,22 @@
 //!
 //! Scalars instead of lanes: measured data sets are small.
 
-mod centre;
-mod diagnosis;
 mod erased;
 mod fit;
-mod nominal;
-mod part;
 mod pooled_sums;
 mod recorded;
 mod regression;
-mod residual_tests;
 mod runs;
-mod sandwich;
-mod strength;
-mod windowed;
-mod words;
 
-pub use centre::Centring;
-pub use diagnosis::{COLLINEAR, Diagnosis};
 pub use erased::{AnyParts, AnyRuns, Erased, Faults, Unread};
-pub use fit::{DegreeFit, Options, Prior, Solution, Status, joined};
-pub use nominal::{NominalModel, NominalSource};
-pub use part::{LostInstruments, Part};
-pub use pooled_sums::{PooledSums, diagnose, fit};
-pub use recorded::{Drawn, PartView, Parts, Recorded};
-pub use regression::{DegreeRegression, Regression};
-pub use residual_tests::{CrossCorrelation, ResidualTests, Whiteness, residuals, residuals_of, whiteness};
+pub use fit::{
+    COLLINEAR, DegreeFit, Diagnosis, Options, Prior, Solution, Status, collinear, first_named, joined,
+    unidentified, weakest,
+};
+pub use pooled_sums::{Centring, NominalModel, NominalSource, PooledSums, diagnose, fit};
+pub use recorded::{Drawn, LostInstruments, Part, PartView, Parts, Recorded, Windowed};
+pub use regression::{
+    CrossCorrelation, DegreeRegression, Meat, Regression, ResidualTests, Strength, Whiteness,
+    default_bandwidth, residuals, residuals_of, sandwich, strength, whiteness,
+};
 pub use runs::{CutRuns, PooledRuns, SelectError};
-pub use sandwich::{Meat, default_bandwidth, sandwich};
-pub use strength::{Strength, strength};
-pub use windowed::Windowed;
-pub use words::{collinear, first_named, unidentified, weakest};

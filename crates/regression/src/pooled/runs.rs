@@ -8,20 +8,19 @@ use thiserror::Error;
 use super::recorded::read;
 use super::{Part, PartView, Parts, Recorded};
 
-/// Measured runs, each with the name of its source: a recording, or the run itself. Their samples may be stored
-/// elsewhere.
+/// Measured runs, each with the name of its source: a recording, or the run itself. Their samples may be stored elsewhere.
 #[derive(Clone, Debug)]
 pub struct PooledRuns<R = Vec<Run>> {
     recorded: R,
     designs: Vec<String>,
     sources: Vec<String>,
-    runs: Vec<Known>,
+    runs: Vec<KnownRun>,
     are_inputs_held: bool,
 }
 
 /// A run without its samples.
 #[derive(Clone, Debug)]
-struct Known {
+struct KnownRun {
     /// Its index among the recorded runs.
     index: usize,
     /// The block that holds it.
@@ -70,8 +69,7 @@ impl SelectError {
 }
 
 impl PooledRuns {
-    /// Pools `runs`. `recordings` maps a run's number to the recording that it was cut from; other runs are their own
-    /// sources.
+    /// Pools `runs`. `recordings` maps a run's number to the recording that it was cut from; other runs are their own sources.
     pub fn new(runs: Vec<Run>, recordings: &BTreeMap<i32, String>) -> Self {
         let Ok(pooled) = Self::of(runs, recordings);
         pooled
@@ -118,7 +116,7 @@ impl<R: Recorded> PooledRuns<R> {
                 let (design, starts) = (designs.place(&run.design), run.starts());
                 let (number, samples) = (run.run, run.samples());
                 let index = runs.len();
-                runs.push(Known { index, block, place, number, design, source: 0, samples, starts });
+                runs.push(KnownRun { index, block, place, number, design, source: 0, samples, starts });
             }
         })?;
         let (several, mut sources) = (designs.names.len() > 1, Names::default());
@@ -153,7 +151,7 @@ impl<R: Recorded> PooledRuns<R> {
     pub fn select(&mut self, only: &[String], without: &[String]) -> Result<(), SelectError> {
         let sources = &self.sources;
         let named =
-            |name: &String, run: &Known| *name == sources[run.source] || *name == run.number.to_string();
+            |name: &String, run: &KnownRun| *name == sources[run.source] || *name == run.number.to_string();
         let known = |name: &str| self.runs.iter().any(|run| named(&name.to_owned(), run));
         let [only, without] = [only, without]
             .map(|names| names.iter().flat_map(|name| names_in(name, known)).collect::<Vec<String>>());
@@ -243,12 +241,12 @@ impl<R: Recorded> PooledRuns<R> {
         self.cut_into(most, |known| std::iter::once(0..known.samples).collect())
     }
 
-    fn cut_into(&self, most: Option<usize>, of: impl Fn(&Known) -> Vec<Range<usize>>) -> CutRuns<'_, R> {
+    fn cut_into(&self, most: Option<usize>, of: impl Fn(&KnownRun) -> Vec<Range<usize>>) -> CutRuns<'_, R> {
         let mut places = Vec::new();
         for (run, known) in self.runs.iter().enumerate() {
             for (segment, samples) in of(known).into_iter().enumerate() {
-                let cut_into = equal(samples.start, samples.end, most);
-                places.extend(cut_into.map(|samples| Place { run, segment, samples }));
+                let pieces = equal(samples.start, samples.end, most);
+                places.extend(pieces.map(|samples| SourcePlace { run, segment, samples }));
             }
         }
         CutRuns { runs: self, places }
@@ -275,8 +273,11 @@ impl<R: Recorded> PooledRuns<R> {
             let mut held = HashMap::new();
             self.visit(&wanted, |i| *i, |k, run| drop(held.insert(wanted[k], run.clone())))?;
             for (source, runs) in now {
-                let own = runs.iter().filter_map(|i| held.remove(i).map(|run| (*i, run)));
-                look(source, joined(own).iter().flat_map(|whole| cut(source, whole, length)).collect());
+                let runs_of_source = runs.iter().filter_map(|i| held.remove(i).map(|run| (*i, run)));
+                look(
+                    source,
+                    joined(runs_of_source).iter().flat_map(|whole| cut(source, whole, length)).collect(),
+                );
             }
             rest = later;
         }
@@ -314,8 +315,8 @@ impl<R: Recorded> PooledRuns<R> {
         let mut blocks: Vec<usize> = wanted.iter().map(block).collect();
         blocks.dedup();
         let (mut rest, mut done) = (wanted, 0);
-        read(&self.recorded, &blocks, |own, runs| {
-            let (now, later) = rest.split_at(rest.partition_point(|thing| block(thing) <= own));
+        read(&self.recorded, &blocks, |at, runs| {
+            let (now, later) = rest.split_at(rest.partition_point(|thing| block(thing) <= at));
             for thing in now {
                 look(done, &runs[self.runs[run(thing)].place]);
                 done += 1;
@@ -325,7 +326,7 @@ impl<R: Recorded> PooledRuns<R> {
     }
 }
 
-impl Known {
+impl KnownRun {
     /// The sample ranges of its segments.
     fn segments(&self) -> impl Iterator<Item = Range<usize>> {
         let ends = self.starts.iter().skip(1).copied().chain([self.samples]);
@@ -355,12 +356,12 @@ impl Names {
 #[derive(Clone, Debug)]
 pub struct CutRuns<'a, R> {
     runs: &'a PooledRuns<R>,
-    places: Vec<Place>,
+    places: Vec<SourcePlace>,
 }
 
 /// The position of a part.
 #[derive(Clone, Debug)]
-struct Place {
+struct SourcePlace {
     run: usize,
     segment: usize,
     samples: Range<usize>,
@@ -373,7 +374,7 @@ impl<R: Recorded> CutRuns<'_, R> {
             wanted,
             |i| self.places[*i].run,
             |k, run| {
-                let Place { run: place, segment, samples } = &self.places[wanted[k]];
+                let SourcePlace { run: place, segment, samples } = &self.places[wanted[k]];
                 let known = &self.runs.runs[*place];
                 let view = run.view().part(samples.clone());
                 look(
@@ -438,8 +439,8 @@ fn joined(runs: impl Iterator<Item = (usize, Run)>) -> Vec<Run> {
             Some((before, last)) => {
                 *before = i;
                 if !(last.instrument_exogenous.is_empty() && run.instrument_exogenous.is_empty()) {
-                    let concat = [last.view().instrument_exogenous, run.view().instrument_exogenous].concat();
-                    last.instrument_exogenous = concat;
+                    let inputs = [last.view().instrument_exogenous, run.view().instrument_exogenous].concat();
+                    last.instrument_exogenous = inputs;
                 }
                 last.exogenous.extend_from_slice(&run.exogenous);
                 last.measured.extend_from_slice(&run.measured[3..]);

@@ -2,15 +2,15 @@
 
 use std::ops::Range;
 
-use numerics::Lane;
+use numerics::registers::{BLOCK, add, parts};
+use numerics::{Lane, Number};
 use pulp::{Simd, WithSimd};
+use ship::engine::Compiled;
 
-use super::regressors::{ALL, Order, Regressors};
-use super::signals::{Difference, SPAN, Signal, Signals, spans};
-use super::zeta::{Instrument, Kept, Zeta};
+use super::regressors::{ALL, Order, Products, Regressors};
+use super::{Difference, SPAN, Shared, Signal, Signals, spans};
+use crate::sums::AnyBatch;
 use crate::{Batch, DegreeSums};
-use numerics::registers::BLOCK;
-use numerics::registers::{add, parts};
 
 /// Adds Σζ, Σζ² and all sums with terms of inputs alone, over samples `range`.
 #[inline(always)]
@@ -33,17 +33,17 @@ pub(crate) fn add_instruments<X: Instrument>(
             columns.add::<Difference, 0>(all.part(orders[d].measured..all.count()), all, []);
         }
     }
-    for ((own, columns), Order { terms, measured }) in sums.iter_mut().zip(columns).zip(&orders) {
-        let p = own.parameters();
+    for ((degree, columns), Order { terms, measured }) in sums.iter_mut().zip(columns).zip(&orders) {
+        let p = degree.parameters();
         for (place, (i, (products, [total, square]))) in terms.iter().zip(columns.each()).enumerate() {
-            own.a[i * (p + 1) + p] = total;
-            own.instrument_squares[*i] = square;
+            degree.a[i * (p + 1) + p] = total;
+            degree.instrument_squares[*i] = square;
             for (j, product) in terms[*measured..].iter().zip(products) {
-                own.a[i * (p + 1) + j] = *product;
+                degree.a[i * (p + 1) + j] = *product;
             }
             if place >= *measured {
-                own.a[p * (p + 1) + i] = total;
-                own.regressor_squares[*i] = square;
+                degree.a[p * (p + 1) + i] = total;
+                degree.regressor_squares[*i] = square;
             }
         }
     }
@@ -68,21 +68,21 @@ pub(crate) fn add_measured<X: Instrument>(
             columns.add(zeta.terms(d), phi.terms(d), [phi.increments(d)]);
         }
     }
-    for ((own, columns), Order { terms, measured }) in sums.iter_mut().zip(columns).zip(&orders) {
-        let p = own.parameters();
+    for ((degree, columns), Order { terms, measured }) in sums.iter_mut().zip(columns).zip(&orders) {
+        let p = degree.parameters();
         for (place, (products, [total, square])) in columns.each().enumerate() {
             for (i, product) in terms.iter().zip(products) {
                 if place < *measured {
-                    own.a[i * (p + 1) + terms[place]] = *product;
+                    degree.a[i * (p + 1) + terms[place]] = *product;
                 } else {
-                    own.b[*i] = *product;
+                    degree.b[*i] = *product;
                 }
             }
             if place < *measured {
-                own.a[p * (p + 1) + terms[place]] = total;
-                own.regressor_squares[terms[place]] = square;
+                degree.a[p * (p + 1) + terms[place]] = total;
+                degree.regressor_squares[terms[place]] = square;
             } else {
-                own.b[p] = total;
+                degree.b[p] = total;
             }
         }
     }
@@ -176,13 +176,13 @@ impl To<'_> {
         simd: S,
         j: usize,
         at: usize,
-        own: [S::f64s; R],
+        row_sums: [S::f64s; R],
         ends: [S::f64s; 2],
     ) {
         let column = &mut self.sums[j * (self.height + 2)..(j + 1) * (self.height + 2)];
         let (products, both) = column.split_at_mut(self.height);
-        for (sum, own) in products[self.row..self.row + R].iter_mut().zip(own) {
-            add(simd, sum, at, own);
+        for (sum, row_sum) in products[self.row..self.row + R].iter_mut().zip(row_sums) {
+            add(simd, sum, at, row_sum);
         }
         if self.row == 0 {
             add(simd, &mut both[0], at, ends[0]);
@@ -211,25 +211,25 @@ impl<X: Signal, Y: Signal, Z: Signal, const R: usize, const C: usize, const E: u
         let zero = simd.splat_f64s(0.0);
         for at in 0..parts::<S>() {
             for block in (0..SPAN).step_by(BLOCK) {
-                let (mut own, mut ends) = ([[zero; R]; C], [[zero; 2]; C]);
-                let (mut own_last, mut ends_last) = ([[zero; R]; E], [[zero; 2]; E]);
+                let (mut row_sums, mut ends) = ([[zero; R]; C], [[zero; 2]; C]);
+                let (mut last_sums, mut last_ends) = ([[zero; R]; E], [[zero; 2]; E]);
                 for t in block..block + BLOCK {
                     let mut now = [zero; R];
                     for i in 0..R {
                         now[i] = x[i].at(simd, t, at);
                     }
                     for j in 0..C {
-                        add_one(simd, now, y[j].at(simd, t, at), &mut own[j], &mut ends[j]);
+                        add_one(simd, now, y[j].at(simd, t, at), &mut row_sums[j], &mut ends[j]);
                     }
                     for j in 0..E {
-                        add_one(simd, now, last[j].at(simd, t, at), &mut own_last[j], &mut ends_last[j]);
+                        add_one(simd, now, last[j].at(simd, t, at), &mut last_sums[j], &mut last_ends[j]);
                     }
                 }
                 for j in 0..C {
-                    to.put(simd, j, at, own[j], ends[j]);
+                    to.put(simd, j, at, row_sums[j], ends[j]);
                 }
                 for j in 0..E {
-                    to.put(simd, C + j, at, own_last[j], ends_last[j]);
+                    to.put(simd, C + j, at, last_sums[j], last_ends[j]);
                 }
             }
         }
@@ -242,12 +242,131 @@ fn add_one<S: Simd, const R: usize>(
     simd: S,
     x: [S::f64s; R],
     y: S::f64s,
-    own: &mut [S::f64s; R],
+    row_sums: &mut [S::f64s; R],
     ends: &mut [S::f64s; 2],
 ) {
     for i in 0..R {
-        own[i] = simd.mul_add_f64s(x[i], y, own[i]);
+        row_sums[i] = simd.mul_add_f64s(x[i], y, row_sums[i]);
     }
     ends[0] = simd.add_f64s(ends[0], y);
     ends[1] = simd.mul_add_f64s(y, y, ends[1]);
+}
+
+/// ζ at all samples of a batch whose runs share it, evaluated once for all passes and for all batches that share it.
+pub(crate) struct Kept {
+    /// Per degree of freedom a column per term in the passes' order, with a span of zeros at its end; none if the
+    /// runs do not share ζ.
+    columns: [Vec<Vec<f64>>; 3],
+}
+
+impl Kept {
+    /// Of a batch.
+    pub(crate) fn of(batch: AnyBatch) -> Self {
+        let AnyBatch::Shared(batch) = batch else { return Self { columns: Default::default() } };
+        let orders = Order::of(batch.model);
+        let mut columns = orders.each_ref().map(|order| vec![Vec::new(); order.terms.len()]);
+        let mut terms = Compiled::new(batch.model, &vec![0.0; batch.model.parameters()]);
+        let width = batch.model.exogenous();
+        for k in 0..batch.samples() {
+            let states = batch.instrument_states.as_chunks().0[k];
+            terms.look(states, &batch.instrument_exogenous[width * k..width * (k + 1)], None);
+            let mut first = 0;
+            for (columns, order) in columns.iter_mut().zip(&orders) {
+                for (column, i) in columns.iter_mut().zip(&order.terms) {
+                    column.push(terms.term(first + i));
+                }
+                first += order.terms.len();
+            }
+        }
+        columns.iter_mut().flatten().for_each(|column| column.extend([0.0; SPAN]));
+        Self { columns }
+    }
+}
+
+/// ζ, span by span.
+pub(crate) trait Zeta {
+    /// Terms of a degree of freedom.
+    type Terms<'s>: Signals
+    where
+        Self: 's;
+    /// Moves to samples `k..k + count`, `count` ≤ [`SPAN`].
+    fn go_to(&mut self, k: usize, count: usize);
+    /// The terms of degree of freedom `d` there; zero beyond.
+    fn terms(&self, d: usize) -> Self::Terms<'_>;
+}
+
+/// The number type of ζ: lanes, or numbers that all runs share.
+pub(crate) trait Instrument: Number {
+    /// ζ of a batch, with the `terms` of each degree of freedom. `kept` is of the same batch.
+    fn zeta<'s>(batch: &Batch<'s, Self>, kept: &'s Kept, terms: [Range<usize>; 3]) -> impl Zeta + 's;
+}
+
+impl Instrument for Lane {
+    #[inline(always)]
+    fn zeta<'s>(batch: &Batch<'s, Lane>, _: &'s Kept, terms: [Range<usize>; 3]) -> impl Zeta + 's {
+        Regressors::zeta(batch, terms)
+    }
+}
+
+impl Zeta for Regressors<'_> {
+    type Terms<'s>
+        = Products<'s>
+    where
+        Self: 's;
+
+    #[inline(always)]
+    fn go_to(&mut self, k: usize, count: usize) {
+        self.go_to(k, count);
+    }
+
+    #[inline(always)]
+    fn terms(&self, d: usize) -> Self::Terms<'_> {
+        self.terms(d)
+    }
+}
+
+impl Instrument for f64 {
+    #[inline(always)]
+    fn zeta<'s>(_: &Batch<'s, f64>, kept: &'s Kept, terms: [Range<usize>; 3]) -> impl Zeta + 's {
+        OfShared { terms, columns: &kept.columns, last: None, k: 0 }
+    }
+}
+
+/// ζ that runs share.
+struct OfShared<'s> {
+    /// The requested terms of each degree of freedom.
+    terms: [Range<usize>; 3],
+    columns: &'s [Vec<Vec<f64>>; 3],
+    /// A shorter last span, zero beyond.
+    last: Option<[Vec<Vec<f64>>; 3]>,
+    k: usize,
+}
+
+impl Zeta for OfShared<'_> {
+    type Terms<'s>
+        = Shared<'s>
+    where
+        Self: 's;
+
+    #[inline(always)]
+    fn go_to(&mut self, k: usize, count: usize) {
+        self.k = k;
+        let padded = |column: &Vec<f64>| {
+            let mut padded = column[k..k + count].to_vec();
+            padded.resize(SPAN, 0.0);
+            padded
+        };
+        self.last =
+            (count < SPAN).then(|| self.columns.each_ref().map(|column| column.iter().map(padded).collect()));
+    }
+
+    #[inline(always)]
+    fn terms(&self, d: usize) -> Shared<'_> {
+        let (columns, k) = match &self.last {
+            Some(last) => (&last[d], 0),
+            None => (&self.columns[d], self.k),
+        };
+        let Range { start, end } = self.terms[d];
+        Shared { columns: &columns[start..end.min(columns.len())], k }
+    }
 }

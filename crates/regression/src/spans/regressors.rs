@@ -4,12 +4,11 @@ use numerics::{Lane, Number, Numbers};
 use pulp::{Simd, WithSimd};
 use ship::model::{Factor, Model, Term};
 
-use super::signals::{Column, Difference, Modulus, Product, SPAN, Signal, Signals};
+use super::{Column, Difference, Modulus, Product, SPAN, Signal, Signals};
 use crate::Batch;
 use numerics::registers::{parts, put};
 
-/// The order in which the passes process the terms of a degree of freedom: first those with states, then those of
-/// inputs alone.
+/// The order in which the passes process the terms of a degree of freedom: first those with states, then those of inputs alone.
 pub(super) struct Order {
     pub terms: Vec<usize>,
     /// The number of terms that are not the same in φ and in ζ: those with states, or all where instruments have other inputs.
@@ -43,7 +42,7 @@ pub(super) const ALL: [Range<usize>; 3] = [0..usize::MAX, 0..usize::MAX, 0..usiz
 
 /// The column and the table of a signal.
 #[derive(Clone, Copy)]
-pub(super) enum Place {
+pub(super) enum ColumnPlace {
     State(usize),
     Input(usize),
     /// Among the signals computed span by span.
@@ -57,7 +56,7 @@ pub(super) type Table = Vec<Lane>;
 
 /// Products of signals with their coefficients, and the index of their sum.
 struct Sum {
-    products: Vec<(f64, Vec<Place>)>,
+    products: Vec<(f64, Vec<ColumnPlace>)>,
     computed: usize,
 }
 
@@ -67,9 +66,9 @@ pub(super) struct Regressors<'a> {
     states: &'a [Lane],
     inputs: Numbers<'a>,
     /// Per degree of freedom and term its two factors.
-    factors: [Vec<[Place; 2]>; 3],
+    factors: [Vec<[ColumnPlace; 2]>; 3],
     /// The variables whose moduli are factors, and the indices of the moduli.
-    moduli: Vec<(usize, Place, usize)>,
+    moduli: Vec<(usize, ColumnPlace, usize)>,
     /// Terms with more than two factors or with others tied to them; their first products have no coefficients.
     sums: Vec<Sum>,
     /// For φ: per degree of freedom the known part of Δy, and the index of a Δy that cannot be read from the states.
@@ -89,13 +88,14 @@ pub(super) struct Regressors<'a> {
 impl<'a> Regressors<'a> {
     /// φ of a batch, with the terms of each degree of freedom whose indices are in `terms`; and Δy.
     pub(super) fn phi<X: Number>(batch: &Batch<'a, X>, terms: [Range<usize>; 3]) -> Self {
-        let mut own = Self::of(batch.model, batch.measured, X::numbers(batch.exogenous), terms);
+        let mut regressors = Self::of(batch.model, batch.measured, X::numbers(batch.exogenous), terms);
         for degree in &batch.model.degrees {
-            let known = degree.known.iter().map(|known| (known.coefficient, own.places(&known.factors)));
-            let (products, computed) = (known.collect(), own.place());
-            own.increments.push(Sum { products, computed });
+            let known =
+                degree.known.iter().map(|known| (known.coefficient, regressors.places(&known.factors)));
+            let (products, computed) = (known.collect(), regressors.place());
+            regressors.increments.push(Sum { products, computed });
         }
-        own
+        regressors
     }
 
     /// ζ of a batch, likewise.
@@ -104,7 +104,7 @@ impl<'a> Regressors<'a> {
     }
 
     fn of(model: &'a Model, states: &'a [Lane], inputs: Numbers<'a>, terms: [Range<usize>; 3]) -> Self {
-        let mut own = Self {
+        let mut regressors = Self {
             model,
             states,
             inputs,
@@ -121,26 +121,26 @@ impl<'a> Regressors<'a> {
         };
         for (d, (order, range)) in Order::of(model).iter().zip(terms).enumerate() {
             for i in range.start..range.end.min(order.terms.len()) {
-                let factors = own.term(&model.degrees[d].terms[order.terms[i]]);
-                own.factors[d].push(factors);
+                let factors = regressors.term(&model.degrees[d].terms[order.terms[i]]);
+                regressors.factors[d].push(factors);
             }
         }
-        own
+        regressors
     }
 
     /// Two signals whose product is a term.
-    fn term(&mut self, term: &Term) -> [Place; 2] {
+    fn term(&mut self, term: &Term) -> [ColumnPlace; 2] {
         let factors = self.places(&term.factors);
         match factors[..] {
-            [] if term.tied.is_empty() => [Place::One; 2],
-            [one] if term.tied.is_empty() => [one, Place::One],
+            [] if term.tied.is_empty() => [ColumnPlace::One; 2],
+            [one] if term.tied.is_empty() => [one, ColumnPlace::One],
             [one, two] if term.tied.is_empty() => [one, two],
             _ => {
                 let tied = term.tied.iter().map(|tied| (tied.coefficient, self.places(&tied.factors)));
                 let products = [(1.0, factors)].into_iter().chain(tied).collect();
                 let computed = self.place();
                 self.sums.push(Sum { products, computed });
-                [Place::Computed(computed), Place::One]
+                [ColumnPlace::Computed(computed), ColumnPlace::One]
             }
         }
     }
@@ -151,29 +151,29 @@ impl<'a> Regressors<'a> {
         self.computed.len() - 1
     }
 
-    fn places(&mut self, factors: &[Factor]) -> Vec<Place> {
+    fn places(&mut self, factors: &[Factor]) -> Vec<ColumnPlace> {
         factors.iter().map(|factor| self.factor(*factor)).collect()
     }
 
-    fn factor(&mut self, Factor { variable, modulus }: Factor) -> Place {
+    fn factor(&mut self, Factor { variable, modulus }: Factor) -> ColumnPlace {
         if !modulus {
             return self.variable(variable);
         }
-        let found = self.moduli.iter().find(|(of, ..)| *of == variable).map(|(.., computed)| *computed);
-        Place::Computed(found.unwrap_or_else(|| {
+        let known = self.moduli.iter().find(|(of, ..)| *of == variable).map(|(.., computed)| *computed);
+        ColumnPlace::Computed(known.unwrap_or_else(|| {
             let (place, computed) = (self.variable(variable), self.place());
             self.moduli.push((variable, place, computed));
             computed
         }))
     }
 
-    fn variable(&mut self, variable: usize) -> Place {
+    fn variable(&mut self, variable: usize) -> ColumnPlace {
         if variable < 3 {
-            return Place::State(variable);
+            return ColumnPlace::State(variable);
         }
         let input = variable - 3;
-        let found = self.copied.iter().position(|(of, _)| *of == input);
-        Place::Input(found.unwrap_or_else(|| {
+        let known = self.copied.iter().position(|(of, _)| *of == input);
+        ColumnPlace::Input(known.unwrap_or_else(|| {
             self.copied.push((input, Table::new()));
             self.copied.len() - 1
         }))
@@ -192,18 +192,20 @@ impl<'a> Regressors<'a> {
         self.copy_inputs(count);
         for i in 0..self.moduli.len() {
             let (_, place, computed) = self.moduli[i];
-            self.compute(computed, |own, out| fill(Modulus(own.column(place)), out));
+            self.compute(computed, |regressors, out| fill(Modulus(regressors.column(place)), out));
         }
         for i in 0..self.sums.len() {
-            self.compute(self.sums[i].computed, |own, out| {
-                let [(_, first), tied @ ..] = &own.sums[i].products[..] else { return };
-                own.multiply(first, out);
-                own.add(tied, out);
+            self.compute(self.sums[i].computed, |regressors, out| {
+                let [(_, first), tied @ ..] = &regressors.sums[i].products[..] else { return };
+                regressors.multiply(first, out);
+                regressors.add(tied, out);
             });
         }
         for d in 0..self.increments.len() {
             if !self.read_increments(d) {
-                self.compute(self.increments[d].computed, |own, out| own.increase(d, count, out));
+                self.compute(self.increments[d].computed, |regressors, out| {
+                    regressors.increase(d, count, out)
+                });
             }
         }
     }
@@ -248,8 +250,8 @@ impl<'a> Regressors<'a> {
 
     /// The product of some signals.
     #[inline(always)]
-    fn multiply(&self, factors: &[Place], out: &mut Table) {
-        let first = |i: usize| self.column(factors.get(i).copied().unwrap_or(Place::One));
+    fn multiply(&self, factors: &[ColumnPlace], out: &mut Table) {
+        let first = |i: usize| self.column(factors.get(i).copied().unwrap_or(ColumnPlace::One));
         fill(Product([first(0), first(1)]), out);
         for factor in factors.iter().skip(2) {
             let column = self.column(*factor);
@@ -259,11 +261,11 @@ impl<'a> Regressors<'a> {
 
     /// Adds products with their coefficients.
     #[inline(always)]
-    fn add(&self, products: &[(f64, Vec<Place>)], out: &mut Table) {
-        let mut own = vec![Lane::ZERO; 3 * SPAN];
+    fn add(&self, products: &[(f64, Vec<ColumnPlace>)], out: &mut Table) {
+        let mut product = vec![Lane::ZERO; 3 * SPAN];
         for (coefficient, factors) in products {
-            self.multiply(factors, &mut own);
-            (0..SPAN).for_each(|t| out[3 * t] += Lane::splat(*coefficient) * own[3 * t]);
+            self.multiply(factors, &mut product);
+            (0..SPAN).for_each(|t| out[3 * t] += Lane::splat(*coefficient) * product[3 * t]);
         }
     }
 
@@ -285,17 +287,17 @@ impl<'a> Regressors<'a> {
     }
 
     #[inline(always)]
-    fn column(&self, place: Place) -> Column<'_> {
+    fn column(&self, place: ColumnPlace) -> Column<'_> {
         let entries = match place {
-            Place::State(i) if self.whole => &self.states[3 * self.k + i..],
-            Place::State(i) => &self.last[i..],
-            Place::Input(i) => match self.read_inputs() {
+            ColumnPlace::State(i) if self.whole => &self.states[3 * self.k + i..],
+            ColumnPlace::State(i) => &self.last[i..],
+            ColumnPlace::Input(i) => match self.read_inputs() {
                 Some(inputs) => &inputs[3 * self.k + self.copied[i].0..],
                 None => &self.copied[i].1,
             },
-            Place::Computed(i) => &self.computed[i],
-            Place::One if self.whole => return Column::ONE,
-            Place::One => &self.ones,
+            ColumnPlace::Computed(i) => &self.computed[i],
+            ColumnPlace::One if self.whole => return Column::ONE,
+            ColumnPlace::One => &self.ones,
         };
         Column::of(entries)
     }
@@ -311,9 +313,9 @@ impl<'a> Regressors<'a> {
     pub(super) fn increments(&self, d: usize) -> Difference<'_> {
         if self.read_increments(d) {
             let after = &self.states[3 * (self.k + 1) + d..];
-            Difference([Column::of(after), self.column(Place::State(d))])
+            Difference([Column::of(after), self.column(ColumnPlace::State(d))])
         } else {
-            Difference([self.column(Place::Computed(self.increments[d].computed)), Column::ZERO])
+            Difference([self.column(ColumnPlace::Computed(self.increments[d].computed)), Column::ZERO])
         }
     }
 
@@ -328,7 +330,7 @@ impl<'a> Regressors<'a> {
 #[derive(Clone, Copy)]
 pub(super) struct Products<'s> {
     table: &'s Regressors<'s>,
-    factors: &'s [[Place; 2]],
+    factors: &'s [[ColumnPlace; 2]],
 }
 
 impl<'s> Signals for Products<'s> {

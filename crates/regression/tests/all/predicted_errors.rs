@@ -1,7 +1,7 @@
 //! The covariance predicted from stated disturbances against the spread of estimates, and against its definition.
 
 use numerics::{LANES, Lane};
-use regression::{Estimate, MeanRemoval, Noise, Outcome, middle, moments};
+use regression::{Estimate, MeanRemoval, Noise, Outcome, meat as middle, moments};
 use ship::engine::{Weather, simulate};
 use ship::model::{Source, Vessel};
 

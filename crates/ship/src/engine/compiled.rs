@@ -3,15 +3,14 @@ use std::ops::Range;
 use crate::model::{Factor, Model, RateChange, Term};
 use numerics::Row;
 
-use crate::engine::moving::{Point, Stepping};
+use super::force_step::{Point, Stepping};
 use crate::engine::products::{
     Curve, Derivatives, ONE, Products, Slope, first_coefficient, note, place, put_state,
 };
 
-/// A model with its parameters, compiled to products of two places each, so that a step has no branches.
-/// Places hold one, every variable, its modulus, its sign, and the leading products of terms with more than
-/// two factors. Terms that are tied to each other are summed in a place of their own. `X` is a
-/// [`numerics::Lane`] for lanes of runs, or `f64` for a single one.
+/// A model with its parameters, compiled to products of two places each, so that a step has no branches. Places hold one, every
+/// variable, its modulus, its sign, and the leading products of terms with more than two factors. Terms that are tied to each
+/// other are summed in a place of their own. `X` is a [`numerics::Lane`] for lanes of runs, or `f64` for a single one.
 ///
 /// [`Self::look`] sets a point; values there are computed on request. Derivatives are compiled on first use,
 /// so that callers who only need values do not pay for them.
@@ -98,8 +97,8 @@ impl Places {
     fn product(&mut self, factors: &[Factor], coefficient: Option<usize>) -> [usize; 2] {
         let used = factors.iter().filter(|factor| factor.modulus);
         used.for_each(|factor| note(&mut self.moduli, factor.variable));
-        let own = factors.iter().map(|factor| place(*factor, self.variables));
-        self.products.pair(own.chain(coefficient))
+        let own_places = factors.iter().map(|factor| place(*factor, self.variables));
+        self.products.pair(own_places.chain(coefficient))
     }
 
     /// Two places whose product is `term`.
@@ -149,12 +148,12 @@ impl<'m, X: Stepping> Compiled<'m, X> {
         let mut all = parameters.to_vec();
         all.extend(model.known().map(|(_, known)| X::from(known.coefficient)));
         let mut first = 0;
-        let moving = model.forces.as_ref().map(|own| Box::new(X::moving(own, parameters)));
+        let moving = model.forces.as_ref().map(|forces| Box::new(X::moving(forces, parameters)));
         let mut sums = model.degrees.each_ref().map(|degree| {
-            let own = first..first + degree.terms.len();
-            first = own.end;
+            let range = first..first + degree.terms.len();
+            first = range.end;
             let mut sum: Vec<_> =
-                own.map(|i| Weighted { parameter: parameters[i], places: terms[i] }).collect();
+                range.map(|i| Weighted { parameter: parameters[i], places: terms[i] }).collect();
             sum.sort_by_key(|term| kind(term.places, variables));
             sum
         });
@@ -213,10 +212,10 @@ impl<'m, X: Stepping> Compiled<'m, X> {
     /// Computes the increments of a sample that is not one step, by Σ w_j (x_j − x_0) over the states x_j after j steps.
     #[inline(never)]
     fn pace(&mut self) {
-        let Some(mut own) = self.paced.take() else { return };
+        let Some(mut paced) = self.paced.take() else { return };
         let start = [self.places[1], self.places[2], self.places[3]];
         let (mut state, mut gained) = (start, [X::ZERO; 3]);
-        for (j, weight) in own.weights.iter().enumerate() {
+        for (j, weight) in paced.weights.iter().enumerate() {
             if j > 0 {
                 self.set_state(state);
             }
@@ -227,8 +226,8 @@ impl<'m, X: Stepping> Compiled<'m, X> {
             }
         }
         self.set_state(start);
-        own.gained = gained;
-        self.paced = Some(own);
+        paced.gained = gained;
+        self.paced = Some(paced);
     }
 
     /// Sets the state through the water at the point.
@@ -239,7 +238,7 @@ impl<'m, X: Stepping> Compiled<'m, X> {
 
     /// Derivatives of the increments of a sample that is not one step, by the states and, if `all`, by the exogenous variables.
     fn paced_gradients(&mut self, all: bool, out: &mut [[X; 3]]) {
-        let Some(own) = self.paced.take() else { return };
+        let Some(paced) = self.paced.take() else { return };
         let start = [self.places[1], self.places[2], self.places[3]];
         let mut state = start;
         let mut step = vec![[X::ZERO; 3]; out.len()];
@@ -247,7 +246,7 @@ impl<'m, X: Stepping> Compiled<'m, X> {
         let mut so_far = step.clone();
         (0..3).for_each(|d| so_far[d][d] = X::ONE);
         out.fill([X::ZERO; 3]);
-        for weight in &own.weights {
+        for weight in &paced.weights {
             self.own_gradients(if all { &[true, false] } else { &[true] }, &mut step);
             let gained = [self.increment(0), self.increment(1), self.increment(2)];
             for (i, row) in so_far.iter_mut().enumerate() {
@@ -264,7 +263,7 @@ impl<'m, X: Stepping> Compiled<'m, X> {
             self.set_state(state);
         }
         self.set_state(start);
-        self.paced = Some(own);
+        self.paced = Some(paced);
     }
 
     /// Computes the places that follow from the variables.
@@ -305,11 +304,11 @@ impl<'m, X: Stepping> Compiled<'m, X> {
     /// θᵀφ of surge, sway and yaw, plus the increments without parameters.
     #[inline(always)]
     pub fn increments(&self) -> [X; 3] {
-        if let Some(own) = &self.moving {
-            return X::increments(own, self.point(self.current));
+        if let Some(moving) = &self.moving {
+            return X::increments(moving, self.point(self.current));
         }
-        if let Some(own) = &self.paced {
-            return own.gained;
+        if let Some(paced) = &self.paced {
+            return paced.gained;
         }
         [self.increment(0), self.increment(1), self.increment(2)]
     }
@@ -358,12 +357,12 @@ impl<'m, X: Stepping> Compiled<'m, X> {
         let Self { variables, places, .. } = self;
         put_state(places, state, current);
         let exogenous = exogenous.up_to(*variables - 3);
-        for (i, own) in places[4..=*variables].iter_mut().enumerate() {
-            *own = X::of(|place| exogenous.entry(i, place));
+        for (i, entry) in places[4..=*variables].iter_mut().enumerate() {
+            *entry = X::of(|place| exogenous.entry(i, place));
         }
-        if let Some(own) = &self.moving {
+        if let Some(moving) = &self.moving {
             let current = [state[0] - self.places[1], state[1] - self.places[2]];
-            let gained = X::increments(own, self.point(current));
+            let gained = X::increments(moving, self.point(current));
             (0..3).for_each(|d| state[d] += gained[d]);
             return;
         }
@@ -383,21 +382,21 @@ impl<'m, X: Stepping> Compiled<'m, X> {
     /// J with J\[d\]\[i\] = θ_dᵀ ∂φ_d/∂(state i). The slope of a modulus at zero is 0, here and below.
     #[inline(always)]
     pub fn slopes(&mut self) -> [[X; 3]; 3] {
-        if let Some(own) = &mut self.moving {
+        if let Some(moving) = &mut self.moving {
             let mut by_state = [[X::ZERO; 3]; 3];
-            X::gradients(own, point(&self.places[1..=self.variables], self.current), 0..3, &mut by_state);
-            return [0, 1, 2].map(|d: usize| by_state.map(|own| own[d]));
+            X::gradients(moving, point(&self.places[1..=self.variables], self.current), 0..3, &mut by_state);
+            return [0, 1, 2].map(|d: usize| by_state.map(|row| row[d]));
         }
         if self.paced.is_some() {
             let mut by_state = [[X::ZERO; 3]; 3];
             self.paced_gradients(false, &mut by_state);
-            return [0, 1, 2].map(|d: usize| by_state.map(|own| own[d]));
+            return [0, 1, 2].map(|d: usize| by_state.map(|row| row[d]));
         }
         let Self { model, variables, parameters, by_state, places, .. } = self;
-        let get_or_insert_with = by_state.get_or_insert_with(|| Derivatives::once(model, places, true));
-        get_or_insert_with.evaluate(*variables, places);
+        let derivatives = by_state.get_or_insert_with(|| Derivatives::once(model, places, true));
+        derivatives.evaluate(*variables, places);
         let mut slopes = [[X::ZERO; 3]; 3];
-        for Slope { parameter, degree, variable, places: [one, two] } in &get_or_insert_with.parts {
+        for Slope { parameter, degree, variable, places: [one, two] } in &derivatives.parts {
             slopes[*degree][*variable] += parameters[*parameter] * (places[*one] * places[*two]);
         }
         slopes
@@ -411,16 +410,16 @@ impl<'m, X: Stepping> Compiled<'m, X> {
         let Self { model, parameters, by_state, by_exogenous, twice, places, .. } = self;
         let variables = model.variables.len();
         out.fill(X::ZERO);
-        for (own, states) in [(by_state, true), (by_exogenous, false)] {
-            let own = own.get_or_insert_with(|| Derivatives::once(model, places, states));
-            own.evaluate(variables, places);
-            for Slope { parameter, variable, places: [one, two], .. } in &own.parts {
+        for (part, states) in [(by_state, true), (by_exogenous, false)] {
+            let derivatives = part.get_or_insert_with(|| Derivatives::once(model, places, states));
+            derivatives.evaluate(variables, places);
+            for Slope { parameter, variable, places: [one, two], .. } in &derivatives.parts {
                 out[*variable] += terms[*parameter] * (places[*one] * places[*two]);
             }
         }
-        let get_or_insert_with = twice.get_or_insert_with(|| Derivatives::twice(model, places));
-        get_or_insert_with.evaluate(variables, places);
-        for Curve { parameter, degree, state, variable, places: [one, two] } in &get_or_insert_with.parts {
+        let curves = twice.get_or_insert_with(|| Derivatives::twice(model, places));
+        curves.evaluate(variables, places);
+        for Curve { parameter, degree, state, variable, places: [one, two] } in &curves.parts {
             let weight = slopes[*degree][*state] * parameters[*parameter];
             out[*variable] += weight * (places[*one] * places[*two]);
         }
@@ -438,11 +437,11 @@ impl<'m, X: Stepping> Compiled<'m, X> {
 
     /// By the states or by the exogenous variables.
     fn gradients_by(&mut self, which: &[bool], out: &mut [[X; 3]]) {
-        if let Some(own) = &mut self.moving {
+        if let Some(moving) = &mut self.moving {
             out.fill([X::ZERO; 3]);
             let first = if which.contains(&true) { 0 } else { 3 };
             let here = point(&self.places[1..=self.variables], self.current);
-            return X::gradients(own, here, first..self.variables, out);
+            return X::gradients(moving, here, first..self.variables, out);
         }
         if self.paced.is_some() {
             self.paced_gradients(true, out);
@@ -459,10 +458,10 @@ impl<'m, X: Stepping> Compiled<'m, X> {
         let Self { model, parameters, by_state, by_exogenous, places, .. } = self;
         out.fill([X::ZERO; 3]);
         for states in which {
-            let own = if *states { &mut *by_state } else { &mut *by_exogenous };
-            let own = own.get_or_insert_with(|| Derivatives::once(model, places, *states));
-            own.evaluate(model.variables.len(), places);
-            for Slope { parameter, degree, variable, places: [one, two] } in &own.parts {
+            let part = if *states { &mut *by_state } else { &mut *by_exogenous };
+            let derivatives = part.get_or_insert_with(|| Derivatives::once(model, places, *states));
+            derivatives.evaluate(model.variables.len(), places);
+            for Slope { parameter, degree, variable, places: [one, two] } in &derivatives.parts {
                 out[*variable][*degree] += parameters[*parameter] * (places[*one] * places[*two]);
             }
         }

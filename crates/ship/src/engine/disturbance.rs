@@ -4,8 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::engine::Streams;
-use crate::engine::noise::Channels;
-use crate::engine::normals::Normals;
+use crate::engine::noise::{Channels, Normals};
 
 /// A current.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
@@ -267,16 +266,16 @@ pub struct Disturbing {
 impl Disturbing {
     /// The disturbances of the next samples. Their number is even, except at the end.
     pub(crate) fn next(&mut self, samples: usize) -> Weather<'_> {
-        let Self { current, force, drawn: [own, forces], .. } = self;
+        let Self { current, force, drawn: [currents, forces], .. } = self;
         if let Some(current) = current {
-            own.resize(2 * samples, Lane::ZERO);
-            current.draw(own);
+            currents.resize(2 * samples, Lane::ZERO);
+            current.draw(currents);
         }
         if let Some(force) = force {
             forces.resize(3 * samples, Lane::ZERO);
             force.draw(forces);
         }
-        Weather { current: own, turning: self.turning, force: forces }
+        Weather { current: currents, turning: self.turning, force: forces }
     }
 
     /// The noise that [`Self::measure`] will add to the next samples, up to rounding, samples × 3.
@@ -284,8 +283,7 @@ impl Disturbing {
         self.measurement.clone().put(out);
     }
 
-    /// Adds measurement noise to the states of the next samples, samples × 3. Their number is even, except at
-    /// the end.
+    /// Adds measurement noise to the states of the next samples, samples × 3. Their number is even, except at the end.
     pub(crate) fn measure(&mut self, states: &mut [Lane]) {
         self.measurement.add(states);
     }
@@ -372,7 +370,7 @@ impl<const WIDTH: usize> Noise<WIDTH> {
         vectorized!(self.change(
             out,
             #[inline(always)]
-            |own, noise, std| std.fused(noise, own)
+            |value, noise, std| std.fused(noise, value)
         ));
     }
 

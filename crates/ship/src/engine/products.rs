@@ -87,37 +87,36 @@ impl<T> Derivatives<T> {
     fn new<X: Arithmetic>(
         model: &Model,
         places: &mut Vec<X>,
-        mut add: impl FnMut(&mut Self, usize, usize, &Written),
+        mut add: impl FnMut(&mut Self, usize, usize, AsWritten),
     ) -> Self {
         let products = Products::after(places.len());
-        let mut own = Self { signs: Vec::new(), products, parts: Vec::new() };
+        let mut all = Self { signs: Vec::new(), products, parts: Vec::new() };
         let (mut parameter, mut coefficients) = (0, first_coefficient(model)..);
         for (degree, terms) in model.degrees.iter().map(|d| &d.terms).enumerate() {
             for term in terms {
-                add(&mut own, parameter, degree, &Written { factors: &term.factors, coefficient: None });
+                add(&mut all, parameter, degree, (&term.factors, None));
                 for (tied, coefficient) in term.tied.iter().zip(&mut coefficients) {
-                    let coefficient = Some(coefficient);
-                    add(&mut own, parameter, degree, &Written { factors: &tied.factors, coefficient });
+                    add(&mut all, parameter, degree, (&tied.factors, Some(coefficient)));
                 }
                 parameter += 1;
             }
         }
         for (i, (degree, known)) in model.known().enumerate() {
-            add(&mut own, parameter + i, degree, &Written { factors: &known.factors, coefficient: None });
+            add(&mut all, parameter + i, degree, (&known.factors, None));
         }
-        places.resize(places.len() + own.products.pairs.len(), X::ONE);
-        own
+        places.resize(places.len() + all.products.pairs.len(), X::ONE);
+        all
     }
 
     /// Two places whose product is `term` without its factors `dropped`, times the inner derivatives of these.
-    fn rest(&mut self, model: &Model, term: &Written, dropped: &[usize]) -> [usize; 2] {
+    fn rest(&mut self, model: &Model, (factors, coefficient): AsWritten, dropped: &[usize]) -> [usize; 2] {
         let variables = model.variables.len();
-        let moduli = || dropped.iter().map(|i| term.factors[*i]).filter(|factor| factor.modulus);
+        let moduli = || dropped.iter().map(|i| factors[*i]).filter(|factor| factor.modulus);
         moduli().for_each(|factor| note(&mut self.signs, factor.variable));
-        let kept = term.factors.iter().enumerate().filter(|(i, _)| !dropped.contains(i));
+        let kept = factors.iter().enumerate().filter(|(i, _)| !dropped.contains(i));
         let signs = moduli().map(|factor| 1 + 2 * variables + factor.variable);
         let all = kept.map(|(_, factor)| place(*factor, variables)).chain(signs);
-        self.products.pair(all.chain(term.coefficient))
+        self.products.pair(all.chain(coefficient))
     }
 
     #[inline(always)]
@@ -132,11 +131,11 @@ impl<T> Derivatives<T> {
 impl Derivatives<Slope> {
     /// By those variables that are states, or by the others.
     pub fn once<X: Arithmetic>(model: &Model, places: &mut Vec<X>, states: bool) -> Self {
-        Self::new(model, places, |own, parameter, degree, term| {
-            for (i, Factor { variable, .. }) in term.factors.iter().enumerate() {
+        Self::new(model, places, |derivatives, parameter, degree, term| {
+            for (i, Factor { variable, .. }) in term.0.iter().enumerate() {
                 if (*variable < 3) == states {
-                    let places = own.rest(model, term, &[i]);
-                    own.parts.push(Slope { parameter, degree, variable: *variable, places });
+                    let places = derivatives.rest(model, term, &[i]);
+                    derivatives.parts.push(Slope { parameter, degree, variable: *variable, places });
                 }
             }
         })
@@ -146,12 +145,12 @@ impl Derivatives<Slope> {
 impl Derivatives<Curve> {
     /// By a state and by any variable.
     pub fn twice<X: Arithmetic>(model: &Model, places: &mut Vec<X>) -> Self {
-        Self::new(model, places, |own, parameter, degree, term| {
-            for (i, Factor { variable: state, .. }) in term.factors.iter().enumerate() {
-                for (j, Factor { variable, .. }) in term.factors.iter().enumerate() {
+        Self::new(model, places, |derivatives, parameter, degree, term| {
+            for (i, Factor { variable: state, .. }) in term.0.iter().enumerate() {
+                for (j, Factor { variable, .. }) in term.0.iter().enumerate() {
                     if *state < 3 && i != j {
-                        let places = own.rest(model, term, &[i, j]);
-                        own.parts.push(Curve {
+                        let places = derivatives.rest(model, term, &[i, j]);
+                        derivatives.parts.push(Curve {
                             parameter,
                             degree,
                             state: *state,
@@ -165,11 +164,8 @@ impl Derivatives<Curve> {
     }
 }
 
-/// A product as written, and the place of its coefficient, if it has one.
-pub(crate) struct Written<'a> {
-    pub factors: &'a [Factor],
-    pub coefficient: Option<usize>,
-}
+/// The factors of a product, and the place of its coefficient, if it has one.
+type AsWritten<'a> = (&'a [Factor], Option<usize>);
 
 /// The place of the first coefficient of tied terms: after one, the variables, their moduli and signs.
 pub(crate) fn first_coefficient(model: &Model) -> usize {

@@ -1,9 +1,11 @@
 use std::ops::Range;
 
-use crate::model::Model;
 use numerics::{Arithmetic, LANES, Lane, Number, Numbers, Row, Wide, vectorized};
+use refusal::Invalid;
 
 use crate::engine::{Ambient, Compiled, Disturbing, Weather};
+use crate::forces::Body;
+use crate::model::{DegreeOfFreedom, ForceModel, Model};
 
 /// A speed \[m/s\] or yaw rate \[rad/s\] beyond which a simulation counts as diverged.
 pub const DIVERGED: f64 = 1e3;
@@ -17,8 +19,7 @@ pub struct Diverged {
     pub state: usize,
 }
 
-/// Simulates a lane of [`numerics::LANES`] runs of N samples: x(k+1) = x(k) + θᵀφ(x(k) − x_c(k),
-/// exogenous(k)).
+/// Simulates a lane of [`numerics::LANES`] runs of N samples: x(k+1) = x(k) + θᵀφ(x(k) − x_c(k), exogenous(k)).
 ///
 /// `parameters`: one lane per parameter. `initial`: u, v, r. `exogenous`: N × (inputs and measured disturbances).
 /// `states`: filled with (N+1) × 3. All row-major.
@@ -83,8 +84,7 @@ pub struct Recording<'a> {
     pub measured: &'a mut [Lane],
 }
 
-/// Samples that are drawn, simulated and measured at a time, so that they stay in the L1 cache. An even
-/// number.
+/// Samples that are drawn, simulated and measured at a time, so that they stay in the L1 cache. An even number.
 pub(crate) const AT_ONCE: usize = 32;
 
 /// Simulates and measures `G` times as many runs as [`simulate`], with their disturbances. Returns a number
@@ -97,7 +97,7 @@ pub fn simulate_disturbed<const G: usize>(
     mut groups: [Recording; G],
 ) -> [Lane; G] {
     let mut follow = Follow::new(model, parameters, initial);
-    let samples = groups.first().map_or(0, |own| own.measured.len() / 3 - 1);
+    let samples = groups.first().map_or(0, |group| group.measured.len() / 3 - 1);
     let mut beyond = [Lane::ZERO; G];
     for first in (0..samples.max(1)).step_by(AT_ONCE) {
         let end = samples.min(first + AT_ONCE);
@@ -144,8 +144,7 @@ impl<'m, const G: usize> Follow<'m, G> {
         put(&mut states, samples, &self.state);
     }
 
-    /// Steps through `samples` and writes the states, the one after the last if there is space for it. Marks
-    /// lanes that diverge.
+    /// Steps through `samples` and writes the states, the one after the last if there is space for it. Marks lanes that diverge.
     #[inline(always)]
     fn block(
         &mut self,
@@ -166,8 +165,7 @@ impl<'m, const G: usize> Follow<'m, G> {
         }
     }
 
-    /// Steps through `samples` and writes the state before each of them; weather and states begin at the
-    /// first of them.
+    /// Steps through `samples` and writes the state before each of them; weather and states begin at the first of them.
     #[inline(always)]
     pub fn go(
         &mut self,
@@ -177,9 +175,9 @@ impl<'m, const G: usize> Follow<'m, G> {
         states: &mut [&mut [Lane]; G],
     ) {
         let count = samples.len();
-        let simple = |own: &Weather| own.turning == 0.0 && own.force.is_empty();
-        let flowing = weather.iter().filter(|own| own.current.len() >= 2 * count).count();
-        let still = weather.iter().filter(|own| own.current.is_empty()).count();
+        let simple = |weather: &Weather| weather.turning == 0.0 && weather.force.is_empty();
+        let flowing = weather.iter().filter(|group| group.current.len() >= 2 * count).count();
+        let still = weather.iter().filter(|group| group.current.is_empty()).count();
         if !weather.iter().all(simple) || flowing.max(still) < G {
             return self.go_in_all_weathers(exogenous, samples, weather, states);
         }
@@ -196,8 +194,8 @@ impl<'m, const G: usize> Follow<'m, G> {
             return;
         }
         let mut currents = [[].as_slice(); G];
-        for (group, own) in weather.iter().enumerate() {
-            currents[group] = &own.current.as_chunks::<2>().0[..count];
+        for (group, around) in weather.iter().enumerate() {
+            currents[group] = &around.current.as_chunks::<2>().0[..count];
         }
         for (i, k) in samples.enumerate() {
             put(states, i, &self.state);
@@ -270,11 +268,11 @@ impl<const G: usize> Rows<G> for [&[Lane]; G] {
     type Row = Self;
     #[inline(always)]
     fn rows(&self, width: usize) -> usize {
-        self.first().map_or(0, |own| own.len() / width)
+        self.first().map_or(0, |rows| rows.len() / width)
     }
     #[inline(always)]
     fn row(&self, k: usize, width: usize) -> Self {
-        self.map(|own| &own[width * k..width * (k + 1)])
+        self.map(|rows| &rows[width * k..width * (k + 1)])
     }
 }
 
@@ -283,15 +281,15 @@ impl<const G: usize> Rows<G> for [&[Lane]; G] {
 fn ambient<const G: usize>(weather: &[Weather; G], k: usize, heading: &Wide<G>) -> Ambient<Wide<G>> {
     let (mut current, mut force) = ([Wide::ZERO; 2], [Wide::ZERO; 3]);
     let (mut flowing, mut forced) = (false, false);
-    for (group, own) in weather.iter().enumerate() {
-        flowing |= !own.current.is_empty();
-        forced |= !own.force.is_empty();
-        if let Some(components) = own.current.as_chunks::<2>().0.get(k) {
+    for (group, around) in weather.iter().enumerate() {
+        flowing |= !around.current.is_empty();
+        forced |= !around.force.is_empty();
+        if let Some(components) = around.current.as_chunks::<2>().0.get(k) {
             let components =
-                if own.turning == 0.0 { *components } else { turned(components, &heading.0[group]) };
+                if around.turning == 0.0 { *components } else { turned(components, &heading.0[group]) };
             (0..2).for_each(|i| current[i].0[group] = components[i]);
         }
-        if let Some(components) = own.force.as_chunks::<3>().0.get(k) {
+        if let Some(components) = around.force.as_chunks::<3>().0.get(k) {
             (0..3).for_each(|i| force[i].0[group] = components[i]);
         }
     }
@@ -308,8 +306,7 @@ fn put<const G: usize>(states: &mut [&mut [Lane]; G], k: usize, state: &[Wide<G>
     }
 }
 
-/// The components north and east along and across a heading. Not inlined: sines and cosines are not
-/// vectorized.
+/// The components north and east along and across a heading. Not inlined: sines and cosines are not vectorized.
 #[inline(never)]
 fn turned(current: &[Lane; 2], heading: &Lane) -> [Lane; 2] {
     let mut out = [Lane::ZERO; 2];
@@ -352,8 +349,7 @@ fn check_bounded(mut states: impl Iterator<Item = f64>, most: f64) -> Option<Div
     states.position(beyond).map(|i| Diverged { sample: i / 3, state: i % 3 })
 }
 
-/// [`check_diverged`] for every lane of `states`, (N+1) × 3 row-major. Single lanes are checked only if one
-/// of them diverged.
+/// [`check_diverged`] for every lane of `states`, (N+1) × 3 row-major. Single lanes are checked only if one of them diverged.
 pub fn diverged_lanes(states: &[Lane]) -> [Option<Diverged>; LANES] {
     let beyond = vectorized!({
         let mut beyond = Lane::ZERO;
@@ -369,5 +365,97 @@ pub fn diverged_lanes(states: &[Lane]) -> [Option<Diverged>; LANES] {
 pub fn mark_beyond(mark: &mut Lane, state: Lane) {
     for (mark, state) in mark.0.iter_mut().zip(state.0) {
         *mark = if state.abs() <= DIVERGED { *mark } else { 1.0 };
+    }
+}
+
+impl Diverged {
+    /// The refusal of a vessel whose motion in `what`, with so many samples a second, diverges.
+    pub fn invalid(self, what: impl Into<String>, rate_hz: f64) -> Invalid {
+        let state = DegreeOfFreedom::ALL[self.state.min(2)].state();
+        let (sample, seconds) = (self.sample, self.sample as f64 / rate_hz);
+        Invalid::new(
+            what,
+            format!(
+                "a simulation that diverges: {state} leaves every bound at sample {sample}, after {seconds:.1} s"
+            ),
+            "bounded motion",
+            "check the signs of the terms; make the damping stronger (per sample between -1 and 0 for a linear one), or the inputs or the sampling interval smaller",
+        )
+    }
+}
+
+/// Most samples of a simulated run.
+pub const MOST_SAMPLES: usize = 1 << 22;
+
+/// Refuses runs of more than [`MOST_SAMPLES`] samples, which `thing` requests.
+///
+/// # Errors
+/// States both numbers.
+pub fn refuse_endless(thing: impl Into<String>, samples: usize) -> Result<(), Invalid> {
+    if samples <= MOST_SAMPLES {
+        return Ok(());
+    }
+    let (given, expected) = (format!("{samples} samples"), format!("at most {MOST_SAMPLES} samples"));
+    Err(Invalid::new(thing, given, expected, "shorten it"))
+}
+
+/// Simulates one run in still water along its inputs. Where they are held during each sample, as those of simulated runs are, this
+/// is [`simulate_one`]. Else forces act by inputs that are linear between samples, as logged ones are; the last row is held.
+pub fn replay(
+    model: &Model,
+    parameters: &[f64],
+    initial: [f64; 3],
+    exogenous: &[f64],
+    are_inputs_held: bool,
+) -> Vec<f64> {
+    let width = model.exogenous().max(1);
+    let moved = match &model.forces {
+        Some(moved) if !are_inputs_held => moved,
+        _ => return simulate_one(model, parameters, initial, exogenous),
+    };
+    let replayed = Replayed::new(moved, parameters, (exogenous, width), false);
+    let (mut state, mut states) = (initial, initial.to_vec());
+    for k in 0..exogenous.len() / width {
+        state = replayed.step(k, state);
+        states.extend(state);
+    }
+    states
+}
+
+/// A ship that forces move along the inputs of a logged or simulated run, in still water.
+pub struct Replayed<'m> {
+    body: Body<'m, f64>,
+    /// What acts in every sample, in rows of `width`.
+    acting: Vec<f64>,
+    width: usize,
+    sample_s: f64,
+    are_inputs_held: bool,
+}
+
+impl<'m> Replayed<'m> {
+    /// With these parameters, along rows of so many inputs and measured disturbances. Those of simulated runs are held during
+    /// each sample, as they are.
+    pub fn new(
+        moved: &'m ForceModel,
+        parameters: &[f64],
+        (exogenous, width): (&[f64], usize),
+        are_inputs_held: bool,
+    ) -> Self {
+        let body = moved.forces.body::<f64>(parameters);
+        let acting = match are_inputs_held {
+            true => exogenous.to_vec(),
+            false => body.acting(exogenous, width, moved.sample_s),
+        };
+        Self { body, acting, width, sample_s: moved.sample_s, are_inputs_held }
+    }
+
+    /// The state after `state` at sample `k`. Inputs are held, or linear between samples and held after the last row.
+    pub fn step(&self, k: usize, state: [f64; 3]) -> [f64; 3] {
+        let row = &self.acting[k * self.width..][..self.width];
+        if self.are_inputs_held {
+            return self.body.step_held(state, row, self.sample_s);
+        }
+        let end = self.acting[(k + 1) * self.width..].get(..self.width).unwrap_or(row);
+        self.body.step(state, row, end, self.sample_s)
     }
 }

@@ -1,8 +1,6 @@
 use std::ops::{Add, AddAssign, Mul, Sub};
 
-use numerics::Arithmetic;
-
-use crate::forces::Real;
+use numerics::{Arithmetic, Lane, Wide};
 
 /// A number with its derivatives by `N` unknowns (forward mode). More unknowns are taken `N` at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,17 +19,17 @@ impl<X: Real, const N: usize> Dual<X, N> {
 
     /// Unknown `i` itself; a constant where there are not so many.
     pub fn unknown(value: X, i: usize) -> Self {
-        let mut own = Self::constant(value);
-        if let Some(tangent) = own.tangents.get_mut(i) {
+        let mut unknown = Self::constant(value);
+        if let Some(tangent) = unknown.tangents.get_mut(i) {
             *tangent = X::ONE;
         }
-        own
+        unknown
     }
 
     /// A function of this number with that `value` and that `slope`.
     #[inline(always)]
     fn chain(self, value: X, slope: X) -> Self {
-        Self { value, tangents: self.tangents.map(|own| slope * own) }
+        Self { value, tangents: self.tangents.map(|tangent| slope * tangent) }
     }
 
     /// A function of two numbers with that `value` and those slopes.
@@ -97,10 +95,10 @@ impl<X: Real, const N: usize> Arithmetic for Dual<X, N> {
         self.value.at(place)
     }
     #[inline(always)]
-    fn change<const M: usize>(own: &mut [Self; M], f: impl Fn(X::Place, [f64; M]) -> [f64; M]) {
-        let mut values = own.map(|own| own.value);
+    fn change<const M: usize>(numbers: &mut [Self; M], f: impl Fn(X::Place, [f64; M]) -> [f64; M]) {
+        let mut values = numbers.map(|number| number.value);
         X::change(&mut values, f);
-        *own = values.map(Self::constant);
+        *numbers = values.map(Self::constant);
     }
 }
 
@@ -143,3 +141,62 @@ impl<X: Real, const N: usize> Real for Dual<X, N> {
         Self { value: self.value.if_positive(then.value, other.value), tangents }
     }
 }
+
+/// A number type that forces are computed in: one number, lanes of runs, or either with tangents. Elementary functions
+/// are those of `libm`, place by place, so that all give the same bits.
+pub trait Real: Arithmetic {
+    /// This divided by `other`.
+    #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        Self::of(|place| self.at(place) / other.at(place))
+    }
+
+    /// The square root; 0 below 0.
+    #[inline(always)]
+    fn root(self) -> Self {
+        Self::of(|place| if self.at(place) > 0.0 { self.at(place).sqrt() } else { 0.0 * self.at(place) })
+    }
+
+    /// eˣ.
+    fn exponential(self) -> Self {
+        Self::of(|place| libm::exp(self.at(place)))
+    }
+
+    /// Sine and cosine.
+    fn sine_and_cosine(self) -> (Self, Self) {
+        (Self::of(|place| libm::sin(self.at(place))), Self::of(|place| libm::cos(self.at(place))))
+    }
+
+    /// The angle \[rad\] of a vector with this component across and that component `ahead`.
+    fn angle(self, ahead: Self) -> Self {
+        Self::of(|place| libm::atan2(self.at(place), ahead.at(place)))
+    }
+
+    /// `then` in places where this is above zero, else `other`.
+    #[inline(always)]
+    fn if_positive(self, then: Self, other: Self) -> Self {
+        Self::of(|place| if self.at(place) > 0.0 { then.at(place) } else { other.at(place) })
+    }
+
+    /// −x.
+    #[inline(always)]
+    fn negated(self) -> Self {
+        Self::ZERO - self
+    }
+
+    /// x².
+    #[inline(always)]
+    fn squared(self) -> Self {
+        self * self
+    }
+
+    /// This times a plain number.
+    #[inline(always)]
+    fn times(self, factor: f64) -> Self {
+        self * Self::from(factor)
+    }
+}
+
+impl Real for f64 {}
+impl Real for Lane {}
+impl<const G: usize> Real for Wide<G> {}

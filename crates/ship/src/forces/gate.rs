@@ -97,14 +97,14 @@ impl Forces {
     /// # Errors
     /// The first number that no ship has, else the first unusual one, with the names of the others.
     pub fn gate(&self, theta: &[f64], accepts_unusual: bool) -> Result<(), Invalid> {
-        let checks = Numbers::new(self, theta).checks(self);
-        if let Some(own) = checks.iter().find(|check| !check.is_within(0, 3)) {
-            return Err(own.refused(0, 3, own.remedy.to_owned()));
+        let checks = StatedNumbers::new(self, theta).checks(self);
+        if let Some(check) = checks.iter().find(|check| !check.is_within(0, 3)) {
+            return Err(check.refused(0, 3, check.remedy.to_owned()));
         }
         let mut unusual = checks.iter().filter(|check| !check.is_within(1, 2));
         let Some(first) = unusual.next().filter(|_| !accepts_unusual) else { return Ok(()) };
-        let mut others: Vec<&str> = unusual.map(|own| own.thing.as_str()).collect();
-        others.retain(|own| *own != first.thing);
+        let mut others: Vec<&str> = unusual.map(|check| check.thing.as_str()).collect();
+        others.retain(|thing| *thing != first.thing);
         others.dedup();
         let also =
             if others.is_empty() { String::new() } else { format!("; unusual, too: {}", others.join(", ")) };
@@ -115,14 +115,14 @@ impl Forces {
 
     /// The greatest usual Froude number of a hull as full as hers, and its speed \[m/s\].
     pub fn usual_speed(&self) -> (f64, f64) {
-        let numbers = Numbers::new(self, &self.nominal());
+        let numbers = StatedNumbers::new(self, &self.nominal());
         (numbers.froude(), numbers.froude() * (GRAVITY * numbers.length).sqrt())
     }
 }
 
 /// The numbers of a ship.
-struct Numbers<'a> {
-    own: &'a Description,
+struct StatedNumbers<'a> {
+    ship: &'a Description,
     length: f64,
     draught: f64,
     mass: f64,
@@ -131,19 +131,19 @@ struct Numbers<'a> {
     checks: Vec<Check>,
 }
 
-impl<'a> Numbers<'a> {
+impl<'a> StatedNumbers<'a> {
     fn new(forces: &'a Forces, theta: &[f64]) -> Self {
-        let own = forces.description();
-        let stated = forces.quantities(theta).into_iter().filter(|own| own.stated);
+        let ship = forces.description();
+        let stated = forces.quantities(theta).into_iter().filter(|quantity| quantity.stated);
         let all = stated.map(|stated| (stated.name, stated.value)).collect();
-        let (length, draught) = (own.ship.length_m, own.ship.draught_m);
-        let mut numbers = Self { own, length, draught, mass: 0.0, all, checks: Vec::new() };
+        let (length, draught) = (ship.ship.length_m, ship.ship.draught_m);
+        let mut numbers = Self { ship, length, draught, mass: 0.0, all, checks: Vec::new() };
         numbers.mass = numbers.of("ship.mass_kg").unwrap_or_default();
         numbers
     }
 
     fn of(&self, name: &str) -> Option<f64> {
-        self.all.iter().find(|own| own.0 == name).map(|own| own.1)
+        self.all.iter().find(|stated| stated.0 == name).map(|stated| stated.1)
     }
 
     fn put(&mut self, name: &str, found: String, ratio: f64, bounds: [f64; 4], words: [&'static str; 2]) {
@@ -161,7 +161,7 @@ impl<'a> Numbers<'a> {
 
     /// Displaced volume over length squared and draught: block coefficient times beam over length.
     fn fullness(&self) -> f64 {
-        self.mass / (self.own.density_kg_m3 * self.length * self.length * self.draught)
+        self.mass / (self.ship.density_kg_m3 * self.length * self.length * self.draught)
     }
 
     /// The greatest usual Froude number, where the beam is 2.8 draughts as of usual ships.
@@ -170,26 +170,26 @@ impl<'a> Numbers<'a> {
     }
 
     fn size(&mut self) {
-        let (length, draught, speed) = (self.length, self.draught, self.own.ship.speed_m_s);
-        let (density, block) = (self.own.density_kg_m3, 5.0 * self.fullness());
-        let found = format!("{density} kg/m³");
+        let (length, draught, speed) = (self.length, self.draught, self.ship.ship.speed_m_s);
+        let (density, block) = (self.ship.density_kg_m3, 5.0 * self.fullness());
+        let given = format!("{density} kg/m³");
         self.put(
             "density_kg_m3",
-            found,
+            given,
             density,
             [0.0, 980.0, 1040.0, MOST],
             ["kg/m³", "give that of the water"],
         );
-        let found = format!("{draught} m, {} of the length", short(draught / length));
-        self.put("draught_m", found, draught / length, [2e-3, 0.01, 0.18, 0.6], ["of the length", MASS]);
+        let given = format!("{draught} m, {} of the length", short(draught / length));
+        self.put("draught_m", given, draught / length, [2e-3, 0.01, 0.18, 0.6], ["of the length", MASS]);
         let [mass, low, high] = [self.mass, block, 1.7 * block].map(short);
-        let found =
+        let given =
             format!("{mass} kg: a block coefficient of {low} to {high} with a beam of 1/5 to 1/8.5 lengths");
-        self.put("mass_kg", found, block, [0.025, 0.15, 1.0, 5.0], ["with 1/5", MASS]);
+        self.put("mass_kg", given, block, [0.025, 0.15, 1.0, 5.0], ["with 1/5", MASS]);
         let froude = speed / (GRAVITY * length).sqrt();
-        let found = format!("{speed} m/s, a Froude number of {}", short(froude));
+        let given = format!("{speed} m/s, a Froude number of {}", short(froude));
         let most = (100.0 * self.froude()).round() / 100.0;
-        self.put("speed_m_s", found, froude, [1e-3, 0.01, most, 5.0], ["for a hull as full as this", SPEED]);
+        self.put("speed_m_s", given, froude, [1e-3, 0.01, most, 5.0], ["for a hull as full as this", SPEED]);
         // A full and slow ship has her centre of gravity ahead.
         let aft = if self.fullness() > 0.12 && froude < 0.19 { -0.02 } else { -0.1 };
         let x_g = self.of("ship.x_g_m").unwrap_or_default() / length;
@@ -201,17 +201,19 @@ impl<'a> Numbers<'a> {
         let (length, mass) = (self.length, self.mass);
         let x_g = self.of("ship.x_g_m").unwrap_or_default();
         let gyration = self.of("ship.gyration_m").unwrap_or_default();
-        let (key, own, square) = match self.of("ship.inertia_kg_m2") {
-            Some(own) => ("inertia_kg_m2", own, own / mass - x_g * x_g),
+        let (key, number, square) = match self.of("ship.inertia_kg_m2") {
+            Some(inertia) => ("inertia_kg_m2", inertia, inertia / mass - x_g * x_g),
             None => ("gyration_m", gyration, gyration * gyration),
         };
         let share = square.signum() * square.abs().sqrt() / length;
-        let found = match square < 0.0 {
-            true => format!("{} kg m², less than mass times x_g², {}", short(own), short(mass * x_g * x_g)),
-            false => format!("{}, a gyration of {} lengths", short(own), short(share)),
+        let given = match square < 0.0 {
+            true => {
+                format!("{} kg m², less than mass times x_g², {}", short(number), short(mass * x_g * x_g))
+            }
+            false => format!("{}, a gyration of {} lengths", short(number), short(share)),
         };
         let words = ["lengths about the centre of gravity", INERTIA];
-        self.put(key, found, share, [0.0, 0.15, 0.35, 0.5], words);
+        self.put(key, given, share, [0.0, 0.15, 0.35, 0.5], words);
         for (key, over, [least, low, high]) in [
             ("surge", mass, [0.0, 0.005, 0.5]),
             ("sway", mass, [0.0, 0.1, 6.0]),
@@ -220,54 +222,54 @@ impl<'a> Numbers<'a> {
             ("yaw_sway", mass * length, [-MOST, -0.5, 0.5]),
         ] {
             let name = format!("ship.added_mass.{key}");
-            let Some(own) = self.of(&name).filter(|own| *own != 0.0) else { continue };
-            let found = format!("{} in SI units, {} of the ship's own", short(own), short(own / over));
-            self.put(&name, found, own / over, [least, low, high, MOST], ["of the ship's own", ADDED]);
+            let Some(number) = self.of(&name).filter(|number| *number != 0.0) else { continue };
+            let given = format!("{} in SI units, {} of the ship's own", short(number), short(number / over));
+            self.put(&name, given, number / over, [least, low, high, MOST], ["of the ship's own", ADDED]);
         }
     }
 
     fn derivatives(&mut self, forces: &Forces) {
         // By ½ρL², where the ship's forces are, numbers are smaller.
         let area =
-            if self.own.ship.area == Some(Area::LengthSquared) { self.length / self.draught } else { 1.0 };
+            if self.ship.ship.area == Some(Area::LengthSquared) { self.length / self.draught } else { 1.0 };
         let mut sums = [(0.0, String::new()), (0.0, String::new()), (0.0, String::new())];
-        for (d, specs) in self.own.terms().into_iter().enumerate() {
+        for (d, specs) in self.ship.terms().into_iter().enumerate() {
             for (i, spec) in specs.iter().enumerate() {
                 let Some(powers) = powers(forces.factors(d, i)) else { continue };
-                let own = self.of(&spec.parameter).unwrap_or_default() / forces.terms[d][i].prime() * area;
+                let number = self.of(&spec.parameter).unwrap_or_default() / forces.terms[d][i].prime() * area;
                 if SUMS[d].0 == powers {
-                    sums[d] = (sums[d].0 + own, spec.parameter.clone());
+                    sums[d] = (sums[d].0 + number, spec.parameter.clone());
                 }
                 let Some(deviation) = of_powers(d, powers) else { continue };
                 // Resistance of small craft is greater.
                 let most = FAR * deviation * if (d, powers) == (0, [0, 0]) { 2.5 } else { 1.0 };
-                let found = format!("{} in the prime system of ½ρLd", short(own));
-                self.put(&spec.parameter, found, own, [-MOST, -most, most, MOST], ["there", SYSTEM]);
+                let given = format!("{} in the prime system of ½ρLd", short(number));
+                self.put(&spec.parameter, given, number, [-MOST, -most, most, MOST], ["there", SYSTEM]);
             }
         }
-        for ((sum, name), (_, words, [low, high])) in sums.into_iter().zip(SUMS).filter(|own| own.0.0 != 0.0)
+        for ((sum, name), (_, words, [low, high])) in sums.into_iter().zip(SUMS).filter(|sum| sum.0.0 != 0.0)
         {
-            let found = format!("{} in the prime system of ½ρLd, all terms in {words}", short(sum));
+            let given = format!("{} in the prime system of ½ρLd, all terms in {words}", short(sum));
             let words = ["there: what slows her down is negative", SYSTEM];
-            self.put(&name, found, sum, [-MOST, low, high, MOST], words);
+            self.put(&name, given, sum, [-MOST, low, high, MOST], words);
         }
     }
 
     fn components(&mut self) {
-        let own = self.own;
-        for (name, key, deviation) in of_component(own) {
+        let ship = self.ship;
+        for (name, key, deviation) in of_component(ship) {
             let name = format!("{name}.{key}");
-            let Some(own) = self.of(&name) else { continue };
+            let Some(number) = self.of(&name) else { continue };
             let most = FAR * deviation;
             let words = ["", "give a share of 1, or of the length"];
-            self.put(&name, short(own), own, [-MOST, -most, most, MOST], words);
+            self.put(&name, short(number), number, [-MOST, -most, most, MOST], words);
         }
-        let propellers = own.propeller.iter().map(|own| ("propeller", &own.name));
-        let rudders = own.rudder.iter().map(|own| ("rudder", &own.name));
-        let thrusters = own.thruster.iter().map(|own| ("thruster", &own.name));
-        let hulls = own.crossflow.iter().map(|own| ("crossflow", &own.name));
+        let propellers = ship.propeller.iter().map(|propeller| ("propeller", &propeller.name));
+        let rudders = ship.rudder.iter().map(|rudder| ("rudder", &rudder.name));
+        let thrusters = ship.thruster.iter().map(|thruster| ("thruster", &thruster.name));
+        let hulls = ship.crossflow.iter().map(|hull| ("crossflow", &hull.name));
         for (kind, name) in propellers.chain(rudders).chain(thrusters).chain(hulls) {
-            for (_, key, over, bounds) in PARTS.iter().filter(|own| own.0 == kind) {
+            for (_, key, over, bounds) in PARTS.iter().filter(|part| part.0 == kind) {
                 self.part(name, key, *over, *bounds);
             }
         }
@@ -276,7 +278,7 @@ impl<'a> Numbers<'a> {
     /// A number of a component, if it is stated. Places abeam are on the side that the component is called by.
     fn part(&mut self, owner: &str, key: &str, over: Over, mut bounds: [f64; 4]) {
         let name = format!("{owner}.{key}");
-        let Some(own) = self.of(&name) else { return };
+        let Some(number) = self.of(&name) else { return };
         let sides = ["starboard", "port"].map(|side| key == "y_m" && owner.to_lowercase().contains(side));
         match sides {
             [true, false] => bounds[1] = 0.0,
@@ -289,15 +291,15 @@ impl<'a> Numbers<'a> {
             Over::Draught => self.draught,
             Over::Side => self.length * self.draught,
         };
-        let near = if bounds[2] == -0.2 && own.abs() < 0.2 * size { "amidships, " } else { "" };
-        let found = format!("{}, {near}{} {}", short(own), short(own / size), over.words()[0]);
-        self.put(&name, found.trim_end().to_owned(), own / size, bounds, over.words());
+        let near = if bounds[2] == -0.2 && number.abs() < 0.2 * size { "amidships, " } else { "" };
+        let given = format!("{}, {near}{} {}", short(number), short(number / size), over.words()[0]);
+        self.put(&name, given.trim_end().to_owned(), number / size, bounds, over.words());
     }
 }
 
 /// With three digits.
-fn short(own: f64) -> String {
-    let rounded: f64 = format!("{own:.2e}").parse().unwrap_or(own);
+fn short(number: f64) -> String {
+    let rounded: f64 = format!("{number:.2e}").parse().unwrap_or(number);
     let plain = rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs());
     if plain { rounded.to_string() } else { format!("{rounded:e}") }
 }

@@ -77,10 +77,10 @@ impl MainDimensions {
     /// Dimensions that no ship has, that contradict each other, or for which a formula gives no ship.
     pub fn guess(&self) -> Result<Guess, Invalid> {
         self.check()?;
-        let guesser = Guesser::new(*self);
-        guesser.check()?;
-        let description = guesser.description();
-        let revolutions = guesser.revolutions();
+        let ship = Guesser::new(*self);
+        ship.check()?;
+        let description = ship.description();
+        let revolutions = ship.revolutions();
         let sources = SOURCES.iter().map(|(name, source)| ((*name).to_owned(), *source)).collect();
         Ok(Guess { description, revolutions, sources })
     }
@@ -97,8 +97,8 @@ impl MainDimensions {
         let (beams, draughts) = ((length / 12.0, length / 2.5), (beam / 8.0, beam / 1.2));
         within("the beam", beam, beams, "2.5 to 12 beams in the length")?;
         within("the draught", draught, draughts, "1.2 to 8 draughts in the beam")?;
-        let froude = |own: f64| own * (GRAVITY * length).sqrt();
-        let given = |own: Option<f64>, usual: f64| own.unwrap_or(usual);
+        let froude = |number: f64| number * (GRAVITY * length).sqrt();
+        let given = |number: Option<f64>, usual: f64| number.unwrap_or(usual);
         within(
             "the speed",
             given(self.speed_m_s, froude(0.1)),
@@ -135,7 +135,7 @@ fn within(thing: &str, number: f64, (low, high): (f64, f64), meaning: &str) -> R
 
 /// The ship under construction.
 struct Guesser {
-    own: MainDimensions,
+    main: MainDimensions,
     speed: f64,
     mass: f64,
     diameter: f64,
@@ -144,38 +144,36 @@ struct Guesser {
 }
 
 /// With four digits: none of a guess is surer.
-fn rounded(own: f64) -> f64 {
-    format!("{own:.3e}").parse().unwrap_or(own)
+fn rounded(number: f64) -> f64 {
+    format!("{number:.3e}").parse().unwrap_or(number)
 }
 
 impl Guesser {
-    fn new(main_dimensions: MainDimensions) -> Self {
-        let MainDimensions { length_m, beam_m, draught_m, block, density_kg_m3, .. } = main_dimensions;
+    fn new(main: MainDimensions) -> Self {
+        let MainDimensions { length_m, beam_m, draught_m, block, density_kg_m3, .. } = main;
         let froude = ayre(block).clamp(0.08, 0.35);
         let beams = beam_m / length_m;
-        let diameter = main_dimensions.propeller_diameter_m.unwrap_or(rounded(0.6 * draught_m));
+        let diameter = main.propeller_diameter_m.unwrap_or(rounded(0.6 * draught_m));
         let area = 0.01 * length_m * draught_m * (1.0 + 25.0 * beams * beams);
         Self {
-            speed: main_dimensions.speed_m_s.unwrap_or(rounded(froude * (GRAVITY * length_m).sqrt())),
-            mass: main_dimensions
-                .mass_kg
-                .unwrap_or(rounded(density_kg_m3 * block * length_m * beam_m * draught_m)),
+            speed: main.speed_m_s.unwrap_or(rounded(froude * (GRAVITY * length_m).sqrt())),
+            mass: main.mass_kg.unwrap_or(rounded(density_kg_m3 * block * length_m * beam_m * draught_m)),
             diameter,
-            area: main_dimensions.rudder_area_m2.unwrap_or(rounded(area)),
-            height: main_dimensions.rudder_height_m.unwrap_or(diameter.max(rounded(0.75 * draught_m))),
-            own: main_dimensions,
+            area: main.rudder_area_m2.unwrap_or(rounded(area)),
+            height: main.rudder_height_m.unwrap_or(diameter.max(rounded(0.75 * draught_m))),
+            main,
         }
     }
 
     /// Beam over length, beam over draught, draught over length.
     fn ratios(&self) -> [f64; 3] {
-        let MainDimensions { length_m, beam_m, draught_m, .. } = self.own;
+        let MainDimensions { length_m, beam_m, draught_m, .. } = self.main;
         [beam_m / length_m, beam_m / draught_m, draught_m / length_m]
     }
 
     /// Mass in the prime system of ½ρLd.
     fn prime_mass(&self) -> f64 {
-        let MainDimensions { length_m, draught_m, density_kg_m3, .. } = self.own;
+        let MainDimensions { length_m, draught_m, density_kg_m3, .. } = self.main;
         self.mass / (0.5 * density_kg_m3 * length_m * length_m * draught_m)
     }
 
@@ -185,7 +183,7 @@ impl Guesser {
         let [by_length, by_draught, depth] = self.ratios();
         let scale = PI * depth;
         [
-            -scale * (1.0 + 0.4 * self.own.block * by_draught),
+            -scale * (1.0 + 0.4 * self.main.block * by_draught),
             -scale * (-0.5 + 2.2 * by_length - 0.08 * by_draught) + ADDED_SURGE * self.prime_mass(),
             -scale * (0.5 + 2.4 * depth),
             -scale * (0.25 + 0.039 * by_draught - 0.56 * by_length),
@@ -196,7 +194,7 @@ impl Guesser {
     /// The same authors' added masses: sway, yaw, sway by yaw acceleration, yaw by sway acceleration.
     fn added_masses(&self) -> [f64; 4] {
         let [by_length, by_draught, depth] = self.ratios();
-        let (scale, block) = (PI * depth, self.own.block);
+        let (scale, block) = (PI * depth, self.main.block);
         [
             scale * (1.0 + 0.16 * block * by_draught - 5.1 * by_length * by_length),
             scale * (1.0 / 12.0 + 0.017 * block * by_draught - 0.33 * by_length),
@@ -218,26 +216,26 @@ impl Guesser {
             ("the added moment of inertia", yaw),
         ]
         .into_iter()
-        .find(|(_, own)| *own <= 0.0);
+        .find(|(_, number)| *number <= 0.0);
         let Some((name, _)) = wrong else { return Ok(()) };
         let expected = "dimensions nearer to those of the ships that the formulas were fitted to";
-        let found = format!("a sign of {name} that no hull has");
-        Err(Invalid::new("the dimensions", found, expected, "describe such a ship by hand"))
+        let given = format!("a sign of {name} that no hull has");
+        Err(Invalid::new("the dimensions", given, expected, "describe such a ship by hand"))
     }
 
     /// Resistance in the prime system: friction by the line of ITTC 1957 on a wetted surface by Denny and Mumford, and
     /// what form and waves add.
     fn resistance(&self) -> f64 {
         let [_, by_draught, _] = self.ratios();
-        let reynolds = self.speed * self.own.length_m / VISCOSITY;
+        let reynolds = self.speed * self.main.length_m / VISCOSITY;
         let line = libm::log10(reynolds) - 2.0;
         let friction = 0.075 / (line * line);
-        rounded(RESISTANCE * friction * (1.7 + self.own.block * by_draught))
+        rounded(RESISTANCE * friction * (1.7 + self.main.block * by_draught))
     }
 
     /// Taylor's wake of a single screw.
     fn wake(&self) -> f64 {
-        rounded((0.5 * self.own.block - 0.05).max(0.05))
+        rounded((0.5 * self.main.block - 0.05).max(0.05))
     }
 
     fn deduction(&self) -> f64 {
@@ -246,7 +244,7 @@ impl Guesser {
 
     /// Revolutions at which thrust, less what the hull loses of it, holds the resistance.
     fn revolutions(&self) -> f64 {
-        let MainDimensions { length_m, draught_m, .. } = self.own;
+        let MainDimensions { length_m, draught_m, .. } = self.main;
         let force = 0.5 * length_m * draught_m * self.speed * self.speed * self.resistance();
         let inflow = (1.0 - self.wake()) * self.speed;
         let [k_0, k_1, k_2] = THRUST;
@@ -256,7 +254,7 @@ impl Guesser {
     }
 
     fn description(&self) -> Description {
-        let MainDimensions { draught_m, density_kg_m3, .. } = self.own;
+        let MainDimensions { draught_m, density_kg_m3, .. } = self.main;
         let [surge, sway, yaw] = self.terms();
         Description {
             density_kg_m3,
@@ -279,7 +277,7 @@ impl Guesser {
     }
 
     fn ship(&self) -> ShipSpec {
-        let MainDimensions { length_m, draught_m, .. } = self.own;
+        let MainDimensions { length_m, draught_m, .. } = self.main;
         let [sway, yaw, sway_yaw, yaw_sway] = self.added_masses().map(Number::Plain);
         ShipSpec {
             length_m,
@@ -329,7 +327,7 @@ impl Guesser {
 
     /// A place so many lengths ahead of amidships.
     fn at(&self, lengths: f64) -> Number {
-        rounded(lengths * self.own.length_m).into()
+        rounded(lengths * self.main.length_m).into()
     }
 
     fn propeller(&self) -> PropellerSpec {

@@ -22,9 +22,9 @@ impl Prime {
     /// A size or speed that is not above 0.
     pub fn new(density: f64, ship: &ShipSpec) -> Result<Self, Invalid> {
         let ShipSpec { length_m: length, draught_m: draught, speed_m_s: speed, area, .. } = ship;
-        check_numbers([("density_kg_m3", density)], "a density above 0", |own| own > 0.0)?;
+        check_numbers([("density_kg_m3", density)], "a density above 0", |number| number > 0.0)?;
         let all = [("length_m", *length), ("draught_m", *draught), ("speed_m_s", *speed)];
-        check_numbers(all, "a number above 0", |own| own > 0.0)?;
+        check_numbers(all, "a number above 0", |number| number > 0.0)?;
         let ranges = [
             ("density_kg_m3", density, 100.0..=10_000.0, "kg/m³"),
             ("length_m", *length, 1e-2..=1e4, "m"),
@@ -66,7 +66,7 @@ impl Mass {
     /// Two moments of inertia or none, or numbers that contradict each other.
     pub fn new(ship: &ShipSpec, prime: &Prime, builder: &mut Builder) -> Result<Self, Invalid> {
         let metres = || Measured::si("m").or_prime(prime.length);
-        let own = builder.number("ship", "mass_kg", Some(&ship.mass_kg), 0.0, mass(prime, "kg", 0))?;
+        let mass_kg = builder.number("ship", "mass_kg", Some(&ship.mass_kg), 0.0, mass(prime, "kg", 0))?;
         let x_g = builder.number("ship", "x_g_m", ship.x_g_m.as_ref(), 0.0, metres())?;
         let gyration = match (&ship.gyration_m, &ship.inertia_kg_m2) {
             (Some(gyration), None) => {
@@ -77,10 +77,10 @@ impl Mass {
                 Err(builder.number("ship", "inertia_kg_m2", Some(inertia), 0.0, mass(prime, "kg m²", 2))?)
             }
             (both, _) => {
-                let found =
+                let given =
                     if both.is_some() { "`gyration_m` and `inertia_kg_m2`" } else { "neither of them" };
                 let expected = "`gyration_m` or `inertia_kg_m2`";
-                return Err(Invalid::new("[ship]", found, expected, "give the one that is known"));
+                return Err(Invalid::new("[ship]", given, expected, "give the one that is known"));
             }
         };
         let added = &ship.added_mass;
@@ -95,13 +95,19 @@ impl Mass {
             number("sway_yaw", added.sway_yaw.as_ref(), "kg m", 1)?,
             number("yaw_sway", added.yaw_sway.as_ref(), "kg m", 1)?,
         ];
-        Ok(Self { mass: own, x_g, gyration, added, coriolis: ship.coriolis.unwrap_or(Coriolis::WithoutMunk) })
+        Ok(Self {
+            mass: mass_kg,
+            x_g,
+            gyration,
+            added,
+            coriolis: ship.coriolis.unwrap_or(Coriolis::WithoutMunk),
+        })
     }
 
     /// The inertia with these numbers.
     pub fn with<X: Real>(&self, numbers: &[X]) -> Inertia<X> {
         let (mass, x_g) = (self.mass.of(numbers), self.x_g.of(numbers));
-        let [m_x, m_y, j, a, b] = self.added.map(|own| own.of(numbers));
+        let [m_x, m_y, j, a, b] = self.added.map(|number| number.of(numbers));
         let inertia = match self.gyration {
             Ok(gyration) => mass * (gyration.of(numbers).squared() + x_g.squared()),
             Err(inertia) => inertia.of(numbers),
@@ -140,8 +146,8 @@ impl<X: Real> Inertia<X> {
     /// Whether it can be accelerated: every number is finite, and masses are above 0.
     pub fn is_sound(&self, place: X::Place) -> bool {
         let (ahead, lateral) = self.inverse;
-        let diagonal = [ahead, lateral[0][0], lateral[1][1]].map(|own| own.at(place));
-        diagonal.iter().all(|own| own.is_finite() && *own > 0.0)
+        let diagonal = [ahead, lateral[0][0], lateral[1][1]].map(|entry| entry.at(place));
+        diagonal.iter().all(|entry| entry.is_finite() && *entry > 0.0)
     }
 
     /// Changes per second of u, v and r under these forces ahead and to starboard \[N\] and that moment \[N m\].

@@ -6,48 +6,27 @@
 //! flat vector θ of free parameters. [`Forces::body`] takes θ and gives a [`Body`]: its accelerations, and its steps by
 //! Runge and Kutta's method of order 4. All of it is generic in the number: values, lanes, tangents ([`Dual`]).
 
+mod actuators;
 mod body;
-mod channels;
-mod compiled;
-mod components;
-mod crossflow;
-mod delays;
-mod dimension;
 mod dual;
 mod gate;
-pub mod grammar;
 mod guess;
-mod lateral;
 mod mass;
-mod number;
 mod numbers;
-mod parameter;
-mod propeller;
-mod quantity;
-mod real;
-mod rudder;
-mod similar;
 mod slots;
 mod spec;
 mod term;
-mod thruster;
 mod usual;
-mod wind;
 
-pub use body::Body;
-pub use channels::{Channel, Driven};
-pub use compiled::Forces;
-pub use delays::late;
-pub use dual::Dual;
+pub use body::{Body, Forces, LateralSum, late};
+pub use dual::{Dual, Real};
 pub use guess::{GRAVITY, Guess, MainDimensions, usual_froude};
-pub use lateral::LateralSum;
-pub use number::{Number, NumberSpec};
-pub use parameter::Parameter;
-pub use quantity::{Quantity, QuantitySource};
-pub use real::Real;
-pub use similar::Similarity;
+pub use numbers::{Channel, Driven, Parameter, Quantity, QuantitySource};
 pub use spec::{
-    AddedMass, Area, Coriolis, CrossflowSpec, Curve, Description, Inflow, PropellerSpec, Reversed,
-    RudderSpec, ShipSpec, TermSpec, ThrusterSpec, WindSpec,
+    AddedMass, Area, Coriolis, CrossflowSpec, Curve, Description, Inflow, Number, NumberSpec, PropellerSpec,
+    Reversed, RudderSpec, ShipSpec, TermSpec, ThrusterSpec, WindSpec,
 };
 pub use term::{Factor, LEAST_SQUARE, MOTION};
+pub use usual::Similarity;
+
+pub(crate) use term::{MOST_FACTORS, parse_name, parse_power};

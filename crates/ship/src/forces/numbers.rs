@@ -2,8 +2,7 @@
 
 use refusal::{Invalid, check_name, foreign};
 
-use crate::forces::quantity::{Quantity, QuantitySource};
-use crate::forces::{Number, NumberSpec, Parameter, Real};
+use crate::forces::{Number, NumberSpec, Real};
 
 /// The place of a number among those of a ship.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,9 +93,9 @@ impl Entry {
             return Err(self.refused(number.to_string(), "a finite number", "correct it"));
         }
         if nominal.is_some() && prime.is_some() {
-            let found = "both `nominal` and `prime`";
+            let given = "both `nominal` and `prime`";
             return Err(self.refused(
-                found,
+                given,
                 "a number in SI units or in the prime system",
                 "remove one of them",
             ));
@@ -115,7 +114,7 @@ impl Entry {
             ));
         }
         let [low, high] = self.measured.range;
-        let outside = |own: &&f64| !(low..=high).contains(&(**own * self.scale()));
+        let outside = |end: &&f64| !(low..=high).contains(&(**end * self.scale()));
         if let Some(number) = [nominal, prime, value].into_iter().flatten().find(outside) {
             let expected = match (low, high) {
                 (f64::MIN_POSITIVE, _) => "a number above 0".to_owned(),
@@ -123,10 +122,10 @@ impl Entry {
             };
             return Err(self.refused(number.to_string(), expected, "correct it"));
         }
-        let constrained = [*fixed, tied_to.is_some()].into_iter().filter(|own| *own).count();
+        let constrained = [*fixed, tied_to.is_some()].into_iter().filter(|is_set| *is_set).count();
         if constrained > 1 || (constrained == 1 && (prior.is_some() || bounds.is_some())) {
-            let found = "`fixed` or `tied_to` with `prior`, `bounds` or each other";
-            return Err(self.refused(found, "one of them", "remove the others"));
+            let given = "`fixed` or `tied_to` with `prior`, `bounds` or each other";
+            return Err(self.refused(given, "one of them", "remove the others"));
         }
         if factor.is_some() && tied_to.is_none() {
             return Err(self.refused("`factor` alone", "`factor` together with `tied_to`", "remove it"));
@@ -149,14 +148,14 @@ impl Entry {
         let inside = |number: f64, [low, high]: [f64; 2]| low <= number && number <= high;
         match (bounds, self.written()) {
             (Some(bounds), _) if bounds[0].is_nan() || bounds[1].is_nan() || bounds[0] >= bounds[1] => {
-                let found = format!("`bounds` [{}, {}]", bounds[0], bounds[1]);
-                Err(self.refused(found, "a lower and a higher bound", "swap or correct them"))
+                let given = format!("`bounds` [{}, {}]", bounds[0], bounds[1]);
+                Err(self.refused(given, "a lower and a higher bound", "swap or correct them"))
             }
             (Some(bounds), Some(number))
-                if ![Some(number), *value].into_iter().flatten().all(|own| inside(own, *bounds)) =>
+                if ![Some(number), *value].into_iter().flatten().all(|known| inside(known, *bounds)) =>
             {
-                let found = format!("{number} beyond its `bounds` [{}, {}]", bounds[0], bounds[1]);
-                Err(self.refused(found, "numbers within the bounds", "correct one of them"))
+                let given = format!("{number} beyond its `bounds` [{}, {}]", bounds[0], bounds[1]);
+                Err(self.refused(given, "numbers within the bounds", "correct one of them"))
             }
             _ => Ok(()),
         }
@@ -192,10 +191,12 @@ impl Builder {
     ) -> Result<At, Invalid> {
         let (spec, known) = match number {
             Some(Number::Table(spec)) => (spec.clone(), false),
-            Some(Number::Plain(own)) if measured.plain_prime => {
-                (NumberSpec { prime: Some(*own), ..NumberSpec::default() }, true)
+            Some(Number::Plain(plain)) if measured.plain_prime => {
+                (NumberSpec { prime: Some(*plain), ..NumberSpec::default() }, true)
             }
-            Some(Number::Plain(own)) => (NumberSpec { nominal: Some(*own), ..NumberSpec::default() }, true),
+            Some(Number::Plain(plain)) => {
+                (NumberSpec { nominal: Some(*plain), ..NumberSpec::default() }, true)
+            }
             None => (NumberSpec { nominal: Some(default), ..NumberSpec::default() }, true),
         };
         self.add(Entry { name: format!("{owner}.{key}"), spec, measured, known, stated: number.is_some() })
@@ -211,7 +212,7 @@ impl Builder {
     }
 
     fn add(&mut self, entry: Entry) -> Result<At, Invalid> {
-        if self.entries.iter().any(|own| own.name == entry.name) {
+        if self.entries.iter().any(|other| other.name == entry.name) {
             return Err(entry.refused("the same name twice", "one number of a name", "rename one of them"));
         }
         entry.check()?;
@@ -240,19 +241,20 @@ impl Builder {
             };
             numbers.slots.push(slot);
         }
-        numbers.labels = self.entries.into_iter().map(Label::of).collect();
+        let label = |entry: Entry| (entry.name, entry.measured.unit, entry.stated);
+        numbers.labels = self.entries.into_iter().map(label).collect();
         Ok(numbers)
     }
 
     /// A number that is tied: both are in the system of the other, so that prime numbers are tied to prime numbers.
     fn tied(&self, entry: &Entry, to: &str, parameters: &[Parameter]) -> Result<Slot, Invalid> {
-        let Some(at) = parameters.iter().position(|own| own.name == to) else {
-            let known = parameters.iter().map(|own| own.name.as_str());
+        let Some(at) = parameters.iter().position(|parameter| parameter.name == to) else {
+            let known = parameters.iter().map(|parameter| parameter.name.as_str());
             let unknown = Invalid::unknown(format!("`{}`: tied_to", foreign(&entry.name)), to, known);
             return Err(Invalid { expected: format!("a free parameter: {}", unknown.expected), ..unknown });
         };
-        let other = self.entries.iter().find(|own| own.name == to);
-        let prime = other.is_some_and(|own| own.spec.prime.is_some());
+        let other = self.entries.iter().find(|entry| entry.name == to);
+        let prime = other.is_some_and(|entry| entry.spec.prime.is_some());
         let scale = match (prime, entry.measured.prime) {
             (true, Some(scale)) => scale,
             (true, None) => {
@@ -277,24 +279,10 @@ fn parameter(entry: &Entry) -> Parameter {
         nominal: entry.written().unwrap_or_default(),
         value: entry.spec.value,
         prior: entry.spec.prior,
-        bounds: entry.spec.bounds.unwrap_or(entry.measured.range.map(|own| own / entry.scale())),
+        bounds: entry.spec.bounds.unwrap_or(entry.measured.range.map(|end| end / entry.scale())),
         scale: entry.scale(),
         si_unit: entry.measured.unit.clone(),
         prime: entry.measured.prime,
-    }
-}
-
-/// What a number is called.
-#[derive(Clone, Debug, PartialEq)]
-struct Label {
-    name: String,
-    unit: String,
-    stated: bool,
-}
-
-impl Label {
-    fn of(entry: Entry) -> Self {
-        Self { name: entry.name, unit: entry.measured.unit, stated: entry.stated }
     }
 }
 
@@ -302,8 +290,8 @@ impl Label {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Numbers {
     slots: Vec<Slot>,
-    /// One for each slot.
-    labels: Vec<Label>,
+    /// The name and the unit of each slot, and whether it was written.
+    labels: Vec<(String, String, bool)>,
     /// The free ones, in the order of θ.
     pub parameters: Vec<Parameter>,
 }
@@ -323,22 +311,141 @@ impl Numbers {
     pub fn quantities(&self, theta: &[f64]) -> Vec<Quantity> {
         let values = self.with(theta);
         let all = self.slots.iter().zip(&self.labels).zip(values);
-        all.map(|((slot, label), value)| Quantity {
-            name: label.name.clone(),
-            unit: label.unit.clone(),
-            value,
-            stated: label.stated,
-            source: self.source(*slot, &label.name),
+        all.map(|((slot, (name, unit, stated)), value)| {
+            let source = self.source(*slot, name);
+            Quantity { name: name.clone(), unit: unit.clone(), value, stated: *stated, source }
         })
         .collect()
     }
 
     fn source(&self, slot: Slot, name: &str) -> QuantitySource {
-        let Slot::Free(at, scale) = slot else { return QuantitySource::Known };
-        let other = &self.parameters[at];
-        match other.name == name {
-            true => QuantitySource::Free(at),
-            false => QuantitySource::Tied { to: other.name.clone(), factor: scale / other.scale },
+        match slot {
+            Slot::Known(_) => QuantitySource::Known,
+            Slot::Free(at, _) if self.parameters[at].name == name => QuantitySource::Free(at),
+            Slot::Free(at, scale) => {
+                let Parameter { name, scale: one, .. } = &self.parameters[at];
+                QuantitySource::Tied { to: name.clone(), factor: scale / one }
+            }
         }
     }
+}
+
+/// A number of a ship in SI units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quantity {
+    /// That of a term's parameter, or `component.key`.
+    pub name: String,
+    /// Its SI unit.
+    pub unit: String,
+    /// Its value.
+    pub value: f64,
+    /// Whether the ship's description has it; else the value is the default.
+    pub stated: bool,
+    /// Where it comes from.
+    pub source: QuantitySource,
+}
+
+/// Where a number of a ship comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum QuantitySource {
+    /// It is known.
+    Known,
+    /// It is the free parameter with this index.
+    Free(usize),
+    /// It is a free number times a factor, both in SI units.
+    Tied {
+        /// The name of the free number.
+        to: String,
+        /// The factor.
+        factor: f64,
+    },
+}
+
+/// A free parameter: an element of θ, in the system that it was written in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// That of a term, or `component.key`.
+    pub name: String,
+    /// Its unit; `1` in the prime system.
+    pub unit: String,
+    /// Its value before any estimate.
+    pub nominal: f64,
+    /// Its true value, where known.
+    pub value: Option<f64>,
+    /// Standard deviation of its prior.
+    pub prior: Option<f64>,
+    /// Bounds of its estimates; infinite at an open end.
+    pub bounds: [f64; 2],
+    /// Factor from θ to SI units: ρ, length, draught and speed of the prime system, or 1.
+    pub scale: f64,
+    /// Its SI unit, whatever it was written in.
+    pub si_unit: String,
+    /// What one of the prime system is in SI units, if the number can be written in it.
+    pub prime: Option<f64>,
+}
+
+/// An input or measured disturbance, in the order of a row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Between which it stays, if that is known.
+    pub range: Option<[f64; 2]>,
+}
+
+/// A channel as a component uses it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Driven {
+    /// Its place in a row.
+    pub channel: usize,
+    /// What its unit is in that of the component.
+    pub factor: f64,
+}
+
+/// What a component expects of a channel: units, with what each is in the first one.
+pub(crate) type Units = [(&'static str, f64)];
+
+/// Revolutions per second.
+pub(crate) const REVOLUTIONS: &Units = &[
+    ("1/s", 1.0),
+    ("rps", 1.0),
+    ("Hz", 1.0),
+    ("rpm", 1.0 / 60.0),
+    ("1/min", 1.0 / 60.0),
+    ("rad/s", 0.5 * std::f64::consts::FRAC_1_PI),
+];
+/// Angles.
+pub(crate) const ANGLES: &Units =
+    &[("rad", 1.0), ("deg", std::f64::consts::PI / 180.0), ("°", std::f64::consts::PI / 180.0)];
+/// Forces.
+pub(crate) const FORCES: &Units = &[("N", 1.0), ("kN", 1e3)];
+/// Speeds.
+pub(crate) const SPEEDS: &Units = &[("m/s", 1.0), ("kn", 1852.0 / 3600.0)];
+
+/// The channel `name` that the key `key` of `owner` needs, in one of `units`; in any without them.
+pub(crate) fn driven(
+    channels: &[Channel],
+    owner: &str,
+    key: &str,
+    name: &str,
+    units: &Units,
+) -> Result<Driven, Invalid> {
+    let Some(channel) = channels.iter().position(|channel| channel.name == name) else {
+        let known = channels.iter().map(|channel| channel.name.as_str());
+        return Err(Invalid::unknown(format!("`{key}` of `{}`", foreign(owner)), name, known));
+    };
+    let unit = channels[channel].unit.as_str();
+    if units.is_empty() {
+        return Ok(Driven { channel, factor: 1.0 });
+    }
+    let factor = units.iter().find(|(known, _)| *known == unit).map(|(_, factor)| *factor);
+    let factor = factor.ok_or_else(|| {
+        let expected: Vec<&str> = units.iter().map(|(known, _)| *known).collect();
+        let given = format!("channel `{}` in `{}`", foreign(name), foreign(unit));
+        let thing = format!("`{key}` of `{}`", foreign(owner));
+        Invalid::new(thing, given, expected.join(", "), "state the channel in one of these units")
+    })?;
+    Ok(Driven { channel, factor })
 }

@@ -2,7 +2,6 @@
 
 use refusal::Invalid;
 
-use crate::forces::dimension::Dimension;
 use crate::forces::term::factors;
 use crate::forces::{
     AddedMass, Channel, CrossflowSpec, Curve, Description, Number, PropellerSpec, Reversed, RudderSpec,
@@ -30,7 +29,7 @@ pub(crate) struct Slot<'a> {
 }
 
 /// What is known about a number that is no plain one.
-pub(crate) struct Parts<'a> {
+pub(crate) struct NumberParts<'a> {
     /// In SI units, in the prime system.
     pub numbers: [&'a mut Option<f64>; 2],
     /// The truth.
@@ -47,18 +46,18 @@ pub(crate) struct Parts<'a> {
 
 impl Place<'_> {
     /// Its parts; none for a plain number.
-    pub fn parts(&mut self) -> Option<Parts<'_>> {
+    pub fn parts(&mut self) -> Option<NumberParts<'_>> {
         Some(match self {
             Self::Term(TermSpec { nominal, prime, value, prior, bounds, tied_to, factor, .. }) => {
-                Parts { numbers: [nominal, prime], value, prior, bounds, tied_to, factor }
+                NumberParts { numbers: [nominal, prime], value, prior, bounds, tied_to, factor }
             }
-            Self::Component(Number::Table(own)) => Parts {
-                numbers: [&mut own.nominal, &mut own.prime],
-                value: &mut own.value,
-                prior: &mut own.prior,
-                bounds: &mut own.bounds,
-                tied_to: &own.tied_to,
-                factor: &mut own.factor,
+            Self::Component(Number::Table(table)) => NumberParts {
+                numbers: [&mut table.nominal, &mut table.prime],
+                value: &mut table.value,
+                prior: &mut table.prior,
+                bounds: &mut table.bounds,
+                tied_to: &table.tied_to,
+                factor: &mut table.factor,
             },
             Self::Component(Number::Plain(_)) => return None,
         })
@@ -66,9 +65,6 @@ impl Place<'_> {
 }
 
 /// All numbers of `description`, each once.
-///
-/// # Errors
-/// A term that is none.
 pub(crate) fn slots<'a>(
     description: &'a mut Description,
     channels: &[Channel],
@@ -76,7 +72,7 @@ pub(crate) fn slots<'a>(
     let Description {
         density_kg_m3: _,
         step_s: _,
-        ship: own,
+        ship,
         surge,
         sway,
         yaw,
@@ -98,7 +94,7 @@ pub(crate) fn slots<'a>(
             });
         }
     }
-    walk.ship(own);
+    walk.ship(ship);
     propellers.iter_mut().for_each(|propeller| walk.propeller(propeller));
     rudders.iter_mut().for_each(|rudder| walk.rudder(rudder));
     thrusters.iter_mut().for_each(|thruster| walk.thruster(thruster));
@@ -110,16 +106,16 @@ pub(crate) fn slots<'a>(
 /// What the number of a term of the equation of degree of freedom `d` is made of.
 fn of_term(spec: &TermSpec, d: usize, channels: &[Channel]) -> Result<Result<Dimension, String>, Invalid> {
     let mut sum = Dimension::FORCE.times(Dimension::length(1), i32::from(d == 2));
-    for own in factors(spec, channels)? {
-        let dimension = match own.channel() {
-            None if own.is_yaw_rate() => Dimension::RATE,
+    for factor in factors(spec, channels)? {
+        let dimension = match factor.channel() {
+            None if factor.is_yaw_rate() => Dimension::RATE,
             None => Dimension::SPEED,
             Some(channel) => match Dimension::of_unit(&channels[channel].unit) {
                 Some(dimension) => dimension,
                 None => return Ok(Err(channels[channel].unit.clone())),
             },
         };
-        sum = sum.times(dimension, -own.power());
+        sum = sum.times(dimension, -factor.power());
     }
     Ok(Ok(sum))
 }
@@ -153,7 +149,7 @@ impl<'a> Walk<'a, '_> {
         }
     }
 
-    fn ship(&mut self, ship_spec: &'a mut ShipSpec) {
+    fn ship(&mut self, spec: &'a mut ShipSpec) {
         let ShipSpec {
             length_m: _,
             draught_m: _,
@@ -165,7 +161,7 @@ impl<'a> Walk<'a, '_> {
             inertia_kg_m2,
             added_mass,
             coriolis: _,
-        } = ship_spec;
+        } = spec;
         let AddedMass { surge, sway, yaw, sway_yaw, yaw_sway } = added_mass;
         self.add("ship", "mass_kg", mass_kg, Dimension::mass(0));
         self.maybe("ship", "x_g_m", x_g_m, Dimension::length(1));
@@ -178,7 +174,7 @@ impl<'a> Walk<'a, '_> {
         self.maybe("ship.added_mass", "yaw_sway", yaw_sway, Dimension::mass(1));
     }
 
-    fn propeller(&mut self, propeller_spec: &'a mut PropellerSpec) {
+    fn propeller(&mut self, spec: &'a mut PropellerSpec) {
         let PropellerSpec {
             name,
             input: _,
@@ -191,7 +187,7 @@ impl<'a> Walk<'a, '_> {
             x_m,
             y_m,
             astern,
-        } = propeller_spec;
+        } = spec;
         self.all(name, "thrust", thrust, 0);
         self.maybe(name, "deduction", deduction, Dimension::NONE);
         self.maybe(name, "wake", wake, Dimension::NONE);
@@ -207,7 +203,7 @@ impl<'a> Walk<'a, '_> {
         }
     }
 
-    fn rudder(&mut self, rudder_spec: &'a mut RudderSpec) {
+    fn rudder(&mut self, spec: &'a mut RudderSpec) {
         let RudderSpec {
             name,
             input: _,
@@ -226,7 +222,7 @@ impl<'a> Walk<'a, '_> {
             y_m,
             reversed_flow,
             inflow: _,
-        } = rudder_spec;
+        } = spec;
         self.add(name, "area_m2", area_m2, Dimension::length(2));
         self.maybe(name, "height_m", height_m, Dimension::length(1));
         self.add(name, "lift_slope", lift_slope, Dimension::NONE);
@@ -242,7 +238,7 @@ impl<'a> Walk<'a, '_> {
         self.maybe(name, "reversed_flow", reversed_flow, Dimension::NONE);
     }
 
-    fn thruster(&mut self, own: &'a mut ThrusterSpec) {
+    fn thruster(&mut self, spec: &'a mut ThrusterSpec) {
         let ThrusterSpec {
             name,
             input,
@@ -256,8 +252,12 @@ impl<'a> Walk<'a, '_> {
             loss,
             lag_s,
             dead_time_s,
-        } = own;
-        let unit = self.channels.iter().find(|own| own.name == *input).map_or("", |own| own.unit.as_str());
+        } = spec;
+        let unit = self
+            .channels
+            .iter()
+            .find(|channel| channel.name == *input)
+            .map_or("", |channel| channel.unit.as_str());
         let unit = Dimension::of_unit(unit).ok_or_else(|| unit.to_owned());
         let over = |power: i32, speeds: i32| {
             unit.clone().map(|unit| Dimension::FORCE.times(unit, -power).times(Dimension::SPEED, -speeds))
@@ -269,20 +269,20 @@ impl<'a> Walk<'a, '_> {
         self.add(name, "x_m", x_m, Dimension::length(1));
         self.maybe(name, "y_m", y_m, Dimension::length(1));
         self.maybe(name, "angle_deg", angle_deg, Dimension::NONE);
-        if let Some(own) = ahead {
-            self.put(name, "ahead", own, coefficient.clone());
+        if let Some(number) = ahead {
+            self.put(name, "ahead", number, coefficient.clone());
         }
-        if let Some(own) = astern {
-            self.put(name, "astern", own, coefficient);
+        if let Some(number) = astern {
+            self.put(name, "astern", number, coefficient);
         }
-        if let Some(own) = loss {
-            self.put(name, "loss", own, over(1, 1));
+        if let Some(number) = loss {
+            self.put(name, "loss", number, over(1, 1));
         }
         self.maybe(name, "lag_s", lag_s, Dimension::TIME);
         self.maybe(name, "dead_time_s", dead_time_s, Dimension::TIME);
     }
 
-    fn wind(&mut self, wind_spec: &'a mut WindSpec) {
+    fn wind(&mut self, spec: &'a mut WindSpec) {
         let WindSpec {
             name,
             speed: _,
@@ -293,7 +293,7 @@ impl<'a> Walk<'a, '_> {
             surge,
             sway,
             yaw,
-        } = wind_spec;
+        } = spec;
         self.all(name, "surge", surge, 1);
         self.all(name, "sway", sway, 1);
         self.all(name, "yaw", yaw, 1);
@@ -303,9 +303,79 @@ impl<'a> Walk<'a, '_> {
         self.maybe(name, "air_density_kg_m3", air_density_kg_m3, Dimension::NONE);
     }
 
-    fn crossflow(&mut self, crossflow_spec: &'a mut CrossflowSpec) {
-        let CrossflowSpec { name, draught_m, drag, strips: _ } = crossflow_spec;
+    fn crossflow(&mut self, spec: &'a mut CrossflowSpec) {
+        let CrossflowSpec { name, draught_m, drag, strips: _ } = spec;
         self.add(name, "draught_m", draught_m, Dimension::length(1));
         self.add(name, "drag", drag, Dimension::NONE);
+    }
+}
+
+/// Powers of the water's density and of half lengths: a speed counts as the root of a length.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Dimension {
+    /// Power of the density.
+    density: i32,
+    /// Twice the power of the length.
+    halves: i32,
+}
+
+/// Those of units.
+const UNITS: [(&[&str], Dimension); 14] = [
+    (&["", "1", "%", "rad", "deg", "°", "m/s²", "m/s^2"], Dimension::NONE),
+    (&["s"], Dimension::of(0, 1)),
+    (&["1/s", "rps", "Hz", "rpm", "1/min", "rad/s", "deg/s", "°/s"], Dimension::of(0, -1)),
+    (&["1/s²", "1/s^2", "rad/s²", "rad/s^2"], Dimension::of(0, -2)),
+    (&["m/s", "kn"], Dimension::SPEED),
+    (&["m²/s²", "m^2/s^2"], Dimension::of(0, 2)),
+    (&["m", "cm", "mm"], Dimension::of(0, 2)),
+    (&["m²", "m^2"], Dimension::of(0, 4)),
+    (&["m³", "m^3"], Dimension::of(0, 6)),
+    (&["kg", "t"], Dimension::of(1, 6)),
+    (&["N", "kN", "MN"], Dimension::FORCE),
+    (&["N m", "kN m", "Nm", "kNm"], Dimension::of(1, 8)),
+    (&["W", "kW", "MW"], Dimension::of(1, 7)),
+    (&["Pa", "kPa", "bar"], Dimension::of(1, 2)),
+];
+
+impl Dimension {
+    /// A pure number, an angle, an acceleration.
+    pub const NONE: Self = Self::of(0, 0);
+    /// A speed.
+    pub const SPEED: Self = Self::of(0, 1);
+    /// A turning rate.
+    pub const RATE: Self = Self::of(0, -1);
+    /// A time.
+    pub const TIME: Self = Self::of(0, 1);
+    /// A force.
+    pub const FORCE: Self = Self::of(1, 6);
+
+    const fn of(density: i32, halves: i32) -> Self {
+        Self { density, halves }
+    }
+
+    /// The `power`th power of a length.
+    pub const fn length(power: i32) -> Self {
+        Self::of(0, 2 * power)
+    }
+
+    /// A mass times the `power`th power of a length.
+    pub const fn mass(power: i32) -> Self {
+        Self::of(1, 6 + 2 * power)
+    }
+
+    /// That of a unit, if it is known.
+    pub fn of_unit(unit: &str) -> Option<Self> {
+        UNITS.iter().find(|(units, _)| units.contains(&unit)).map(|(_, dimension)| *dimension)
+    }
+
+    /// This, times the `power`th power of another.
+    pub fn times(self, other: Self, power: i32) -> Self {
+        Self::of(self.density + power * other.density, self.halves + power * other.halves)
+    }
+
+    /// What one of a ship is of another, with `length` times the length in water of `density` times the density.
+    pub fn factor(self, length: f64, density: f64) -> f64 {
+        let whole = density.powi(self.density) * length.powi(self.halves.div_euclid(2));
+        if self.halves.rem_euclid(2) == 1 { whole * length.sqrt() } else { whole }
     }
 }

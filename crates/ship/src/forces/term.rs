@@ -1,12 +1,12 @@
 //! Terms of hull forces: products of motion and channels, with division.
 
-use refusal::{Invalid, foreign};
+use std::f64::consts::PI;
 
-use crate::forces::Channel;
-use crate::forces::grammar::{MOST_FACTORS, parse_name, parse_power};
+use refusal::{Invalid, check_name, check_ranges, foreign};
+
 use crate::forces::mass::Prime;
-use crate::forces::numbers::{At, Builder, Measured};
-use crate::forces::{Real, TermSpec};
+use crate::forces::numbers::{ANGLES, At, Builder, Driven, Measured, SPEEDS, driven};
+use crate::forces::{Channel, CrossflowSpec, Number, Real, TermSpec, WindSpec};
 
 /// Names of what a term can have besides channels; the last four follow from the first two.
 pub const MOTION: [&str; 6] = ["u", "v", "r", "U", "U_s", "du"];
@@ -60,9 +60,6 @@ impl Factor {
 }
 
 /// The factors of a term, each once for every power.
-///
-/// # Errors
-/// A text that is no term, or a division by what can be 0.
 pub(crate) fn factors(spec: &TermSpec, channels: &[Channel]) -> Result<Vec<Factor>, Invalid> {
     Parser { spec, channels }.factors()
 }
@@ -128,12 +125,12 @@ impl Term {
     pub fn value<X: Real>(&self, numbers: &[X], motion: &Motion<X>, channel: &impl Fn(usize) -> X) -> X {
         let mut product = self.parameter.of(numbers);
         for factor in &self.factors {
-            let own = match motion.get(factor.variable) {
-                Some(own) => *own,
+            let variable = match motion.get(factor.variable) {
+                Some(value) => *value,
                 None => channel(factor.variable - MOTION.len()),
             };
-            let own = if factor.modulus { own.modulus() } else { own };
-            product = if factor.divides { product.over(own) } else { product * own };
+            let variable = if factor.modulus { variable.modulus() } else { variable };
+            product = if factor.divides { product.over(variable) } else { product * variable };
         }
         product
     }
@@ -150,8 +147,8 @@ fn measured(
     let (mut speeds, mut rates) = (0_i32, 0_i32);
     let mut units = String::new();
     for factor in factors {
-        let sign = if factor.divides { -1 } else { 1 };
-        let unit = match factor.variable.checked_sub(MOTION.len()) {
+        let sign = factor.power();
+        let unit = match factor.channel() {
             None => {
                 speeds += sign;
                 rates += if factor.variable == 2 { sign } else { 0 };
@@ -160,12 +157,12 @@ fn measured(
             Some(channel) => {
                 let unit = channels[channel].unit.as_str();
                 if spec.prime.is_some() && !["rad", "1", ""].contains(&unit) {
-                    let found =
+                    let given =
                         format!("`prime` with channel `{}` in `{}`", channels[channel].name, foreign(unit));
                     let expected = "channels in rad or without a unit in terms of the prime system";
                     return Err(refused(
                         spec,
-                        &found,
+                        &given,
                         expected,
                         "write the number as `nominal`, in SI units",
                     ));
@@ -184,8 +181,11 @@ fn measured(
 }
 
 fn refused(spec: &TermSpec, found: &str, expected: &str, remedy: &str) -> Invalid {
-    let thing = format!("term `{}` of parameter `{}`", foreign(&spec.term), foreign(&spec.parameter));
-    Invalid::new(thing, found, expected, remedy)
+    Invalid::new(called(spec), found, expected, remedy)
+}
+
+fn called(spec: &TermSpec) -> String {
+    format!("term `{}` of parameter `{}`", foreign(&spec.term), foreign(&spec.parameter))
 }
 
 struct Parser<'a> {
@@ -227,9 +227,9 @@ impl Parser<'_> {
         {
             return Ok(rest.trim_start());
         }
-        let (modulus, name, rest) = parse_name(text).map_err(|found| self.malformed(&found))?;
+        let (modulus, name, rest) = parse_name(text).map_err(|fault| self.malformed(&fault))?;
         let variable = self.variable(name)?;
-        let (power, rest) = parse_power(rest).map_err(|found| self.malformed(&found))?;
+        let (power, rest) = parse_power(rest).map_err(|fault| self.malformed(&fault))?;
         if divides {
             self.check_division(name, variable)?;
         }
@@ -238,18 +238,11 @@ impl Parser<'_> {
     }
 
     fn variable(&self, name: &str) -> Result<usize, Invalid> {
-        let known = || MOTION.into_iter().chain(self.channels.iter().map(|own| own.name.as_str()));
-        match known().position(|own| own == name) {
+        let known = || MOTION.into_iter().chain(self.channels.iter().map(|channel| channel.name.as_str()));
+        match known().position(|known| known == name) {
             Some(variable) => Ok(variable),
             None if name.is_empty() => Err(self.malformed("a character that begins no name")),
-            None => {
-                let thing = format!(
-                    "term `{}` of parameter `{}`",
-                    foreign(&self.spec.term),
-                    foreign(&self.spec.parameter)
-                );
-                Err(Invalid::unknown(thing, name, known()))
-            }
+            None => Err(Invalid::unknown(called(self.spec), name, known())),
         }
     }
 
@@ -258,15 +251,15 @@ impl Parser<'_> {
         if MOTION.get(variable) == Some(&"U") {
             return Ok(());
         }
-        let own = variable.checked_sub(MOTION.len()).and_then(|channel| self.channels.get(channel));
-        if own.and_then(|own| own.range).is_some_and(|[low, high]| low > 0.0 || high < 0.0) {
+        let channel = variable.checked_sub(MOTION.len()).and_then(|channel| self.channels.get(channel));
+        if channel.and_then(|channel| channel.range).is_some_and(|[low, high]| low > 0.0 || high < 0.0) {
             return Ok(());
         }
-        let found = format!("a division by `{name}`, which can be 0");
+        let given = format!("a division by `{name}`, which can be 0");
         let expected = "a division by `U`, or by an input whose `range` is without 0";
         Err(refused(
             self.spec,
-            &found,
+            &given,
             expected,
             "state such a `range`, or write the term without this division",
         ))
@@ -275,5 +268,178 @@ impl Parser<'_> {
     fn malformed(&self, found: &str) -> Invalid {
         let expected = "names, |names|, powers from 1 to 9 and divisions, such as `v^2 r / U`";
         refused(self.spec, found, expected, "correct the term")
+    }
+}
+
+/// What all components see at a moment.
+pub(crate) struct Surroundings<'a, X> {
+    /// u, v, r, U, U_s, du.
+    pub motion: Motion<X>,
+    /// The channels.
+    pub channel: &'a dyn Fn(usize) -> X,
+    /// Density of the water \[kg/m³\].
+    pub density: X,
+    /// Length of the ship \[m\].
+    pub length: f64,
+}
+
+impl<X: Real> Surroundings<'_, X> {
+    /// A channel in the unit of a component.
+    #[inline(always)]
+    pub fn driven(&self, driven: Driven) -> X {
+        let value = (self.channel)(driven.channel);
+        if driven.factor == 1.0 { value } else { value.times(driven.factor) }
+    }
+}
+
+/// Drag of the water that flows across the hull: ½ρ d C_d |v + x r| (v + x r), summed over strips.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Crossflow {
+    draught: At,
+    drag: At,
+    /// Where the strips are ahead of the origin \[m\].
+    strips: Vec<f64>,
+    /// Length of a strip \[m\].
+    strip: f64,
+}
+
+impl Crossflow {
+    /// # Errors
+    /// Fewer than 2 or more than 1000 strips, or numbers that contradict each other.
+    pub fn new(spec: &CrossflowSpec, prime: &Prime, builder: &mut Builder) -> Result<Self, Invalid> {
+        let name = spec.name.as_str();
+        check_name("`name` of a cross-flow", name)?;
+        let strips = spec.strips.unwrap_or(21);
+        check_ranges([("strips", f64::from(strips), 2.0..=1000.0, "strips")])?;
+        let metres = Measured::si("m").or_prime(prime.draught);
+        let draught = builder.number(name, "draught_m", Some(&spec.draught_m), 0.0, metres)?;
+        let drag = builder.number(name, "drag", Some(&spec.drag), 0.0, Measured::pure())?;
+        let strip = prime.length / f64::from(strips - 1);
+        let strips = (0..strips).map(|i| f64::from(i) * strip - 0.5 * prime.length).collect();
+        Ok(Self { draught, drag, strips, strip })
+    }
+
+    /// The force to starboard \[N\] and the moment \[N m\].
+    #[inline(always)]
+    pub fn forces<X: Real>(&self, numbers: &[X], around: &Surroundings<X>) -> [X; 3] {
+        let [_, v, r, ..] = around.motion;
+        let (mut force, mut moment) = (X::ZERO, X::ZERO);
+        for x in &self.strips {
+            let across = v + r.times(*x);
+            let drag = across * across.modulus();
+            force += drag;
+            moment += drag.times(*x);
+        }
+        let factor =
+            around.density.times(-0.5 * self.strip) * self.draught.of(numbers) * self.drag.of(numbers);
+        [X::ZERO, factor * force, factor * moment]
+    }
+}
+
+/// Most harmonics of a component of the wind's force.
+const MOST: usize = 20;
+
+/// Wind as seen from the ship, on areas above water. It is multiplied here, sample by sample, not in means.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Wind {
+    speed: Driven,
+    direction: Driven,
+    density: At,
+    areas: [At; 2],
+    /// Coefficients of surge, sway and yaw, from the first harmonic on.
+    harmonics: [Vec<At>; 3],
+}
+
+impl Wind {
+    /// # Errors
+    /// Unknown or unfit channels, too many harmonics, numbers that contradict each other.
+    pub fn new(
+        spec: &WindSpec,
+        channels: &[Channel],
+        prime: &Prime,
+        builder: &mut Builder,
+    ) -> Result<Self, Invalid> {
+        let name = spec.name.as_str();
+        check_name("`name` of a wind", name)?;
+        let speed = driven(channels, name, "speed", &spec.speed, SPEEDS)?;
+        let direction = driven(channels, name, "direction", &spec.direction, ANGLES)?;
+        let area = || Measured::si("m²").or_prime(prime.length * prime.draught);
+        let mut all = |key: &str, numbers: &[Number]| {
+            if numbers.len() > MOST {
+                let given = format!("{} harmonics", numbers.len());
+                let thing = format!("`{key}` of wind `{name}`");
+                return Err(Invalid::new(thing, given, format!("at most {MOST}"), "remove the others"));
+            }
+            let one = |(i, number)| {
+                builder.number(name, &format!("{key}.{}", i + 1), Some(number), 0.0, Measured::pure())
+            };
+            numbers.iter().enumerate().map(one).collect::<Result<Vec<_>, _>>()
+        };
+        let harmonics = [all("surge", &spec.surge)?, all("sway", &spec.sway)?, all("yaw", &spec.yaw)?];
+        let air = spec.air_density_kg_m3.as_ref();
+        let areas = [
+            builder.number(name, "frontal_area_m2", Some(&spec.frontal_area_m2), 0.0, area())?,
+            builder.number(name, "lateral_area_m2", Some(&spec.lateral_area_m2), 0.0, area())?,
+        ];
+        let density = builder.number(name, "air_density_kg_m3", air, 1.225, Measured::si("kg/m³"))?;
+        Ok(Self { speed, direction, density, areas, harmonics })
+    }
+
+    /// The channels of its speed and direction.
+    pub fn inputs(&self) -> [Driven; 2] {
+        [self.speed, self.direction]
+    }
+
+    /// The channel of its direction, which goes around, and half a turn in its unit.
+    pub fn turning(&self) -> (usize, f64) {
+        (self.direction.channel, PI / self.direction.factor)
+    }
+
+    /// The force ahead and to starboard \[N\] and the moment \[N m\].
+    #[inline(always)]
+    pub fn forces<X: Real>(&self, numbers: &[X], around: &Surroundings<X>) -> [X; 3] {
+        let (speed, direction) = (around.driven(self.speed), around.driven(self.direction));
+        let pressure = (self.density.of(numbers) * speed * speed).times(-0.5);
+        let most = self.harmonics.iter().map(Vec::len).max().unwrap_or(0);
+        let mut sums = [X::ZERO; 3];
+        for k in 0..most {
+            let (sine, cosine) = direction.times((k + 1) as f64).sine_and_cosine();
+            for (sum, (series, part)) in sums.iter_mut().zip(self.harmonics.iter().zip([cosine, sine, sine]))
+            {
+                if let Some(coefficient) = series.get(k) {
+                    *sum += coefficient.of(numbers) * part;
+                }
+            }
+        }
+        let [frontal, lateral] = self.areas.map(|area| area.of(numbers) * pressure);
+        [frontal * sums[0], lateral * sums[1], lateral * sums[2].times(around.length)]
+    }
+}
+
+/// Most factors of a term, and of a formula.
+pub(crate) const MOST_FACTORS: usize = 32;
+
+/// Whether a modulus is at the start of `text`, the name there, and the rest; the name is empty where none begins.
+pub(crate) fn parse_name(text: &str) -> Result<(bool, &str, &str), String> {
+    let (modulus, start) = match text.strip_prefix('|') {
+        Some(inner) => (true, inner.trim_start()),
+        None => (false, text),
+    };
+    let end = start.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(start.len());
+    let (name, mut after) = start.split_at(end);
+    if modulus {
+        after = after.trim_start().strip_prefix('|').ok_or("an unclosed `|`")?;
+    }
+    Ok((modulus, name, after))
+}
+
+/// The power at the start of `text`, 1 if there is none, and the rest.
+pub(crate) fn parse_power(text: &str) -> Result<(u8, &str), String> {
+    let Some(exponent) = text.trim_start().strip_prefix('^') else { return Ok((1, text)) };
+    let exponent = exponent.trim_start();
+    let end = exponent.find(|c: char| !c.is_ascii_digit()).unwrap_or(exponent.len());
+    match exponent[..end].parse() {
+        Ok(power @ 1..=9) => Ok((power, &exponent[end..])),
+        _ => Err("a power that is no whole number from 1 to 9".to_owned()),
     }
 }

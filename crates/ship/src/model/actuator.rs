@@ -1,8 +1,8 @@
 //! The range, lag, rate, dead band and hold of an actuator.
 
 use refusal::{Invalid, check_numbers};
-
-use crate::model::InputSpec;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// The actuator of an input.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,9 +24,6 @@ const LONGEST_S: f64 = 1e4;
 
 impl Actuator {
     /// Of an input as written.
-    ///
-    /// # Errors
-    /// An empty range, a lag or dead band below 0, a rate or hold that is not above 0, a dead band as wide as the range.
     pub(crate) fn new(input_spec: &InputSpec) -> Result<Self, Invalid> {
         let InputSpec { name, range, lag_s, rate_per_s, dead_band, hold_s, .. } = input_spec;
         let thing = |key: &str| format!("{key}` of input `{name}");
@@ -70,7 +67,7 @@ impl Actuator {
     }
 
     /// Whether any command moves it, at any sample.
-    pub(crate) fn takes_every_command(&self) -> bool {
+    fn takes_every_command(&self) -> bool {
         self.dead_band == 0.0 && self.hold_s == 0.0
     }
 
@@ -90,7 +87,7 @@ impl Actuator {
     }
 
     /// The command that reaches `wanted` by the end of its hold, or of a sample of `seconds`, within the range.
-    pub(crate) fn command_for(&self, setting: f64, wanted: f64, seconds: f64) -> f64 {
+    fn command_for(&self, setting: f64, wanted: f64, seconds: f64) -> f64 {
         let command = match self.lag_s > 0.0 {
             true => setting - (wanted - setting) / libm::expm1(-seconds.max(self.hold_s) / self.lag_s),
             false => wanted,
@@ -111,4 +108,138 @@ impl Actuator {
         let most = |rate: f64| reached.max(setting - rate * seconds).min(setting + rate * seconds);
         self.rate_per_s.map_or(reached, most)
     }
+}
+
+/// The command to an actuator during a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampleCommand {
+    /// At the beginning of the sample.
+    pub first: f64,
+    /// Mean over the sample.
+    pub mean: f64,
+    /// At the end of the sample.
+    pub last: f64,
+}
+
+impl SampleCommand {
+    /// Of actuator `index`, with this `mean`; `ends` are the commands to all at the beginning and the end of the sample, if they
+    /// change within it.
+    pub fn of(index: usize, mean: f64, ends: Option<[&[f64]; 2]>) -> Self {
+        ends.map_or(mean.into(), |[first, last]| Self { first: first[index], mean, last: last[index] })
+    }
+}
+
+impl From<f64> for SampleCommand {
+    /// The same throughout the sample.
+    fn from(command: f64) -> Self {
+        Self { first: command, mean: command, last: command }
+    }
+}
+
+/// An actuator under way: it follows commands from sample to sample.
+///
+/// With a hold it takes the command at its first sample, and every so many seconds the one at that time. With a dead
+/// band it rests while the command is that near to its setting. As a steering gear, it goes all the way to a command
+/// that is farther, and stops where it meets the present command.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ActuatorState {
+    setting: f64,
+    /// The command of the present hold.
+    held: f64,
+    /// Where it goes.
+    bound_for: f64,
+    /// Samples since it began.
+    samples: u64,
+}
+
+/// Part of a hold by which rounding may put its end later than a sample.
+const ROUNDING: f64 = 1e-9;
+
+impl ActuatorState {
+    /// At rest at `setting`.
+    pub fn at(setting: f64) -> Self {
+        Self { setting, held: setting, bound_for: setting, samples: 0 }
+    }
+
+    /// After a first sample in which it was at `command`.
+    pub fn begun(command: f64) -> Self {
+        Self { samples: 1, ..Self::at(command) }
+    }
+
+    /// The present setting.
+    pub fn setting(&self) -> f64 {
+        self.setting
+    }
+
+    /// The setting after a sample of `seconds`.
+    pub fn follow(&mut self, actuator: &Actuator, command: SampleCommand, seconds: f64) -> f64 {
+        let command = self.held(actuator, command, seconds);
+        let off = (command.last - self.setting).abs();
+        let to = if actuator.dead_band == 0.0 || off > actuator.dead_band {
+            self.bound_for = command.last;
+            command.mean
+        } else {
+            let (low, high) = (self.setting.min(self.bound_for), self.setting.max(self.bound_for));
+            self.bound_for = command.last.max(low).min(high);
+            self.bound_for
+        };
+        self.setting = actuator.after(self.setting, to, seconds);
+        self.setting
+    }
+
+    /// The setting after a sample of `seconds`, as near to `wanted` as commands take it.
+    pub fn reach(&mut self, actuator: &Actuator, wanted: f64, seconds: f64) -> f64 {
+        if !actuator.takes_every_command() {
+            let command = actuator.command_for(self.setting, wanted, seconds);
+            return self.follow(actuator, command.into(), seconds);
+        }
+        *self = Self::at(actuator.towards(self.setting, wanted, seconds));
+        self.setting
+    }
+
+    /// The command of the present hold.
+    fn held(&mut self, actuator: &Actuator, command: SampleCommand, seconds: f64) -> SampleCommand {
+        if actuator.hold_s == 0.0 {
+            return command;
+        }
+        // Takes the command at the first sample that is not before the end of the hold.
+        let holds = |samples: u64| (samples as f64 * seconds / actuator.hold_s + ROUNDING).floor();
+        if self.samples == 0 || holds(self.samples) > holds(self.samples - 1) {
+            self.held = command.first;
+        }
+        self.samples += 1;
+        self.held.into()
+    }
+}
+
+/// An input.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "ModelInput")]
+pub struct InputSpec {
+    /// Name as used in terms and as a column.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Another input that this one is coupled to …
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub follows: Option<String>,
+    /// … by this factor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub factor: Option<f64>,
+    /// Between which the actuator can be set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub range: Option<[f64; 2]>,
+    /// Time constant with which the actuator follows a command \[s\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lag_s: Option<f64>,
+    /// How much it changes in a second at most.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_per_s: Option<f64>,
+    /// How far a command has to be from the setting to move the actuator.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dead_band: Option<f64>,
+    /// How long the actuator follows a command before it takes the next one \[s\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hold_s: Option<f64>,
 }

@@ -1,9 +1,9 @@
 use std::collections::BTreeMap;
 
-use crate::forces::TermSpec;
 use refusal::{Invalid, nearest};
 
-use crate::model::{Constrained, Constraint, Degree, DegreeOfFreedom, Product, Term};
+use crate::forces::TermSpec;
+use crate::model::{Degree, DegreeOfFreedom, Factor, Model, Product, Term};
 
 /// One degree of freedom under construction: its terms as written.
 pub(crate) struct Equation<'a> {
@@ -11,14 +11,6 @@ pub(crate) struct Equation<'a> {
     specs: Vec<(&'a TermSpec, Term)>,
     /// Names in other degrees of freedom.
     others: Vec<&'a str>,
-}
-
-/// The result for a degree of freedom.
-pub(crate) struct Reduced {
-    pub degree: Degree,
-    pub value: Vec<Option<f64>>,
-    pub nominal: Vec<f64>,
-    pub constrained: Vec<Constrained>,
 }
 
 /// The role of a written parameter.
@@ -35,36 +27,35 @@ enum Role {
 impl<'a> Equation<'a> {
     /// `specs` are those of `degree` with their terms, `all` those of the vessel.
     pub fn new(degree: DegreeOfFreedom, specs: Vec<(&'a TermSpec, Term)>, all: &[&'a TermSpec]) -> Self {
-        let own = |name: &str| specs.iter().any(|(spec, _)| spec.parameter == name);
-        let others = all.iter().map(|spec| spec.parameter.as_str()).filter(|name| !own(name)).collect();
+        let is_of_degree = |name: &str| specs.iter().any(|(spec, _)| spec.parameter == name);
+        let others =
+            all.iter().map(|spec| spec.parameter.as_str()).filter(|name| !is_of_degree(name)).collect();
         Self { degree, specs, others }
     }
 
-    /// The estimated parameters, with the terms of those that are tied to them; `first` is the model's index
-    /// of the first one.
+    /// Adds the estimated parameters, with the terms of those that are tied to them, and the others to the `parts` of a model.
     ///
     /// # Errors
     /// A constraint that is meaningless, contradicts itself or the values, or leaves nothing to be estimated.
-    pub fn reduced(self, first: usize) -> Result<Reduced, Invalid> {
+    pub fn reduce_to(self, parts: &mut Parts) -> Result<(), Invalid> {
+        let first = parts.nominal.len();
         let roles: Vec<Role> = (0..self.specs.len()).map(|i| self.role(i)).collect::<Result<_, _>>()?;
         self.check_constants(&roles)?;
         let (mut degree, mut places) = (Degree::default(), BTreeMap::new());
-        let (mut value, mut nominal) = (Vec::new(), Vec::new());
         for (i, ((spec, term), role)) in self.specs.iter().zip(&roles).enumerate() {
-            if let Role::Estimated { nominal: own, bounds } = role {
+            if let Role::Estimated { nominal: number, bounds } = role {
                 let place = degree.terms.len();
                 places.insert(i, place);
                 degree.parameters.push(spec.parameter.clone());
                 degree.terms.push(term.clone());
                 degree.bounds.extend(bounds.map(|bounds| (place, bounds)));
-                value.push(spec.value);
-                nominal.push(*own);
+                parts.value.push(spec.value);
+                parts.nominal.push(*number);
             }
         }
         if degree.terms.is_empty() {
             return Err(self.nothing_left());
         }
-        let mut constrained = Vec::new();
         for (place, ((spec, term), role)) in self.specs.iter().zip(&roles).enumerate() {
             let constraint = match *role {
                 Role::Estimated { .. } => continue,
@@ -84,9 +75,10 @@ impl<'a> Equation<'a> {
                 }
             }
             let (name, term) = (spec.parameter.clone(), term.clone());
-            constrained.push(Constrained { degree: self.degree, place, name, term, constraint });
+            parts.constrained.push(Constrained { degree: self.degree, place, name, term, constraint });
         }
-        Ok(Reduced { degree, value, nominal, constrained })
+        parts.degrees[self.degree as usize] = degree;
+        Ok(())
     }
 
     fn role(&self, i: usize) -> Result<Role, Invalid> {
@@ -136,23 +128,23 @@ impl<'a> Equation<'a> {
     fn tied(&self, i: usize, name: &str) -> Result<(usize, f64), Invalid> {
         let (spec, term) = &self.specs[i];
         let tie = format!("tied to `{name}`");
-        let refuse = |found: &str, expected: &str, remedy: &str| Err(refused(spec, found, expected, remedy));
+        let refuse = |given: &str, expected: &str, remedy: &str| Err(refused(spec, given, expected, remedy));
         if spec.fixed || spec.bounds.is_some() {
-            let found = format!("{tie}, and {}", if spec.fixed { "`fixed`" } else { "`bounds`" });
-            return refuse(&found, "one of them", "state it for the parameter that it is tied to");
+            let given = format!("{tie}, and {}", if spec.fixed { "`fixed`" } else { "`bounds`" });
+            return refuse(&given, "one of them", "state it for the parameter that it is tied to");
         }
         let (mut at, mut factor, mut seen) = (i, 1.0, vec![i]);
         while let (here, Some(next)) = (self.specs[at].0, &self.specs[at].0.tied_to) {
-            let own = here.factor.unwrap_or(1.0);
-            if !own.is_finite() || own == 0.0 {
+            let ratio = here.factor.unwrap_or(1.0);
+            if !ratio.is_finite() || ratio == 0.0 {
                 return Err(refused(
                     here,
-                    &format!("`factor` {own}"),
+                    &format!("`factor` {ratio}"),
                     "a finite number other than 0",
                     "correct it",
                 ));
             }
-            factor *= own;
+            factor *= ratio;
             let Some(place) = self.specs.iter().position(|(other, _)| other.parameter == *next) else {
                 return Err(self.unknown(here, next));
             };
@@ -180,36 +172,39 @@ impl<'a> Equation<'a> {
             );
         }
         let (target, _) = &self.specs[at];
-        for (what, own, other) in
+        for (what, number, other) in
             [("value", spec.value, target.value), ("nominal value", spec.nominal, target.nominal)]
         {
-            if let (Some(own), Some(other)) = (own, other)
-                && (own - factor * other).abs() > 1e-9 * own.abs()
+            if let (Some(number), Some(other)) = (number, other)
+                && (number - factor * other).abs() > 1e-9 * number.abs()
             {
-                let found = format!("a {what} of {own}, tied to `{}`", target.parameter);
-                return refuse(&found, &format!("{}", factor * other), "remove it: it follows from the tie");
+                let given = format!("a {what} of {number}, tied to `{}`", target.parameter);
+                return refuse(&given, &format!("{}", factor * other), "remove it: it follows from the tie");
             }
         }
         Ok((at, factor))
     }
 
     fn unknown(&self, spec: &TermSpec, name: &str) -> Invalid {
-        let found = format!("tied to `{name}`");
+        let given = format!("tied to `{name}`");
         if self.others.contains(&name) {
             return refused(
                 spec,
-                &format!("{found}, a parameter of another degree of freedom"),
+                &format!("{given}, a parameter of another degree of freedom"),
                 &format!("a parameter of {}", self.degree.name()),
                 "tie parameters of one degree of freedom, or fix both",
             );
         }
-        let own = || {
-            self.specs.iter().map(|(other, _)| other.parameter.as_str()).filter(|own| *own != spec.parameter)
+        let others = || {
+            self.specs
+                .iter()
+                .map(|(other, _)| other.parameter.as_str())
+                .filter(|name| *name != spec.parameter)
         };
         let remedy =
-            nearest(name, own()).map_or("remove it".into(), |near| format!("did you mean `{near}`?"));
+            nearest(name, others()).map_or("remove it".into(), |near| format!("did you mean `{near}`?"));
         let expected = format!("a parameter of {}", self.degree.name());
-        refused(spec, &format!("{found}, which no term has"), &expected, &remedy)
+        refused(spec, &format!("{given}, which no term has"), &expected, &remedy)
     }
 
     /// Refuses several estimated terms 1, which cannot be distinguished.
@@ -248,8 +243,8 @@ fn within(spec: &TermSpec, bounds: [f64; 2]) -> Result<[f64; 2], Invalid> {
     if low < high && low < f64::INFINITY && high > f64::NEG_INFINITY {
         return Ok(bounds);
     }
-    let found = format!("`bounds` [{low}, {high}]");
-    Err(refused(spec, &found, "a lower bound and a higher one", "swap or correct them, or fix the parameter"))
+    let given = format!("`bounds` [{low}, {high}]");
+    Err(refused(spec, &given, "a lower bound and a higher one", "swap or correct them, or fix the parameter"))
 }
 
 fn inside(spec: &TermSpec, what: &str, value: f64, bounds: Option<[f64; 2]>) -> Result<(), Invalid> {
@@ -262,4 +257,87 @@ fn inside(spec: &TermSpec, what: &str, value: f64, bounds: Option<[f64; 2]>) -> 
         )),
         _ => Ok(()),
     }
+}
+
+/// A parameter that is not estimated on its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Constrained {
+    /// Its degree of freedom.
+    pub degree: DegreeOfFreedom,
+    /// Its index among the parameters of this degree of freedom, as written.
+    pub place: usize,
+    /// Its name.
+    pub name: String,
+    /// Its term.
+    pub term: Term,
+    /// How its value is determined.
+    pub constraint: Constraint,
+}
+
+/// How the value of a constrained parameter is determined.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Constraint {
+    /// It is known.
+    Fixed(f64),
+    /// It is another parameter times a factor.
+    Tied {
+        /// The other parameter's index in the model.
+        to: usize,
+        /// The factor.
+        factor: f64,
+    },
+}
+
+/// A parameter as written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Written<'a> {
+    /// Estimated: its index in the model.
+    Estimated(usize),
+    /// Not estimated on its own.
+    Constrained(&'a Constrained),
+}
+
+impl Constrained {
+    /// Its value in a model with these `parameters`.
+    pub fn value(&self, parameters: &[f64]) -> f64 {
+        match self.constraint {
+            Constraint::Fixed(value) => value,
+            Constraint::Tied { to, factor } => factor * parameters[to],
+        }
+    }
+}
+
+impl Model {
+    /// The model and its `parameters` without those at a bound, whose terms become known: an estimate is judged with these held.
+    pub fn held_at_bounds(&self, parameters: &[f64]) -> (Self, Vec<f64>) {
+        let (mut model, mut left, mut values) = (self.clone(), Vec::new(), parameters.iter());
+        for (degree, degree_terms) in model.degrees.iter_mut().zip(&self.degrees) {
+            (degree.parameters, degree.terms) = (Vec::new(), Vec::new());
+            degree.bounds.clear();
+            let each = degree_terms.parameters.iter().zip(&degree_terms.terms).zip(values.by_ref());
+            for (i, ((name, term), value)) in each.take(degree_terms.terms.len()).enumerate() {
+                if degree_terms.at_bound(i, *value) {
+                    let mut known = |factors: &[Factor], coefficient: f64| {
+                        degree.known.push(Product { coefficient, factors: factors.to_vec() });
+                    };
+                    known(&term.factors, *value);
+                    term.tied.iter().for_each(|tied| known(&tied.factors, value * tied.coefficient));
+                } else {
+                    degree.parameters.push(name.clone());
+                    degree.terms.push(term.clone());
+                    left.push(*value);
+                }
+            }
+        }
+        (model, left)
+    }
+}
+
+/// What a kind of model gives a vessel.
+#[derive(Default)]
+pub(crate) struct Parts {
+    pub degrees: [Degree; 3],
+    pub value: Vec<Option<f64>>,
+    pub nominal: Vec<f64>,
+    pub constrained: Vec<Constrained>,
 }

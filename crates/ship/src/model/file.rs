@@ -1,19 +1,16 @@
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-use crate::forces::TermSpec;
-use refusal::{Invalid, check_name, check_numbers, check_ranges};
+use refusal::{Invalid, check_name, check_numbers, check_ranges, foreign};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::model::derived::derive;
-use crate::model::equation::{Equation, Reduced};
-use crate::model::parts::Parts;
-use crate::model::physics::{self, moved};
-use crate::model::presets::preset;
-use crate::model::written::{Kind, VesselFile, missing};
+use super::formula::derive;
+use crate::forces::{Forces, TermSpec};
+use crate::model::equation::{Equation, Parts};
+use crate::model::physics::{self, Kind, VesselFile, missing, moved, preset};
 use crate::model::{
-    Actuator, Constrained, DegreeOfFreedom, InputSpec, Model, RateChange, Term, Variable, Written,
+    Actuator, Constrained, DegreeOfFreedom, InputSpec, Model, RateChange, Term, Unusual, Variable, Written,
 };
 
 /// Which of the two parameter sets is meant.
@@ -106,7 +103,7 @@ impl Vessel {
         let inputs = file.input.len();
         let (constant, pace) = (file.constant, RateChange::Own);
         let model = Model { variables, inputs, simulated, derived, degrees, constant, forces, pace };
-        let own = Self {
+        let vessel = Self {
             name,
             sample_rate_hz: rate,
             model,
@@ -118,8 +115,8 @@ impl Vessel {
             motion: None,
             accepts_unusual: file.unusual.is_some() || file.fitted,
         };
-        own.check_rudders()?;
-        Ok(own)
+        vessel.check_rudders()?;
+        Ok(vessel)
     }
 
     /// One of the built-in vessels, by name.
@@ -176,8 +173,8 @@ impl Vessel {
     /// The parameters of degree of freedom `d` in the order of the file.
     pub fn written(&self, d: DegreeOfFreedom) -> Vec<Written<'_>> {
         let mut all: Vec<Written> = self.model.layout().degree(d as usize).map(Written::Estimated).collect();
-        for own in self.constrained.iter().filter(|own| own.degree == d) {
-            all.insert(own.place, Written::Constrained(own));
+        for parameter in self.constrained.iter().filter(|parameter| parameter.degree == d) {
+            all.insert(parameter.place, Written::Constrained(parameter));
         }
         all
     }
@@ -197,8 +194,7 @@ impl Vessel {
         inputs.iter().zip(&self.actuators).enumerate().find_map(beyond)
     }
 
-    /// Which of u, v, r leaves its range in `states`, rows of three, by most of its width: its index, and the
-    /// extreme value.
+    /// Which of u, v, r leaves its range in `states`, rows of three, by most of its width: its index, and the extreme value.
     pub fn beyond_motion(&self, states: &[f64]) -> Option<(usize, f64)> {
         let ranges = self.motion?;
         let beyond = |(d, state): (usize, &f64)| {
@@ -226,13 +222,8 @@ fn parts_per_sample(file: &VesselFile, variables: &[Variable]) -> Result<Parts, 
     let (all, mut terms) = (written.iter().flatten().collect::<Vec<_>>(), terms.into_iter());
     let mut parts = Parts::default();
     for d in DegreeOfFreedom::ALL {
-        let own = written[d as usize].iter().zip(terms.next().unwrap_or_default()).collect();
-        let Reduced { degree, value, nominal, constrained } =
-            Equation::new(d, own, &all).reduced(parts.nominal.len())?;
-        parts.degrees[d as usize] = degree;
-        parts.value.extend(value);
-        parts.nominal.extend(nominal);
-        parts.constrained.extend(constrained);
+        let specs = written[d as usize].iter().zip(terms.next().unwrap_or_default()).collect();
+        Equation::new(d, specs, &all).reduce_to(&mut parts)?;
     }
     Ok(parts)
 }
@@ -256,10 +247,10 @@ fn replaced(file: &VesselFile) -> Result<[Vec<TermSpec>; 3], Invalid> {
             Some(spec) if truth => spec.value = Some(value),
             Some(spec) => spec.nominal = Some(value),
             None => {
-                let found = "a name that no term has".to_owned();
+                let given = "a name that no term has".to_owned();
                 let known = written.iter().flatten().map(|spec| spec.parameter.as_str());
                 return Err(Invalid {
-                    found,
+                    found: given,
                     ..Invalid::unknown(format!("parameter `{name}`"), name, known)
                 });
             }
@@ -292,7 +283,7 @@ fn variables(file: &VesselFile) -> Result<Vec<Variable>, Invalid> {
             check_name(format!("`unit` of channel `{}`", v.name), &v.unit)?;
         }
         let of_input = ["command_", "instrument_"].into_iter().find_map(|column| v.name.strip_prefix(column));
-        let of_input = of_input.is_some_and(|name| file.input.iter().any(|own| own.name == name));
+        let of_input = of_input.is_some_and(|name| file.input.iter().any(|input| input.name == name));
         let reserved = i >= 3 && (of_input || RESERVED.contains(&v.name.as_str()));
         let plain = v.name.chars().all(|c| c.is_alphanumeric() || c == '_') && !v.name.is_empty();
         if all[..i].iter().any(|w| w.name == v.name) || reserved || !plain {
@@ -382,4 +373,110 @@ fn bad_coupling(input: &InputSpec, found: &str) -> Invalid {
         "`follows` naming another input and a finite `factor`, or neither",
         "correct it",
     )
+}
+
+/// The greatest angle of a rudder \[°\].
+const HARD_OVER_DEG: f64 = 90.0;
+/// Names of rudders among inputs, where nothing else says what they are.
+const RUDDERS: [&str; 4] = ["rudder", "helm", "delta", "δ"];
+/// By how much of it a stated length may differ from the ship's.
+const ROUNDING: f64 = 0.01;
+
+impl VesselFile {
+    /// The same file, which accepts what is unusual of ships if that is all that it is refused for; and what that is.
+    ///
+    /// # Errors
+    /// What [`Vessel::from_file`] refuses besides.
+    pub fn accepting_unusual(self) -> Result<(Self, Option<Invalid>), Invalid> {
+        let Err(unusual) = Vessel::from_file(self.clone()) else { return Ok((self, None)) };
+        let accepting = Self { unusual: Some(Unusual::Accepted), ..self };
+        Vessel::from_file(accepting.clone())?;
+        Ok((accepting, Some(unusual)))
+    }
+}
+
+impl Vessel {
+    /// The greatest angle of input `i` in its unit, if it is a rudder.
+    fn hard_over(&self, i: usize) -> Option<f64> {
+        let input = &self.model.input_variables()[i];
+        let most = match input.unit.as_str() {
+            "rad" => HARD_OVER_DEG.to_radians(),
+            "deg" | "°" => HARD_OVER_DEG,
+            _ => return None,
+        };
+        let forces = self.model.forces.as_ref().map(|model| &model.forces);
+        let drives =
+            |ship: &Forces| (0..ship.description().rudder.len()).any(|k| ship.rudder_input(k).0.channel == i);
+        let turns = |ship: &Forces| {
+            let mut thrusters = 0..ship.description().thruster.len();
+            thrusters.any(|k| ship.thruster_inputs(k).1.is_some_and(|angle| angle.channel == i))
+        };
+        let name = input.name.to_lowercase();
+        let is_called = !self.accepts_unusual && RUDDERS.iter().any(|rudder| name.starts_with(rudder));
+        let is_one = forces.is_some_and(|ship| drives(ship) || (is_called && !turns(ship)));
+        (is_one || (forces.is_none() && is_called)).then_some(most * (1.0 + 1e-9))
+    }
+
+    /// Refuses a setting in `what` with which a rudder is beyond 90°: it is in degrees, most likely.
+    ///
+    /// # Errors
+    /// Names the input.
+    pub fn check_helm(&self, inputs: &[f64], what: impl Fn() -> String) -> Result<(), Invalid> {
+        let over = |(i, setting): (usize, &f64)| {
+            self.hard_over(i).filter(|most| setting.abs() > *most).map(|most| (i, *setting, most))
+        };
+        let Some((i, setting, most)) = inputs.iter().enumerate().find_map(over) else { return Ok(()) };
+        let input = &self.model.input_variables()[i];
+        let (name, unit) = (foreign(&input.name), foreign(&input.unit));
+        let given = format!("{name} = {setting} {unit}");
+        let expected = format!("a rudder angle of at most {most:.4} {unit}, {HARD_OVER_DEG}°");
+        Err(Invalid::new(what(), given, expected, "give it in the unit of the input: 35° are 0.6109 rad"))
+    }
+
+    /// Refuses ranges of rudders beyond 90°.
+    fn check_rudders(&self) -> Result<(), Invalid> {
+        let ends = [0, 1].map(|end| {
+            self.actuators.iter().map(move |actuator| actuator.range.map_or(0.0, |range| range[end]))
+        });
+        ends.into_iter().try_for_each(|ends| {
+            self.check_helm(&ends.collect::<Vec<_>>(), || "`range` of an input".to_owned())
+        })
+    }
+
+    /// Refuses a speed in `what` that is unusual of such a ship, unless her file accepts that.
+    ///
+    /// # Errors
+    /// Names the speed.
+    pub fn check_speed(&self, speed_m_s: f64, what: impl Fn() -> String) -> Result<(), Invalid> {
+        let Some(model) = self.model.forces.as_ref().filter(|_| !self.accepts_unusual) else { return Ok(()) };
+        let (froude, most) = model.forces.usual_speed();
+        if speed_m_s.abs() <= most {
+            return Ok(());
+        }
+        let expected =
+            format!("at most {most:.4} m/s, a Froude number of {froude:.2} for a hull as full as this");
+        let remedy = "give m/s at this ship's length: 1 kn is 0.514 m/s; or write `unusual = \"accepted\"` in the vessel's file";
+        Err(Invalid::new(what(), format!("{speed_m_s} m/s"), expected, remedy))
+    }
+
+    /// Refuses a length in `what` that is not that of the ship's file, where that has one.
+    ///
+    /// # Errors
+    /// Names both.
+    pub fn check_length(&self, length_m: f64, what: &str, most: Option<f64>) -> Result<(), Invalid> {
+        let Some(length) = self.model.forces.as_ref().map(|model| model.forces.description().ship.length_m)
+        else {
+            return Ok(());
+        };
+        if (length_m / length - 1.0).abs() <= most.unwrap_or(ROUNDING) {
+            return Ok(());
+        }
+        let expected = format!("{length} m, as `length_m` of [ship] in the vessel's file");
+        Err(Invalid::new(
+            what,
+            format!("{length_m} m"),
+            expected,
+            "give the length of this ship, or correct her file",
+        ))
+    }
 }

@@ -1,8 +1,12 @@
 use std::collections::BTreeMap;
 
-use crate::forces::grammar::{MOST_FACTORS, parse_power};
 use numerics::Arithmetic;
+use refusal::{Invalid, foreign, nearest};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
+
+use crate::forces::{MOST_FACTORS, parse_power};
 
 /// A function of a channel, before it is multiplied with the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +41,7 @@ struct Factor {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-struct Product {
+struct Monomial {
     coefficient: f64,
     factors: Vec<Factor>,
 }
@@ -51,7 +55,7 @@ pub struct Formula {
     /// Its source channels, each once, in the order of appearance; at least one.
     pub channels: Vec<String>,
     /// The summands; at least one.
-    products: Vec<Product>,
+    products: Vec<Monomial>,
 }
 
 /// Why a text is not a [`Formula`].
@@ -69,10 +73,10 @@ impl Formula {
     /// Why it cannot be parsed.
     pub fn parse(text: &str) -> Result<Self, Malformed> {
         let mut formula = Self { channels: Vec::new(), products: Vec::new() };
-        let (mut product, mut rest, mut multiplied) = (Product::of(1.0), text.trim_start(), true);
+        let (mut product, mut rest, mut multiplied) = (Monomial::of(1.0), text.trim_start(), true);
         while !rest.is_empty() {
             if let Some((sign, after)) = parse_sign(rest).filter(|_| !multiplied) {
-                formula.products.push(std::mem::replace(&mut product, Product::of(sign)));
+                formula.products.push(std::mem::replace(&mut product, Monomial::of(sign)));
                 (rest, multiplied) = (after, true);
                 continue;
             }
@@ -85,17 +89,17 @@ impl Formula {
         if formula.products.iter().any(|product| !product.coefficient.is_finite()) {
             return Err(Malformed("numbers whose product is infinite".to_owned()));
         }
-        if formula.products.iter().any(|own| own.factors.is_empty()) {
+        if formula.products.iter().any(|product| product.factors.is_empty()) {
             return Err(Malformed("no channel".to_owned()));
         }
-        if formula.products.iter().map(|own| own.factors.len()).sum::<usize>() > MOST_FACTORS {
+        if formula.products.iter().map(|product| product.factors.len()).sum::<usize>() > MOST_FACTORS {
             return Err(Malformed(format!("more than {MOST_FACTORS} factors")));
         }
         Ok(formula)
     }
 
     /// Adds the factor at the start of `text` to `product`; returns the rest.
-    fn parse_factor<'a>(&mut self, product: &mut Product, text: &'a str) -> Result<&'a str, Malformed> {
+    fn parse_factor<'a>(&mut self, product: &mut Monomial, text: &'a str) -> Result<&'a str, Malformed> {
         if text.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '+' || c == '.') {
             let end = number_end(text);
             let number = text[..end].parse::<f64>().ok().filter(|number| number.is_finite());
@@ -122,19 +126,19 @@ impl Formula {
 
     /// The value, where `value` returns that of a channel by its index in [`Formula::channels`].
     pub fn of(&self, value: impl Fn(usize) -> f64) -> f64 {
-        let products = self.products.iter().map(|own| own.without(usize::MAX, &value));
-        products.reduce(|sum, own| sum + own).unwrap_or(0.0)
+        let products = self.products.iter().map(|product| product.without(usize::MAX, &value));
+        products.reduce(|sum, next| sum + next).unwrap_or(0.0)
     }
 
     /// Whether both are the same product of the same channels up to a constant factor; false for sums.
     pub fn is_multiple_of(&self, other: &Self) -> bool {
-        let [own, others] = [self, other].map(|formula| formula.powers());
-        own.is_some() && own == others
+        let [powers, others] = [self, other].map(|formula| formula.powers());
+        powers.is_some() && powers == others
     }
 
     /// Whether it is a sum or difference of channels, or half of one: what they measure is what it measures.
     pub fn is_sum_of_channels(&self) -> bool {
-        let is_channel = |product: &Product| {
+        let is_channel = |product: &Monomial| {
             let is_plain =
                 matches!(product.factors.as_slice(), [Factor { function: Function::Itself, power: 1, .. }]);
             is_plain && [0.5, 1.0].contains(&product.coefficient.abs())
@@ -156,18 +160,18 @@ impl Formula {
     /// The formula in another language, in the order of evaluation; `operand` writes a function of the
     /// channel with this index. A power becomes a product of its own.
     pub fn written(&self, operand: impl Fn(Function, usize) -> String) -> String {
-        let products: Vec<String> = self.products.iter().map(|own| own.written(&operand)).collect();
+        let products: Vec<String> = self.products.iter().map(|product| product.written(&operand)).collect();
         products.join(" + ")
     }
 
     /// Its derivative by channel `by`, where `value` returns that of a channel by its index in
     /// [`Formula::channels`]. The derivative of a modulus at zero is 0.
     pub fn slope(&self, by: usize, value: impl Fn(usize) -> f64) -> f64 {
-        self.products.iter().flat_map(|own| own.slopes(by, &value)).sum()
+        self.products.iter().flat_map(|product| product.slopes(by, &value)).sum()
     }
 }
 
-impl Product {
+impl Monomial {
     fn of(coefficient: f64) -> Self {
         Self { coefficient, factors: Vec::new() }
     }
@@ -180,8 +184,8 @@ impl Product {
 
     /// The contributions of its factors to the derivative by channel `by`.
     fn slopes(&self, by: usize, value: &impl Fn(usize) -> f64) -> impl Iterator<Item = f64> {
-        let own = self.factors.iter().enumerate().filter(move |(_, factor)| factor.channel == by);
-        own.map(move |(i, factor)| factor.slope(value(by)) * self.without(i, value))
+        let factors = self.factors.iter().enumerate().filter(move |(_, factor)| factor.channel == by);
+        factors.map(move |(i, factor)| factor.slope(value(by)) * self.without(i, value))
     }
 
     fn written(&self, operand: &impl Fn(Function, usize) -> String) -> String {
@@ -271,8 +275,119 @@ fn split_name(text: &str) -> Result<(&str, &str), Malformed> {
     let text = text.trim_start();
     let end = text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len());
     if end == 0 {
-        let found = text.chars().next().map_or("its end".to_owned(), |c| format!("`{c}`"));
-        return Err(Malformed(format!("{found} where a channel should be")));
+        let given = text.chars().next().map_or("its end".to_owned(), |c| format!("`{c}`"));
+        return Err(Malformed(format!("{given} where a channel should be")));
     }
     Ok((&text[..end], text[end..].trim_start()))
+}
+
+/// A channel that is computed from others.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "ModelDerived")]
+pub struct DerivedSpec {
+    /// Name as used in terms and as a column.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// What it is.
+    pub formula: String,
+}
+
+/// A derived channel with its parsed formula.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DerivedChannel {
+    /// Its index in [`crate::model::Model::variables`].
+    pub variable: usize,
+    /// Its formula.
+    pub formula: Formula,
+    /// The formula as written.
+    pub text: String,
+    /// Indices of [`Formula::channels`] in [`crate::model::Model::variables`]: inputs, measured disturbances, other
+    /// derived channels.
+    pub sources: Vec<usize>,
+}
+
+impl DerivedChannel {
+    /// Its value in a row of inputs, measured disturbances and derived channels, where the sources are set.
+    pub fn value(&self, row: &[f64]) -> f64 {
+        self.formula.of(|channel| row[self.sources[channel] - 3])
+    }
+
+    /// Whether `found` is `expected` up to rounding.
+    pub fn agrees(found: f64, expected: f64) -> bool {
+        (found - expected).abs() <= 1e-9 * (found.abs() + expected.abs())
+    }
+}
+
+/// The channels of `specs`, which are the variables from `first` on with these `names`, each after its sources.
+pub(crate) fn derive(
+    specs: &[DerivedSpec],
+    names: &[&str],
+    first: usize,
+) -> Result<Vec<DerivedChannel>, Invalid> {
+    let one = |(i, spec): (usize, &DerivedSpec)| {
+        let formula = Formula::parse(&spec.formula).map_err(|malformed| {
+            let given = format!("`{}` with {malformed}", foreign(&spec.formula));
+            let expected = "a product such as `positive(n)`, `n |n|` or `-1 wind^2 cos(gamma)`, or a sum such as `port - starboard`";
+            refused(&spec.name, &given, expected, "write the formula again")
+        })?;
+        let sources = formula.channels.iter().map(|name| source(&spec.name, name, names));
+        let sources = sources.collect::<Result<_, _>>()?;
+        let text = spec.formula.split_whitespace().collect::<Vec<_>>().join(" ");
+        Ok(DerivedChannel { variable: first + i, formula, text, sources })
+    };
+    ordered(specs.iter().enumerate().map(one).collect::<Result<_, _>>()?, names)
+}
+
+fn source(of: &str, name: &str, names: &[&str]) -> Result<usize, Invalid> {
+    let place = names.iter().position(|known| *known == name);
+    if let Some(place) = place.filter(|place| *place >= 3) {
+        return Ok(place);
+    }
+    let known = &names[3..];
+    let expected = format!("one of {}", known.join(", "));
+    if place.is_some() {
+        let remedy = "write the state into the terms that the channel is a factor of";
+        return Err(refused(of, &format!("`{name}`, a state"), &expected, remedy));
+    }
+    let remedy = match nearest(name, known.iter().copied()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => "declare it as [[input]], [[measured]] or [[derived]]".to_owned(),
+    };
+    Err(refused(of, &format!("`{name}`, which is declared nowhere"), &expected, &remedy))
+}
+
+/// Orders the channels so that each follows its sources.
+fn ordered(mut left: Vec<DerivedChannel>, names: &[&str]) -> Result<Vec<DerivedChannel>, Invalid> {
+    let mut ordered = Vec::with_capacity(left.len());
+    while !left.is_empty() {
+        let waits =
+            |channel: &DerivedChannel| left.iter().find(|other| channel.sources.contains(&other.variable));
+        match left.iter().position(|channel| waits(channel).is_none()) {
+            Some(ready) => ordered.push(left.remove(ready)),
+            None => return Err(circle(&left, names)),
+        }
+    }
+    Ok(ordered)
+}
+
+/// The refusal of channels that all wait for another one: from any of them the dependencies lead into a circle.
+fn circle(waiting: &[DerivedChannel], names: &[&str]) -> Invalid {
+    let name = |place: &usize| names[*place];
+    let mut way: Vec<usize> = Vec::new();
+    let mut at = waiting.first();
+    while let Some(channel) = at.filter(|channel| !way.contains(&channel.variable)) {
+        way.push(channel.variable);
+        at = waiting.iter().find(|other| channel.sources.contains(&other.variable));
+    }
+    let start = at.map_or(0, |channel| channel.variable);
+    let names: Vec<&str> =
+        way.iter().skip_while(|place| **place != start).chain([&start]).map(name).collect();
+    let given = format!("a circle: {}", names.join(" from "));
+    refused(names[0], &given, "channels that come from inputs and measured disturbances", "break the circle")
+}
+
+fn refused(name: &str, found: &str, expected: &str, remedy: &str) -> Invalid {
+    Invalid::new(format!("`formula` of derived channel `{name}`"), found, expected, remedy)
 }

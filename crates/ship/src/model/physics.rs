@@ -1,20 +1,26 @@
 //! Vessels whose model is made of forces.
 
+use std::collections::BTreeMap;
+use std::str::FromStr;
 use std::sync::Arc;
 
-use crate::forces::{Channel, Description, Forces};
-use refusal::{Invalid, check_ranges};
+use refusal::{Invalid, check_ranges, choices};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-use crate::model::moved::ForceModel;
-use crate::model::parts::Parts;
-use crate::model::written::{Kind, VesselFile, missing};
-use crate::model::{Actuator, Variable};
+use super::equation::Parts;
+use super::structure::ForceModel;
+use crate::forces::{
+    Channel, CrossflowSpec, Description, Forces, PropellerSpec, RudderSpec, ShipSpec, TermSpec, ThrusterSpec,
+    WindSpec,
+};
+use crate::model::{Actuator, DerivedSpec, InputSpec, Variable};
 
 /// Most steps of the integration in a sample.
 const MOST_STEPS: f64 = 1e4;
 
 /// Whether a file has keys of forces.
-pub(crate) fn has_forces(file: &VesselFile) -> bool {
+fn has_forces(file: &VesselFile) -> bool {
     first_key(file).is_some()
 }
 
@@ -34,9 +40,6 @@ fn first_key(file: &VesselFile) -> Option<&'static str> {
 }
 
 /// Refuses keys of forces beside terms per sample.
-///
-/// # Errors
-/// Names the first of them.
 pub(crate) fn check_absent(file: &VesselFile) -> Result<(), Invalid> {
     let remedy = "write `model = \"forces\"`, or remove it";
     let expected = "terms per sample alone, without `model = \"forces\"`";
@@ -44,19 +47,16 @@ pub(crate) fn check_absent(file: &VesselFile) -> Result<(), Invalid> {
         return Err(Invalid::new(format!("`{key}`"), "a key of forces", expected, remedy));
     }
     let terms = [&file.surge, &file.sway, &file.yaw].into_iter().flatten();
-    match terms.into_iter().find(|own| own.prime.is_some() || own.prior.is_some()) {
-        Some(own) => {
-            let found = if own.prime.is_some() { "`prime`" } else { "`prior`" };
-            Err(Invalid::new(format!("parameter `{}`", own.parameter), found, expected, remedy))
+    match terms.into_iter().find(|spec| spec.prime.is_some() || spec.prior.is_some()) {
+        Some(spec) => {
+            let given = if spec.prime.is_some() { "`prime`" } else { "`prior`" };
+            Err(Invalid::new(format!("parameter `{}`", spec.parameter), given, expected, remedy))
         }
         None => Ok(()),
     }
 }
 
 /// The forces of `file`, whose thrusters may give `actuators` their lags.
-///
-/// # Errors
-/// A key that is missing or that only terms per sample have; what [`Forces::new`] refuses; two lags of one input.
 pub(crate) fn moved(
     file: &VesselFile,
     variables: &[Variable],
@@ -67,17 +67,17 @@ pub(crate) fn moved(
         return Err(Invalid::new("`constant`", "increments", expected, "remove it, or add a term `1`"));
     }
     let description = description(file)?;
-    let range = |i: usize| actuators.get(i).and_then(|own| own.range);
-    let channel = |(i, own): (usize, &Variable)| Channel {
-        name: own.name.clone(),
-        unit: own.unit.clone(),
+    let range = |i: usize| actuators.get(i).and_then(|actuator| actuator.range);
+    let channel = |(i, variable): (usize, &Variable)| Channel {
+        name: variable.name.clone(),
+        unit: variable.unit.clone(),
         range: range(i),
     };
     let channels: Vec<Channel> = variables[3..].iter().enumerate().map(channel).collect();
     let forces = Forces::new(&description, &channels)?;
     let mut parts = Parts {
         nominal: forces.nominal(),
-        value: forces.parameters().iter().map(|own| own.value).collect(),
+        value: forces.parameters().iter().map(|parameter| parameter.value).collect(),
         ..Parts::default()
     };
     replace(file, &forces, &mut parts)?;
@@ -126,9 +126,6 @@ impl VesselFile {
 }
 
 /// The forces that `file` describes.
-///
-/// # Errors
-/// A file of terms per sample, or without what all forces need.
 pub(crate) fn described(file: &VesselFile) -> Result<Description, Invalid> {
     if file.model != Some(Kind::Forces) {
         let expected = "`model = \"forces\"`: terms per sample hold for one ship at one rate";
@@ -157,10 +154,11 @@ fn description(file: &VesselFile) -> Result<Description, Invalid> {
 
 /// Puts in the numbers of [value] and [nominal], in the system of each parameter.
 fn replace(file: &VesselFile, forces: &Forces, parts: &mut Parts) -> Result<(), Invalid> {
-    let names = || forces.parameters().iter().map(|own| own.name.as_str());
-    let both = file.value.iter().map(|own| (own, true)).chain(file.nominal.iter().map(|own| (own, false)));
+    let names = || forces.parameters().iter().map(|parameter| parameter.name.as_str());
+    let both =
+        file.value.iter().map(|entry| (entry, true)).chain(file.nominal.iter().map(|entry| (entry, false)));
     for ((name, value), truth) in both {
-        let Some(i) = names().position(|own| own == name) else {
+        let Some(i) = names().position(|parameter| parameter == name) else {
             let unknown = Invalid::unknown(format!("parameter `{name}`"), name, names());
             return Err(Invalid { found: "a name that no free parameter has".to_owned(), ..unknown });
         };
@@ -180,4 +178,161 @@ fn replace(file: &VesselFile, forces: &Forces, parts: &mut Parts) -> Result<(), 
         }
     }
     Ok(())
+}
+
+choices! {
+    /// Whether a ship may be unusual.
+    pub enum Unusual {
+        /// What is unusual of ships passes; what no ship is does not.
+        Accepted = "accepted",
+    }
+}
+
+choices! {
+    /// What the numbers of a vessel mean.
+    pub enum Kind {
+        /// Changes per sample, which hold for one sampling rate.
+        PerSample = "per-sample",
+        /// Forces in continuous time, which hold for any.
+        Forces = "forces",
+    }
+}
+
+/// `vessel.toml` as written.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VesselFile {
+    /// A built-in vessel to start from; it replaces everything below but `name`, `value` and `nominal`, and the sampling
+    /// rate of one with forces.
+    pub preset: Option<String>,
+    /// What the numbers mean: changes per sample, as without it, or forces in continuous time.
+    pub model: Option<Kind>,
+    /// Name of the vessel.
+    pub name: Option<String>,
+    /// `accepted` lets numbers pass that are unusual of ships, which are refused without it; never those that no ship has.
+    pub unusual: Option<Unusual>,
+    /// Whether estimates stand in the file, which may be anything.
+    #[serde(skip)]
+    pub fitted: bool,
+    /// The sampling rate that the parameters hold for \[Hz\]; forces hold for any.
+    pub sample_rate_hz: Option<f64>,
+    /// Inputs, in order.
+    #[serde(default)]
+    pub input: Vec<InputSpec>,
+    /// Measured disturbances, in order.
+    #[serde(default)]
+    pub measured: Vec<MeasuredSpec>,
+    /// Channels that are computed from inputs, measured disturbances and each other.
+    #[serde(default)]
+    pub derived: Vec<DerivedSpec>,
+    /// Terms of the surge equation.
+    #[serde(default)]
+    pub surge: Vec<TermSpec>,
+    /// Terms of the sway equation.
+    #[serde(default)]
+    pub sway: Vec<TermSpec>,
+    /// Terms of the yaw equation.
+    #[serde(default)]
+    pub yaw: Vec<TermSpec>,
+    /// True values that replace those of the terms, by parameter.
+    #[serde(default)]
+    pub value: BTreeMap<String, f64>,
+    /// Nominal values that replace those of the terms, by parameter.
+    #[serde(default)]
+    pub nominal: BTreeMap<String, f64>,
+    /// Known increments of u, v \[m/s\] and r \[rad/s\] per sample that do not depend on the vessel.
+    #[serde(default)]
+    pub constant: [f64; 3],
+    /// Of `model = "forces"`: density of the water \[kg/m³\].
+    pub density_kg_m3: Option<f64>,
+    /// Longest step of the integration of forces \[s\]; one step per sample without it.
+    pub step_s: Option<f64>,
+    /// Size and mass of a ship with forces.
+    pub ship: Option<ShipSpec>,
+    /// Propellers of a ship with forces.
+    #[serde(default)]
+    pub propeller: Vec<PropellerSpec>,
+    /// Rudders of a ship with forces.
+    #[serde(default)]
+    pub rudder: Vec<RudderSpec>,
+    /// Thrusters of a ship with forces.
+    #[serde(default)]
+    pub thruster: Vec<ThrusterSpec>,
+    /// Wind on a ship with forces.
+    #[serde(default)]
+    pub wind: Vec<WindSpec>,
+    /// Cross-flow drag of a ship with forces.
+    #[serde(default)]
+    pub crossflow: Vec<CrossflowSpec>,
+}
+
+/// From the text of `vessel.toml`, compiled here alone: others would have code of their own for every type in it.
+impl FromStr for VesselFile {
+    type Err = toml::de::Error;
+
+    fn from_str(text: &str) -> Result<Self, toml::de::Error> {
+        toml::from_str(text)
+    }
+}
+
+/// A measured disturbance.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "ModelChannel")]
+pub struct MeasuredSpec {
+    /// Name as used in terms and as a column.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// What it is wherever a trial is simulated, in its unit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simulated: Option<f64>,
+}
+
+/// The refusal of a file without `key`.
+pub(crate) fn missing(key: &str) -> Invalid {
+    Invalid::new(format!("key `{key}`"), "none", format!("`{key}`"), "add it, or name a `preset`")
+}
+
+/// The built-in vessels: name and `vessel.toml`.
+const PRESETS: [(&str, &str); 5] = [
+    ("ljungberg-model-ship", include_str!("../../presets/ljungberg-model-ship.toml")),
+    ("mariner", include_str!("../../presets/mariner.toml")),
+    ("kvlcc2-l7", include_str!("../../presets/kvlcc2-l7.toml")),
+    ("esso-osaka-3m", include_str!("../../presets/esso-osaka-3m.toml")),
+    ("otter", include_str!("../../presets/otter.toml")),
+];
+
+/// The preset that `file` names, with the values and the name of `file`.
+pub(crate) fn preset(file: VesselFile) -> Result<VesselFile, Invalid> {
+    let name = file.preset.as_deref().unwrap_or_default();
+    let Some((_, text)) = PRESETS.iter().find(|(preset, _)| *preset == name) else {
+        return Err(Invalid::unknown("`preset`", name, PRESETS.iter().map(|(name, _)| *name)));
+    };
+    let mut base: VesselFile = text.parse().map_err(|e: toml::de::Error| {
+        Invalid::new("`preset`", e.message().to_owned(), "a vessel", "report this as a defect")
+    })?;
+    let any_rate = base.model == Some(Kind::Forces);
+    if has_structure(&file) || (file.sample_rate_hz.is_some() && !any_rate) {
+        return Err(Invalid::new(
+            "`preset`",
+            "a structure of the file's own in addition",
+            "a preset with `name`, [value] and [nominal] only, and `sample_rate_hz` where it has forces",
+            "remove `preset`, or the terms, inputs and `sample_rate_hz`",
+        ));
+    }
+    base.name = file.name.or(base.name);
+    base.unusual = file.unusual.or(base.unusual);
+    base.sample_rate_hz = file.sample_rate_hz.or(base.sample_rate_hz);
+    base.value.extend(file.value);
+    base.nominal.extend(file.nominal);
+    base.constant = file.constant;
+    Ok(base)
+}
+
+/// Whether a file has more than names, numbers and a rate.
+fn has_structure(file: &VesselFile) -> bool {
+    let terms = [&file.surge, &file.sway, &file.yaw].iter().any(|terms| !terms.is_empty());
+    let channels = !(file.input.is_empty() && file.measured.is_empty() && file.derived.is_empty());
+    terms || channels || file.model.is_some() || has_forces(file)
 }

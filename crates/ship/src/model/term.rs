@@ -1,4 +1,4 @@
-use crate::forces::grammar::{MOST_FACTORS, parse_name, parse_power};
+use crate::forces::{MOST_FACTORS, parse_name, parse_power};
 use numerics::Number;
 use refusal::{Invalid, foreign, nearest};
 
@@ -18,8 +18,7 @@ pub struct Term {
     pub text: String,
     /// Its factors; without any it is the constant 1.
     pub factors: Vec<Factor>,
-    /// The terms of parameters that are tied to this one's: its parameter multiplies the sum of all. Empty
-    /// for most.
+    /// The terms of parameters that are tied to this one's: its parameter multiplies the sum of all. Empty for most.
     pub tied: Vec<Product>,
 }
 
@@ -37,8 +36,7 @@ impl Term {
     /// constant.
     ///
     /// # Errors
-    /// A name that is not in `variables`, an unclosed `|`, a power that is not an integer from 1 to 9, no
-    /// factor.
+    /// A name that is not in `variables`, an unclosed `|`, a power that is not an integer from 1 to 9, no factor.
     pub fn parse(text: &str, variables: &[&str]) -> Result<Self, Invalid> {
         if text.trim() == "1" {
             return Ok(Self::constant());
@@ -91,11 +89,11 @@ impl Term {
 impl Product {
     /// Adds its values at `N` samples to `out`, see [`Term::values`].
     fn add<X: Number, const N: usize>(&self, values: &[[X; N]], out: &mut [X; N]) {
-        let mut own = [X::ZERO; N];
-        multiply(&self.factors, values, &mut own);
+        let mut product = [X::ZERO; N];
+        multiply(&self.factors, values, &mut product);
         let coefficient = X::from(self.coefficient);
-        for (o, own) in out.iter_mut().zip(own) {
-            *o += coefficient * own;
+        for (o, product) in out.iter_mut().zip(product) {
+            *o += coefficient * product;
         }
     }
 }
@@ -111,9 +109,9 @@ fn multiply<X: Number, const N: usize>(factors: &[Factor], values: &[[X; N]], ou
 }
 
 fn parse_factor<'a>(text: &str, rest: &'a str, variables: &[&str]) -> Result<(Factor, u8, &'a str), Invalid> {
-    let (modulus, name, after) = parse_name(rest).map_err(|found| malformed(text, &found))?;
+    let (modulus, name, after) = parse_name(rest).map_err(|fault| malformed(text, &fault))?;
     let variable = variables.iter().position(|v| *v == name).ok_or_else(|| unknown(text, name, variables))?;
-    let (power, after) = parse_power(after).map_err(|found| malformed(text, &found))?;
+    let (power, after) = parse_power(after).map_err(|fault| malformed(text, &fault))?;
     Ok((Factor { variable, modulus }, power, after))
 }
 
@@ -135,10 +133,10 @@ fn unknown(text: &str, name: &str, variables: &[&str]) -> Invalid {
         }
         None => "declare it as [[input]], [[measured]] or [[derived]]".to_owned(),
     };
-    let found = if name.is_empty() { "a character that starts no name".into() } else { format!("`{name}`") };
+    let given = if name.is_empty() { "a character that starts no name".into() } else { format!("`{name}`") };
     Invalid::new(
         format!("term `{}`", foreign(text)),
-        found,
+        given,
         format!("one of {}", variables.join(", ")),
         remedy,
     )

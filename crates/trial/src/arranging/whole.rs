@@ -6,7 +6,7 @@ use design::Candidates;
 use estimation::output_information;
 use numerics::LANES;
 use numerics::lanes::interleave;
-use regression::{Batch, MeanRemoval, Noise, middle, moments};
+use regression::{Batch, MeanRemoval, Noise, meat as middle, moments};
 use ship::engine::{check_diverged, simulate_one};
 
 use super::{Arranging, generated_limits};

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use estimation::output_information;
 use refusal::Invalid;
-use regression::{Batch, Noise, middle, moments};
+use regression::{Batch, Noise, meat as middle, moments};
 use ship::engine::{Run, Segment};
 use ship::model::{DegreeOfFreedom, Model};
 

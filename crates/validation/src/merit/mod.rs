@@ -6,7 +6,7 @@ mod summary;
 use std::collections::BTreeMap;
 
 use estimation::pooled::Uncertain;
-use maneuver::merit::{Figure, Found, Hull, Record, figures};
+use maneuver::merit::{Figure, Hull, Record, SailedFigures as Found, figures};
 use maneuver::{Generator, Standard};
 use refusal::Invalid;
 use ship::engine::{Run, Streams, check_runaway, simulate_command};

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use maneuver::merit::Figure;
-use maneuver::{Generator, Kind};
+use maneuver::{Generator, ManeuverKind as Kind};
 use refusal::Invalid;
 
 use super::{Merit, undisturbed};

@@ -70,7 +70,7 @@ fn law_parts_of_a_step_are_together_the_step() {
     let states = simulate_one(&fast, &parameters, STATE, &rows);
     let mut divided = Divided::new(&fast).unwrap();
     divided.add(&fast, &parameters, &rows, &states);
-    let [parts, orders] = divided.found().unwrap();
+    let [parts, orders] = divided.errors().unwrap();
     assert!(
         parts.iter().all(|own| *own < 2e-4) && orders.iter().all(|own| *own < 2e-3),
         "{parts:?} {orders:?}"
@@ -155,14 +155,14 @@ fn rates_that_terms_cannot_have_are_refused() {
     let rows: Vec<f64> = (0..40).flat_map(row).collect();
     let mut divided = Divided::new(&model).unwrap();
     divided.add(&model, &parameters, &rows, &simulate_one(&model, &parameters, STATE, &rows));
-    assert!(divided.found().unwrap_err().to_string().contains("eigenvalue that is not above 0"));
+    assert!(divided.errors().unwrap_err().to_string().contains("eigenvalue that is not above 0"));
     // One that is damped by nine tenths in a step is off by more than is allowed.
     let (vessel, parameters) = ship(&SHIP.replace("nominal = -0.15", "nominal = -0.9"));
     let model = vessel.at_rate(80.0).unwrap().model;
     let rows: Vec<f64> = (0..400).flat_map(|k| row(k / 10)).collect();
     let mut divided = Divided::new(&model).unwrap();
     divided.add(&model, &parameters, &rows, &simulate_one(&model, &parameters, STATE, &rows));
-    assert!(divided.found().unwrap_err().to_string().contains("at most 0.2 %"), "{divided:?}");
+    assert!(divided.errors().unwrap_err().to_string().contains("at most 0.2 %"), "{divided:?}");
 }
 
 #[test]
@@ -179,7 +179,7 @@ fn steps_that_do_not_go_on_forward_anywhere_in_the_range_of_validity_are_refused
         let mut divided = Divided::new(&vessel.model).unwrap();
         divided.add(&vessel.model, &parameters, &rows, &states);
         divided.add_range(&vessel, &parameters);
-        divided.found()
+        divided.errors()
     };
     // The step turns surge around from 25 m/s on, which no run has.
     assert!(found(24.0).is_ok());

@@ -5,9 +5,10 @@ use std::array::from_fn;
 use std::fmt::Debug;
 use std::ops::Range;
 
+use numerics::{Arithmetic, Lane, Wide, vectorized};
+
 use crate::forces::{Body, Dual, Forces, Real};
 use crate::model::ForceModel;
-use numerics::{Arithmetic, Lane, Wide, vectorized};
 
 /// Unknowns by which derivatives are computed at once.
 const AT_ONCE: usize = 4;
@@ -68,13 +69,13 @@ impl<'m, X: Real> Moving<'m, X> {
             forces.body(&constants)
         });
         for first in variables.clone().step_by(AT_ONCE) {
-            let own = |value: X, i: usize| Dual::<X, AT_ONCE>::unknown(value, i.wrapping_sub(first));
-            let relative = [0, 1, 2].map(|d: usize| own(point.relative[d], d));
-            let row = point.exogenous.iter().enumerate().map(|(i, value)| own(*value, 3 + i));
+            let unknown = |value: X, i: usize| Dual::<X, AT_ONCE>::unknown(value, i.wrapping_sub(first));
+            let relative = [0, 1, 2].map(|d: usize| unknown(point.relative[d], d));
+            let row = point.exogenous.iter().enumerate().map(|(i, value)| unknown(*value, 3 + i));
             let (exogenous, current) = (row.collect::<Vec<_>>(), point.current.map(Dual::constant));
-            let found = increments(body, Point { relative, exogenous: &exogenous, current }, *sample_s);
+            let changes = increments(body, Point { relative, exogenous: &exogenous, current }, *sample_s);
             for (i, row) in out[first..variables.end].iter_mut().take(AT_ONCE).enumerate() {
-                *row = found.map(|own| own.tangents[i]);
+                *row = changes.map(|dual| dual.tangents[i]);
             }
         }
     }
@@ -133,16 +134,16 @@ impl<const G: usize> Stepping for Wide<G> {
     type Moving<'m> = Vec<Moving<'m, Lane>>;
 
     fn moving<'m>(moved: &'m ForceModel, parameters: &[Self]) -> Vec<Moving<'m, Lane>> {
-        let of = |group: usize| parameters.iter().map(|own| own.0[group]).collect::<Vec<Lane>>();
+        let of = |group: usize| parameters.iter().map(|wide| wide.0[group]).collect::<Vec<Lane>>();
         (0..G).map(|group| Lane::moving(moved, &of(group))).collect()
     }
 
     fn increments(moving: &Vec<Moving<Lane>>, point: Point<Self>) -> [Self; 3] {
         let mut out = [Self::ZERO; 3];
-        for (group, own) in moving.iter().enumerate() {
-            let exogenous: Vec<Lane> = point.exogenous.iter().map(|own| own.0[group]).collect();
-            let found = Lane::increments(own, in_group(&point, &exogenous, group));
-            (0..3).for_each(|d| out[d].0[group] = found[d]);
+        for (group, lane) in moving.iter().enumerate() {
+            let exogenous: Vec<Lane> = point.exogenous.iter().map(|wide| wide.0[group]).collect();
+            let changes = Lane::increments(lane, in_group(&point, &exogenous, group));
+            (0..3).for_each(|d| out[d].0[group] = changes[d]);
         }
         out
     }
@@ -153,12 +154,12 @@ impl<const G: usize> Stepping for Wide<G> {
         variables: Range<usize>,
         out: &mut [[Self; 3]],
     ) {
-        for (group, own) in moving.iter_mut().enumerate() {
-            let exogenous: Vec<Lane> = point.exogenous.iter().map(|own| own.0[group]).collect();
-            let mut found = vec![[Lane::ZERO; 3]; out.len()];
-            Lane::gradients(own, in_group(&point, &exogenous, group), variables.clone(), &mut found);
+        for (group, lane) in moving.iter_mut().enumerate() {
+            let exogenous: Vec<Lane> = point.exogenous.iter().map(|wide| wide.0[group]).collect();
+            let mut slopes = vec![[Lane::ZERO; 3]; out.len()];
+            Lane::gradients(lane, in_group(&point, &exogenous, group), variables.clone(), &mut slopes);
             for variable in variables.clone() {
-                (0..3).for_each(|d| out[variable][d].0[group] = found[variable][d]);
+                (0..3).for_each(|d| out[variable][d].0[group] = slopes[variable][d]);
             }
         }
     }

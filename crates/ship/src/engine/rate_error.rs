@@ -53,12 +53,12 @@ impl Divided {
         let width = model.exogenous().max(1);
         let initial = [states[0], states[1], states[2]];
         let lower = simulate_one(&self.lower, parameters, initial, exogenous);
-        for (own, lower) in states.chunks_exact(3).zip(lower.chunks_exact(3)) {
+        for (state, lower) in states.chunks_exact(3).zip(lower.chunks_exact(3)) {
             self.count += 1.0;
             for d in 0..3 {
-                self.sums[d][0] += own[d];
-                self.sums[d][1] += own[d] * own[d];
-                self.orders[d] += (own[d] - lower[d]).powi(2);
+                self.sums[d][0] += state[d];
+                self.sums[d][1] += state[d] * state[d];
+                self.orders[d] += (state[d] - lower[d]).powi(2);
             }
         }
         // The same inputs, held for whole steps.
@@ -67,9 +67,9 @@ impl Divided {
         let parts: Vec<f64> = rows.iter().flat_map(|row| row.repeat(self.by)).collect();
         let whole = simulate_one(&self.whole, parameters, initial, &held);
         let parts = simulate_one(model, parameters, initial, &parts);
-        for (own, parts) in whole.chunks_exact(3).zip(parts.chunks_exact(3).step_by(self.by)) {
+        for (step, parts) in whole.chunks_exact(3).zip(parts.chunks_exact(3).step_by(self.by)) {
             self.steps += 1.0;
-            (0..3).for_each(|d| self.parts[d] += (own[d] - parts[d]).powi(2));
+            (0..3).for_each(|d| self.parts[d] += (step[d] - parts[d]).powi(2));
         }
         let mut compiled = Compiled::new(&self.whole, parameters);
         for (state, row) in whole.chunks_exact(3).zip(&rows) {
@@ -82,16 +82,16 @@ impl Divided {
     }
 
     /// Tries the step over the range of validity of `vessel`, from which this was made: over the ranges of u, v, r and of the
-    /// inputs, on a grid of at most 20,000 points with their ends. Where it states none, or an input has none, nothing is
-    /// tried.
+    /// inputs, on a grid of at most 20,000 points with their ends. Where it states none, or an input has none, nothing is tried.
     pub fn add_range(&mut self, vessel: &Vessel, parameters: &[f64]) {
-        let inputs: Option<Vec<[f64; 2]>> = vessel.actuators.iter().map(|own| own.range).collect();
+        let inputs: Option<Vec<[f64; 2]>> = vessel.actuators.iter().map(|actuator| actuator.range).collect();
         let (Some(motion), Some(inputs)) = (vessel.motion, inputs) else { return };
         // An input that follows another one has no range of its own.
         let free: Vec<usize> = (0..inputs.len()).filter(|i| vessel.couplings[*i].is_none()).collect();
         let ranges: Vec<[f64; 2]> = motion.into_iter().chain(free.iter().map(|i| inputs[*i])).collect();
         let count = settings(ranges.len());
-        let names: Vec<&str> = vessel.model.input_variables().iter().map(|own| own.name.as_str()).collect();
+        let names: Vec<&str> =
+            vessel.model.input_variables().iter().map(|variable| variable.name.as_str()).collect();
         let mut compiled = Compiled::new(&self.whole, parameters);
         for number in 0..count.saturating_pow(ranges.len() as u32).min(MOST_POINTS) {
             let mut rest = number;
@@ -137,7 +137,7 @@ impl Divided {
     ///
     /// # Errors
     /// A step that does not go on forward; parts that are off by more than 0.2 % of a standard deviation.
-    pub fn found(&self) -> Result<[[f64; 3]; 2], Invalid> {
+    pub fn errors(&self) -> Result<[[f64; 3]; 2], Invalid> {
         let remedy = "take a rate nearer to the vessel's, or a vessel with `model = \"forces\"`";
         if let Some(point) = &self.backward {
             return Err(Invalid::new(
@@ -158,15 +158,15 @@ impl Divided {
         };
         let parts = [0, 1, 2].map(|d: usize| share(self.parts[d], self.steps, d));
         let orders = [0, 1, 2].map(|d: usize| share(self.orders[d], self.count, d));
-        match parts.iter().position(|own| own.is_nan() || *own > MOST) {
+        match parts.iter().position(|share| share.is_nan() || *share > MOST) {
             None => Ok([parts, orders]),
             Some(d) => {
                 let state = ["u", "v", "r"][d];
-                let found = format!(
+                let given = format!(
                     "{:.2} % of the standard deviation of {state} between a step and its parts",
                     100.0 * parts[d]
                 );
-                Err(Invalid::new("sampling rate", found, format!("at most {} %", 100.0 * MOST), remedy))
+                Err(Invalid::new("sampling rate", given, format!("at most {} %", 100.0 * MOST), remedy))
             }
         }
     }
@@ -174,10 +174,10 @@ impl Divided {
     /// The statement about it.
     ///
     /// # Errors
-    /// As [`Self::found`].
+    /// As [`Self::errors`].
     pub fn statement(&self) -> Result<String, Invalid> {
-        let [parts, orders] = self.found()?;
-        let percent = |all: [f64; 3]| all.map(|own| format!("{:.3}", 100.0 * own)).join(", ");
+        let [parts, orders] = self.errors()?;
+        let percent = |all: [f64; 3]| all.map(|share| format!("{:.3}", 100.0 * share)).join(", ");
         Ok(format!(
             "Newton's forward formula of order {}: {} steps differ from one of the vessel's by {} % of the standard deviations of u, v, \
              r, order {} from order {} by {} %",
