@@ -11,8 +11,8 @@ use study::documents::{FittedForces, FittedParameter, ModelDocument, Reference, 
 use validation::comparison::Magnitudes;
 use validation::crossval::{CrossError, CrossValidation, Folds, cross_validate_forces};
 
-use crate::criticism::{channels, criticised};
-use crate::derivatives::{self, Captive, beside, interval};
+use crate::criticism;
+use crate::criticism::{Captive, beside, channels, criticised, interval};
 use crate::growing::{self, ForwardSelection, GrownShip, Recorded};
 
 /// The standard error of a parameter that grows more than this because others are unknown is none of its own.
@@ -79,7 +79,7 @@ impl Physical<'_> {
         let estimates = problem.estimates(&fit)?;
         let mut fitted = self.fitted(forces, (&fit, &estimates), &problem)?;
         fitted.sailed = self.sailed(forces, (&fit, &estimates), sources);
-        let also = derivatives::statements(fitted.sailed.as_ref(), &fitted.parameters);
+        let also = criticism::captive_statements(fitted.sailed.as_ref(), &fitted.parameters);
         let asked = self.criticise.then(|| criticised(self.vessel, &problem, &fit)).transpose()?;
         let verdict = asked.as_ref().map_or(Vec::new(), |own| own.statements.clone());
         fitted.criticism = asked;
@@ -191,9 +191,9 @@ impl Physical<'_> {
     ) -> Option<SailedSums> {
         let states =
             sources.iter().flat_map(|(_, parts)| parts).flat_map(|own| own.measured.as_chunks::<3>().0);
-        let drift = derivatives::drift(states, forces.description().ship.length_m)?;
+        let drift = criticism::drift(states, forces.description().ship.length_m)?;
         let priors = self.priors(forces);
-        derivatives::sailed(forces, (&fit.theta, estimates), &priors, &self.captive(), drift)
+        criticism::sailed(forces, (&fit.theta, estimates), &priors, &self.captive(), drift)
     }
 
     /// Priors about the ship's nominal values, or those of a former fit.

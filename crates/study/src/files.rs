@@ -5,13 +5,20 @@ use std::path::{Path, PathBuf};
 use files::{Digest, Document, Error, Provenance, inspect, read_document};
 use maneuver::Generator;
 use refusal::Invalid;
+use schemars::{JsonSchema, schema_for};
+use serde::Deserialize;
+use serde_json::Value;
+use ship::engine::Run;
 use ship::model::{Source, VesselFile};
+use validation::comparison::{Counter, Outside, Validity};
 
 use crate::campaign_file::CampaignFile;
 use crate::documents::{AverageDocument, AverageMember, ModelDocument, Reference};
 use crate::ingest_file::IngestFile;
+use crate::logs_file::LogsFile;
 use crate::plan::PlanFile;
 use crate::sequential::SequentialFile;
+use crate::trajectories::{Layout, TrajectoryReader};
 
 // Types of the hand-written files.
 pub use maneuver::DictionaryFile;
@@ -310,4 +317,89 @@ pub fn check_kind(out: &Path, usual: &str) -> Result<(), Invalid> {
 pub fn is_average(path: &Path) -> bool {
     let average = |kind: &str| kind.starts_with(&format!("{}/", AverageDocument::ID));
     inspect(path).ok().flatten().is_some_and(|own| average(&own.schema))
+}
+
+// Warnings about simulations that leave the range of the data that the model was fitted on.
+
+/// Warnings about the runs in `out` that the model in the file `model` simulated, at its own rate or at `rate_hz`; empty for a
+/// vessel.toml.
+///
+/// # Errors
+/// Files that cannot be read.
+pub fn beyond(model: &Path, out: &Path, rate_hz: Option<f64>) -> Result<Vec<String>, Error> {
+    let Some(model) = read_model(model)? else { return Ok(Vec::new()) };
+    let vessel = model.vessel().map_err(|e| crate::invalid(out, &e))?;
+    let (layout, rate_hz) = (Layout::new(&vessel.model), rate_hz.unwrap_or(vessel.sample_rate_hz));
+    let reader = TrajectoryReader::open(out, &layout, rate_hz)?;
+    let (mut counter, mut validity) = (Counter::new(&model.covered), None);
+    let mut magnitudes = model.magnitudes;
+    // A disturbance with a stated value in simulations is not too small.
+    for channel in magnitudes.iter_mut().flat_map(|known| &mut known.channels) {
+        let place = vessel.model.variables.iter().position(|variable| variable.name == channel.name);
+        if place.is_some_and(|place| vessel.model.simulated.contains_key(&place)) {
+            channel.low = 0.0;
+        }
+    }
+    for block in 0..reader.blocks() {
+        let runs = reader.runs(block)?;
+        runs.iter().for_each(|run| counter.add(&run.exogenous, &run.measured));
+        let views = runs.iter().map(Run::view);
+        let own = magnitudes.as_ref().and_then(|known| Validity::of(known, views, rate_hz));
+        validity = Validity::together(validity, own);
+    }
+    let stretches = validity.as_ref().and_then(Validity::statement);
+    Ok(stretches.into_iter().chain(counter.outside().iter().map(Outside::statement)).collect())
+}
+
+/// `terms.toml`: terms that a search may add to the structure of `vessel.toml`.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TermLists {
+    /// Of the surge equation.
+    #[serde(default)]
+    pub surge: Vec<String>,
+    /// Of the sway equation.
+    #[serde(default)]
+    pub sway: Vec<String>,
+    /// Of the yaw equation.
+    #[serde(default)]
+    pub yaw: Vec<String>,
+}
+
+// JSON Schemas of the hand-written files of a study, from the types that read them.
+
+/// A kind of file, and what writes its schema.
+type Kind = (&'static str, fn() -> Value);
+
+/// All of them.
+const HAND_WRITTEN: [Kind; 9] = [
+    ("vessel", schema::<VesselFile>),
+    ("dictionary", schema::<DictionaryFile>),
+    ("campaign", schema::<CampaignFile>),
+    ("plan", schema::<PlanFile>),
+    ("sequential", schema::<SequentialFile>),
+    ("logs", schema::<LogsFile>),
+    ("terms", schema::<TermLists>),
+    ("reference", schema::<Reference>),
+    ("ingest", schema::<IngestFile>),
+];
+
+/// The kinds of files with their schemas.
+pub fn schemas() -> [(&'static str, Value); 9] {
+    HAND_WRITTEN.map(|(kind, schema)| (kind, schema()))
+}
+
+fn schema<T: JsonSchema>() -> Value {
+    schema_for!(T).to_value()
+}
+
+/// Name of the file with the schema of `kind`.
+pub fn file_name(kind: &str) -> String {
+    format!("{kind}-toml.schema.json")
+}
+
+/// The kind of a hand-written file by its name, which may go on after the kind: `plan-4-headings.toml` is a plan.
+pub fn kind_of(name: &str) -> Option<&'static str> {
+    let stem = name.strip_suffix(".toml")?;
+    HAND_WRITTEN.into_iter().map(|(kind, _)| kind).find(|kind| stem.split('-').next() == Some(kind))
 }

@@ -8,22 +8,15 @@
 //! The generated code computes what [`ship::engine::Compiled::step`] does in the same order, so that both agree to the last bit
 //! where a processor does not fuse multiplication and addition.
 
-mod c;
-mod equation;
 mod fmi;
-mod header;
-mod identifier;
-mod matlab;
+mod languages;
 mod portable;
-mod python;
 mod ship;
 mod target;
-mod template;
 pub mod text;
 
 pub use fmi::{COMPILED_WITH, PLATFORM};
-pub use identifier::{Identifiers, file_name};
 pub use portable::{Channel, Knowledge, Origin, Parameter, Portable, Range, Summand, Tied};
 pub use ship::Ship;
 pub use target::Target;
-pub use template::fill;
+pub use text::{Identifiers, file_name, fill};

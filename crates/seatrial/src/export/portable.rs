@@ -9,7 +9,7 @@ use ::ship::model::{
 };
 use refusal::Invalid;
 
-use crate::export::identifier::{Identifiers, file_name};
+use super::text::{Identifiers, file_name};
 use crate::export::ship::{self, Ship};
 use crate::export::text::number;
 

@@ -5,10 +5,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::model::{DegreeOfFreedom, Vessel};
 
-use super::average::AverageSummary;
-use super::beside::{BesideForces, DeliveredKind};
-use super::force_search::SearchedForces;
-use super::found::{parameters, resampled};
+use super::average::{AverageSummary, parameters, resampled};
+use super::forces::{FittedParameter, FoundForce, SearchedForces};
 
 /// `search.json`: how a model's structure was searched for in recordings, and how far the search can be trusted.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -220,4 +218,129 @@ impl Document for SearchDocument {
         ("the parameter's unit", "value low high lowest mean highest"),
         ("the unit of what it belongs to", "standard_error"),
     ];
+}
+
+/// Forces of the ship that were fitted beside a search, and what `average.json` delivers of the two.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BesideForces {
+    /// What `average.json` has.
+    pub delivered: DeliveredKind,
+    /// How the forces may be fitted.
+    pub tried: Vec<TriedFit>,
+    /// The forces alone on recordings that were left out of them; none where a fold lacks a fit, or a window diverged.
+    pub errors: Option<FreeRunErrors>,
+    /// The same over windows of which one begins at every quarter of another.
+    pub overlapping: Option<FreeRunErrors>,
+}
+
+/// What is delivered of a search and of forces beside it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DeliveredKind {
+    /// The mean of both trajectories.
+    Average,
+    /// The terms that the search found.
+    Search,
+    /// The forces.
+    Forces,
+}
+
+/// A way to fit forces.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TriedFit {
+    /// The longest windows that are fitted \[s\].
+    pub window_s: f64,
+    /// Whether windows start at their first measured sample.
+    pub measured_starts: bool,
+    /// Mean fit of u, v, r of recordings that were left out of it \[%\]; null where a fold lacks a fit, or a window diverged.
+    pub score: Option<f64>,
+    /// Whether it is the delivered one.
+    pub chosen: bool,
+}
+
+impl DeliveredKind {
+    /// Whether the searched terms, and the forces, are delivered.
+    pub fn members(self) -> [bool; 2] {
+        [self != Self::Forces, self != Self::Search]
+    }
+}
+
+// Documents of a search for forces that a ship lacks.
+
+/// How a search for forces was made and scored.
+#[derive(Clone, Debug)]
+pub struct ForceScores {
+    /// Length of the windows that are fitted \[s\].
+    pub fitted_window_s: f64,
+    /// Of those that are scored; none: whole runs.
+    pub window_s: Option<f64>,
+    /// Number of those.
+    pub windows: u64,
+    /// Samples of the recordings.
+    pub samples: u64,
+    /// Number of folds.
+    pub folds: u64,
+    /// Standard deviations of u, v and r over the windows that are scored.
+    pub std: [f64; 3],
+    /// The whole search and the ship as she was, on recordings that were left out of both.
+    pub nested: NestedScore,
+}
+
+impl SearchDocument {
+    /// The result of a search for forces that `vessel` lacks, of which `delivered` is the ship in `model.json` with her numbers.
+    pub fn of_forces(
+        vessel: &Vessel,
+        scores: ForceScores,
+        forces: SearchedForces,
+        (delivered, numbers): (&Vessel, &[FittedParameter]),
+        statements: Vec<String>,
+    ) -> Self {
+        let [std_u, std_v, std_r] = scores.std;
+        Self {
+            vessel: vessel.name.clone(),
+            fitted_window_s: scores.fitted_window_s,
+            every_s: scores.fitted_window_s,
+            window_s: scores.window_s,
+            windows: scores.windows,
+            samples: scores.samples,
+            folds: scores.folds,
+            std_u,
+            std_v,
+            std_r,
+            ridge: None,
+            candidates: Vec::new(),
+            sizes: Vec::new(),
+            nested: scores.nested,
+            resamples: None,
+            terms: force_terms(delivered, numbers, &forces.found),
+            average: None,
+            forces: Some(forces),
+            beside: None,
+            statements,
+        }
+    }
+}
+
+/// The terms of `ship` whose numbers are free.
+fn force_terms(ship: &Vessel, numbers: &[FittedParameter], found: &[FoundForce]) -> Vec<SearchTerm> {
+    let Some(moved) = &ship.model.forces else { return Vec::new() };
+    let all = DegreeOfFreedom::ALL.into_iter().zip(moved.forces.description().terms());
+    let term = |degree: DegreeOfFreedom, own: &ship::forces::TermSpec| {
+        let number = numbers.iter().find(|number| number.name == own.parameter)?;
+        let found = found.iter().find(|found| found.parameter == own.parameter);
+        Some(SearchTerm {
+            degree: degree.name().to_owned(),
+            name: own.parameter.clone(),
+            term: own.term.clone(),
+            base: found.is_none(),
+            value: number.value,
+            low: None,
+            high: None,
+            chosen_by_resamples: None,
+            chosen_by_folds: found.map(|found| found.found_by_folds),
+        })
+    };
+    all.flat_map(|(degree, terms)| terms.iter().filter_map(move |own| term(degree, own))).collect()
 }

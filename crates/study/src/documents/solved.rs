@@ -13,10 +13,9 @@ use trial::moments::{Estimated, Moments, Promise};
 
 use super::design::{
     Accuracy as AccuracyDocument, Counts, CovarianceCriterion, DesignDocument, DesignPrior, DesignPromise,
-    Efficiency, Restricted as RestrictedDocument, Sequence, SequencePart, Start, Unreached,
+    DesignStatus, Efficiency, Restricted as RestrictedDocument, Sequence, SequencePart, SolvedFigures, Start,
+    Unreached,
 };
-use super::design_figures::SolvedFigures;
-use super::design_status::DesignStatus;
 use super::statements;
 
 /// A solved design with its problem.

@@ -1,19 +1,19 @@
 //! The charts that `plan.toml` names, read from their files.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::ffi::OsString;
+use std::fs::File;
+use std::io::{BufReader, Read, Seek};
+use std::path::{Path, PathBuf};
 
 use chart::{
-    Bounds, DANGER_M, DepthUnit, Layer, LayerKind, Measured, Plane, PolygonLayer, Reading, Rules, UnitFrom,
-    Unread, read_objects,
+    Bounds, DANGER_M, DepthUnit, Grid, GridDeclaration, GridKind, Invalid, Layer, LayerKind, Measured, Plane,
+    PolygonLayer, Reading, Rules, UnitFrom, Unread, read_objects,
 };
-use files::{Budget, Error, PROGRAM_BYTES, Provenance, Work};
+use files::{Budget, Digesting, Error, PROGRAM_BYTES, Provenance, Work};
 
 use super::cells::{CellReader, PER_BYTE, cells_of, of_objects};
-use super::chart_file::bytes;
-use super::chart_grids::{GridFormat, refuse_netcdf};
-use super::chart_text::chart_text;
-use super::exchange_set::existing;
+use super::exchange_set::{bytes, existing, note};
 use super::file::{ChartKind, ChartSpec, PlanFile};
 use crate::documents::PlanChart;
 
@@ -189,4 +189,155 @@ impl Charts {
 
 fn name(path: &Path) -> String {
     path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned())
+}
+
+// Metadata that GDAL writes next to a grid if the grid's own format does not support it.
+
+/// Maximum bytes of such a file that are read.
+const MOST: u64 = 1 << 20;
+
+/// Refuses a grid with an `.aux.xml` that has a scale, or a unit that is not declared.
+fn check_beside(path: &Path, declared: &GridDeclaration) -> Result<(), Error> {
+    let beside = PathBuf::from([path.as_os_str(), ".aux.xml".as_ref()].into_iter().collect::<OsString>());
+    if !files::is_file(&beside) {
+        return Ok(());
+    }
+    let mut bytes = Vec::new();
+    let read = files::open(&beside)?.take(MOST).read_to_end(&mut bytes);
+    read.map_err(|e| Error::io(&beside, "read", e))?;
+    let text = String::from_utf8_lossy(&bytes);
+    for (tag, usual) in [("Scale", 1.0), ("Offset", 0.0)] {
+        if let Some(own) = text_of(&text, tag).filter(|own| own.parse() != Ok(usual)) {
+            let found = format!("{} beside the grid", refusal::foreign(own));
+            let remedy = "write both into one file, for instance with `gdal_translate -of GTiff`";
+            return Err(Error::refuse(&beside, tag, found, format!("{usual}, or none"), remedy));
+        }
+    }
+    let Some(own) = text_of(&text, "UnitType").filter(|text_of| !text_of.is_empty()) else { return Ok(()) };
+    let (unit, usual) = (DepthUnit::of_text(own), declared.unit.unwrap_or(DepthUnit::Metre));
+    if declared.kind == GridKind::LandMask || unit == Some(usual) {
+        return Ok(());
+    }
+    let found = format!("`{}` beside the grid", refusal::foreign(own));
+    let expected = format!("`{}`, or the same as `depth_unit`", usual.name());
+    Err(Error::refuse(&beside, "UnitType", found, expected, "say `depth_unit` in its [[chart]]"))
+}
+
+/// The text between two tags.
+fn text_of<'t>(text: &'t str, tag: &str) -> Option<&'t str> {
+    let (_, rest) = text.split_once(&format!("<{tag}>"))?;
+    rest.split_once(&format!("</{tag}>")).map(|(own, _)| own.trim())
+}
+
+// Charts that are text, in any encoding.
+
+/// Byte order marks: UTF-32 before UTF-16, whose mark is its prefix.
+const UTF_32: [&[u8]; 2] = [&[0xff, 0xfe, 0, 0], &[0, 0, 0xfe, 0xff]];
+
+/// The text of a file: in UTF-8, with or without a byte order mark, or in UTF-16 with one.
+///
+/// # Errors
+/// Bytes that are not such text; names UTF-16 without a mark, and UTF-32.
+pub fn chart_text(bytes: Vec<u8>) -> Result<String, Invalid> {
+    if UTF_32.iter().any(|mark| bytes.starts_with(mark)) {
+        return Err(refuse("text in UTF-32".to_owned()));
+    }
+    match bytes.get(..2) {
+        Some([0xff, 0xfe]) => wide(&bytes[2..], u16::from_le_bytes),
+        Some([0xfe, 0xff]) => wide(&bytes[2..], u16::from_be_bytes),
+        _ => narrow(bytes),
+    }
+}
+
+fn narrow(mut bytes: Vec<u8>) -> Result<String, Invalid> {
+    if bytes.starts_with(&[0xef, 0xbb, 0xbf]) {
+        bytes.drain(..3);
+    }
+    let zeros = bytes.iter().take(64).filter(|byte| **byte == 0).count();
+    if zeros > 16 {
+        return Err(refuse("text in UTF-16 without a byte order mark".to_owned()));
+    }
+    String::from_utf8(bytes).map_err(|e| refuse(e.to_string()))
+}
+
+fn wide(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<String, Invalid> {
+    let (pairs, rest) = bytes.as_chunks::<2>();
+    if !rest.is_empty() {
+        return Err(refuse("text in UTF-16 that is cut off".to_owned()));
+    }
+    let decoded = char::decode_utf16(pairs.iter().map(|pair| unit(*pair)));
+    decoded.collect::<Result<_, _>>().map_err(|_| refuse("half a character of UTF-16".to_owned()))
+}
+
+fn refuse(found: String) -> Invalid {
+    let expected = "text in UTF-8, or in UTF-16 with a byte order mark";
+    Invalid::new("file", found, expected, "export it again, or convert it with `iconv -t UTF-8`")
+}
+
+// Charts that are grids, which are only read near the area.
+
+/// The format of a grid.
+#[derive(Clone, Copy)]
+enum GridFormat {
+    Ascii,
+    Tiff,
+}
+
+impl GridFormat {
+    /// By the file's extension; `None` if it is not a grid.
+    pub fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "asc" => Some(Self::Ascii),
+            "tif" | "tiff" => Some(Self::Tiff),
+            _ => None,
+        }
+    }
+
+    /// Reads a grid, and notes the digest of its file.
+    pub fn read(
+        self,
+        path: &Path,
+        declared: &GridDeclaration,
+        reading: &Reading,
+        provenance: &mut Provenance,
+    ) -> Result<Result<Grid, Unread>, Error> {
+        check_beside(path, declared)?;
+        Ok(match self {
+            Self::Ascii => {
+                let length = std::fs::metadata(path).map_or(0, |about| about.len()) as f64;
+                if length > reading.bytes {
+                    let found = format!("{length} bytes of text");
+                    return Ok(Err(Unread::TooLarge { found, bytes: length }));
+                }
+                let text = chart_text(bytes(path, provenance)?).map_err(|e| Error::invalid(path, e))?;
+                Grid::from_ascii(&text, declared, &Reading { bytes: reading.bytes - length, ..*reading })
+            }
+            Self::Tiff => Grid::from_tiff(BufReader::new(open(path, provenance)?), declared, reading),
+        })
+    }
+}
+
+/// Refuses a file of NetCDF, classic or in HDF5, whatever its name.
+fn refuse_netcdf(path: &Path) -> Result<(), Error> {
+    const SIGNATURES: [&[u8]; 4] = [b"CDF\x01", b"CDF\x02", b"CDF\x05", b"\x89HDF\r\n\x1A\n"];
+    let mut first = Vec::new();
+    files::open(path)?.take(8).read_to_end(&mut first).map_err(|e| Error::io(path, "read", e))?;
+    if !SIGNATURES.iter().any(|signature| first.starts_with(signature)) {
+        return Ok(());
+    }
+    let expected = "GeoTIFF (.tif), ESRI ASCII (.asc), GeoJSON, or a cell of an electronic chart (.000)";
+    let named = path.with_extension("tif");
+    let tiff = if named == path { path.with_extension("geo.tif") } else { named };
+    let remedy = format!("convert it: `gdal_translate {} {}`", path.display(), tiff.display());
+    Err(Error::refuse(path, "chart", "NetCDF", expected, remedy))
+}
+
+/// Opens the file of a chart, and notes its digest.
+fn open(path: &Path, provenance: &mut Provenance) -> Result<File, Error> {
+    let failed = |e| Error::io(path, "read", e);
+    let mut file = files::open(path)?;
+    let digest = Digesting::new(&file).digest().map_err(failed)?;
+    file.rewind().map_err(failed)?;
+    note(path, digest, provenance);
+    Ok(file)
 }

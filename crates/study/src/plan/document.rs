@@ -2,14 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use chart::Uncharted;
-use plan::lattice::{Pose, Problem, Solution, Status, Step};
-use plan::voyage::{Check, Prepared, SailedPlan, Solved};
+use chart::{Class, Polygon, Raster, Spot, Uncharted};
 
 use crate::documents::{
-    CostUnit, DroppedMove, PlanDocument, PlanHandling, PlanLattice, PlanPose, PlanStatus, PlanStep,
-    SecondaryCost, Voyage,
+    CostUnit, DroppedMove, MapArea, MapCellClass, MapCells, MapClass, MapContour, MapDocument, MapFrame,
+    MapLine, MapMargin, MapMeridian, MapName, MapParallel, MapPlace, MapPurpose, MapRaster, MapRuns, MapSpot,
+    MapSwept, MapSymbol, MapTrack, MapTrackKind, PlanDocument, PlanHandling, PlanLattice, PlanPose,
+    PlanStatus, PlanStep, SecondaryCost, Voyage,
 };
+use plan::lattice::{Pose, Problem, Solution, Status, Step};
+use plan::voyage::{Check, Prepared, SailedPlan, Solved, TrackPart};
 
 /// The plan of a lattice problem.
 pub fn of_problem(problem: &Problem, solution: &Solution) -> PlanDocument {
@@ -144,4 +146,165 @@ fn dropped(prepared: &Prepared) -> Vec<DroppedMove> {
         DroppedMove { name, side: own.side, h: level as u64, mode, why }
     });
     dropped.collect()
+}
+
+// `map.json` of a plan.
+
+/// The map of a trial with its `plan` and the simulated `voyage`.
+pub fn map_of(planned: &SailedPlan, plan: &PlanDocument, voyage: &Voyage) -> MapDocument {
+    let (task, chart) = (&planned.prepared.brief.task, &planned.prepared.chart);
+    let (plane, bounds) = (chart.plane(), planned.frame());
+    let ([west_m, south_m], [east_m, north_m]) = (bounds.min, bounds.max);
+    let (longitude_deg, latitude_deg) = plane.to_geographic([0.0; 2]);
+    let ring = |corners: &[[f64; 2]]| -> MapLine {
+        corners.iter().map(|[longitude, latitude]| plane.to_plane(*longitude, *latitude)).collect()
+    };
+    let [meridians, parallels] = planned.graticule();
+    MapDocument {
+        safe: voyage.check.safe,
+        statement: format!(
+            "{} steps, {} {}: {}",
+            plan.steps.len(),
+            plan.cost,
+            plan.cost_unit.name(),
+            plan.statement
+        ),
+        counts: plan.counts.clone(),
+        longitude_deg,
+        latitude_deg,
+        frame: MapFrame { west_m, south_m, east_m, north_m },
+        uncharted_is_water: chart.uncharted() == Uncharted::Water,
+        depth_limits_m: planned.shades_m().to_vec(),
+        cells: cells(planned),
+        areas: planned.areas().into_iter().filter_map(area).collect(),
+        contours: chart
+            .contours()
+            .iter()
+            .map(|contour| MapContour {
+                depth_m: contour.depth_m,
+                line: contour.line.iter().copied().collect(),
+            })
+            .collect(),
+        margins: margins(planned),
+        spots: chart.spots().iter().map(spot).collect(),
+        names: planned.names().into_iter().map(|(at, name)| MapName { place: at.into(), name }).collect(),
+        swept: planned.swept().map(|(raster, set)| MapSwept {
+            vessels: planned.sailing.runs.len() as u64,
+            raster: raster.into(),
+            runs: set.into_iter().collect(),
+        }),
+        corridors: voyage.passage.corridors(plane).into_iter().flatten().map(MapLine::from_iter).collect(),
+        edge: Some(ring(&task.area.corners)).filter(|edge| !edge.east_m.is_empty()),
+        speed_limits: task.speed_limits.iter().map(|speed_limit| ring(&speed_limit.corners)).collect(),
+        tracks: tracks(planned, plan, voyage),
+        hulls: planned.hulls().into_iter().map(MapLine::from_iter).collect(),
+        start: planned.start().map(Into::into),
+        goal: planned.end().map(Into::into),
+        meridians: meridians
+            .into_iter()
+            .map(|(longitude_deg, east_m)| MapMeridian { longitude_deg, east_m })
+            .collect(),
+        parallels: parallels
+            .into_iter()
+            .map(|(latitude_deg, north_m)| MapParallel { latitude_deg, north_m })
+            .collect(),
+    }
+}
+
+fn cells(planned: &SailedPlan) -> Option<MapCells> {
+    let class = |(class, set): (Class, Vec<bool>)| {
+        let (class, least_m) = called(class)?;
+        Some(MapCellClass { class, least_m, runs: set.into_iter().collect() })
+    };
+    let classes: Vec<MapCellClass> = planned.cells().into_iter().filter_map(class).collect();
+    (!planned.prepared.chart.grids().is_empty())
+        .then(|| MapCells { raster: planned.raster().into(), classes })
+}
+
+fn area(polygon: Polygon) -> Option<MapArea> {
+    let (class, least_m) = called(polygon.class)?;
+    let rings = polygon.rings.into_iter().map(MapLine::from_iter).collect();
+    Some(MapArea { class, least_m, rings })
+}
+
+/// The class in the map, and its least depth; `None` for water for transit only or of unknown depth.
+fn called(class: Class) -> Option<(MapClass, Option<f64>)> {
+    match class {
+        Class::Land => Some((MapClass::Land, None)),
+        Class::NoGo | Class::Danger { .. } => Some((MapClass::NoGo, None)),
+        Class::TransitOnly => None,
+        Class::Depth { least_m } => Some((MapClass::Depth, Some(least_m?))),
+    }
+}
+
+fn margins(planned: &SailedPlan) -> Vec<MapMargin> {
+    let purposes = [MapPurpose::Trial, MapPurpose::Transit];
+    let margin = |(purpose, set): (MapPurpose, Vec<bool>)| MapMargin {
+        purpose,
+        raster: planned.raster().into(),
+        runs: set.into_iter().collect(),
+    };
+    purposes.into_iter().zip(planned.margins()).map(margin).collect()
+}
+
+fn spot(spot: &Spot) -> MapSpot {
+    MapSpot {
+        place: spot.place.into(),
+        symbol: if spot.sounding { MapSymbol::Sounding } else { MapSymbol::Danger },
+        depth_m: spot.called.depth_m,
+        title: spot.called.to_string(),
+    }
+}
+
+fn tracks(planned: &SailedPlan, plan: &PlanDocument, voyage: &Voyage) -> Vec<MapTrack> {
+    let mut number = 0;
+    let track = |part: TrackPart| {
+        let name = Some(voyage.legs[part.step].name.clone());
+        let maneuver = name.filter(|name| plan.counts.contains_key(name));
+        let kind = match (part.informative, &maneuver) {
+            (true, Some(_)) => MapTrackKind::Maneuver,
+            (false, Some(_)) => MapTrackKind::RunIn,
+            _ => MapTrackKind::Basic,
+        };
+        number += u64::from(part.informative);
+        let number = part.informative.then_some(number);
+        MapTrack { kind, maneuver, number, line: part.points.into_iter().collect() }
+    };
+    planned.track().into_iter().map(track).collect()
+}
+
+impl From<[f64; 2]> for MapPlace {
+    fn from([east_m, north_m]: [f64; 2]) -> Self {
+        Self { east_m, north_m }
+    }
+}
+
+impl FromIterator<[f64; 2]> for MapLine {
+    fn from_iter<I: IntoIterator<Item = [f64; 2]>>(places: I) -> Self {
+        let (east_m, north_m) = places.into_iter().map(|[east, north]| (east, north)).unzip();
+        Self { east_m, north_m }
+    }
+}
+
+impl From<Raster> for MapRaster {
+    fn from(raster: Raster) -> Self {
+        let ([west_m, south_m], cell_m) = (raster.origin, raster.cell_m);
+        Self { west_m, south_m, cell_m, columns: raster.nx as u64, rows: raster.ny as u64 }
+    }
+}
+
+impl FromIterator<bool> for MapRuns {
+    fn from_iter<I: IntoIterator<Item = bool>>(set: I) -> Self {
+        let (mut runs, mut is_in) = (vec![0], false);
+        for cell in set {
+            if cell != is_in {
+                runs.push(0);
+                is_in = cell;
+            }
+            if let Some(run) = runs.last_mut() {
+                *run += 1;
+            }
+        }
+        Self(runs)
+    }
 }

@@ -4,7 +4,7 @@
 use std::fs::{self, DirEntry};
 use std::path::{Path, PathBuf};
 
-use files::{DEEPEST, Error, observe_names, place_of};
+use files::{DEEPEST, Digest, Error, Provenance, observe_names, place_of};
 
 /// Names of the folder of an exchange set, and of its catalogue.
 const ENC_ROOT: &str = "ENC_ROOT";
@@ -193,4 +193,26 @@ fn catalogue_in(folder: &Path) -> Option<PathBuf> {
     }
     let entries = fs::read_dir(folder).ok()?.take(MOST_ENTRIES).flatten();
     entries.map(|own| own.path()).find(|own| is_catalogue(own) && own.is_file())
+}
+
+// Reads files of charts, and notes their digests.
+
+/// Reads a chart's file, and notes its digest.
+pub(super) fn bytes(path: &Path, provenance: &mut Provenance) -> Result<Vec<u8>, Error> {
+    let bytes = files::read(path)?;
+    note(path, Digest::of_bytes(&bytes), provenance);
+    Ok(bytes)
+}
+
+/// Notes the digest of a chart's file by its name; with a number if another chart's file has the same name.
+pub(super) fn note(path: &Path, digest: Digest, provenance: &mut Provenance) {
+    let name = path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
+    let roles = (1..).map(|k| if k == 1 { format!("chart:{name}") } else { format!("chart:{name} ({k})") });
+    for role in roles {
+        let known = provenance.inputs.get(&role);
+        if known.is_none_or(|known| *known == digest) {
+            provenance.inputs.insert(role, digest);
+            return;
+        }
+    }
 }

@@ -1,7 +1,6 @@
 //! Routines as text of the languages.
 
-use super::expression::{Expression, Function, Operation};
-use super::routine::{Line, Routine};
+use super::expression::{Expression, Function, Line, Operation, Routine};
 use crate::export::text::{comment, number, wrapped};
 
 /// Characters of an expression in a line; sums that are longer have a line for each summand.

@@ -2,11 +2,7 @@
 
 mod components;
 pub(crate) mod expression;
-mod hull;
 mod language;
-mod numbers;
-mod propulsion;
-pub(crate) mod routine;
 
 use std::collections::BTreeSet;
 
@@ -14,13 +10,9 @@ use ship::forces::{Description, Forces, LEAST_SQUARE, Quantity};
 
 pub(crate) use language::{Language, Names};
 
-use crate::export::identifier::Identifiers;
-use components::{crossflow, thruster, wind};
-use expression::{Expression, Function};
-use hull::{hull, rigid_body};
-use numbers::Numbers;
-use propulsion::{propeller, rudder, taken as taken_of_wash};
-use routine::{Lines, Routine};
+use super::text::Identifiers;
+use components::{crossflow, hull, propeller, rigid_body, rudder, taken as taken_of_wash, thruster, wind};
+use expression::{Expression, Function, Lines, Numbers, Routine};
 
 /// Names that the generated code of a ship has of its own.
 pub(crate) const RESERVED: &str = "U U_s accelerations runge_kutta rigid_body rates surge sway yaw if_positive root sign sqrt exp \

@@ -1,12 +1,97 @@
-//! `modelDescription.xml`.
+//! The model as a Functional Mock-up Unit (FMI 2.0, co-simulation), whose step is the model's.
 
 use std::collections::BTreeSet;
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::{Cursor, Write};
 
 use quick_xml::escape::escape;
+use refusal::Invalid;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use crate::export::portable::Portable;
-use crate::export::text::{comment, number};
+use crate::export::text::{comment, fill, number, quoted};
+
+// The unit's C sources, and how they are compiled.
+
+/// The standard's name of this platform, if it has one.
+pub const PLATFORM: Option<&str> = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+    Some("linux64")
+} else if cfg!(target_os = "macos") {
+    Some("darwin64")
+} else {
+    None
+};
+
+/// The extension of shared libraries on this platform.
+const LIBRARY: &str = if cfg!(target_os = "macos") { "dylib" } else { "so" };
+
+/// Compiler flags besides sources and output. Sums keep their order, so that results have the same bits.
+pub const COMPILED_WITH: [&str; 6] =
+    ["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden"];
+
+impl Portable {
+    /// The unit's C sources, name and text: the functions of the standard, the model, its header.
+    pub fn unit_sources(&self) -> Vec<(String, String)> {
+        let [header, source] = self.c_model();
+        let starts = |channels: std::ops::Range<usize>| {
+            channels.map(|place| number(self.start(place))).collect::<Vec<_>>().join(", ")
+        };
+        let inputs = starts(3..self.given().len());
+        let values = [
+            ("base", self.base.clone()),
+            ("BASE", self.upper()),
+            ("header", self.c_header()),
+            ("guid", quoted(&self.guid())),
+            ("ranges_are", self.ranges_are().to_owned()),
+            ("initial_states", starts(0..3)),
+            ("initial_inputs", if inputs.is_empty() { "0.0".to_owned() } else { inputs }),
+        ];
+        let text = fill(include_str!("templates/fmi2.c"), &values);
+        vec![(format!("{}_fmi2.c", self.base), text), source, header]
+    }
+
+    /// Identifies a unit: derived from its source and the producing program.
+    fn guid(&self) -> String {
+        let origin = &self.origin;
+        format!("{} {} {}", origin.digest, origin.values, origin.producer)
+    }
+}
+
+// The unit as one file: a ZIP archive with the same bytes for the same contents.
+
+impl Portable {
+    /// The unit, with the `library` built from its sources, if there is one.
+    pub(crate) fn unit(&self, library: Option<Vec<u8>>) -> Result<Vec<u8>, Invalid> {
+        let mut files = vec![("modelDescription.xml".to_owned(), self.description().into_bytes())];
+        let built = PLATFORM.zip(library);
+        files.extend(
+            built.map(|(platform, bytes)| (format!("binaries/{platform}/{}.{LIBRARY}", self.base), bytes)),
+        );
+        let sources = self.unit_sources().into_iter();
+        files.extend(sources.map(|(name, text)| (format!("sources/{name}"), text.into_bytes())));
+        packed(&files).map_err(|e| {
+            let expected = "contents that fit into an archive";
+            Invalid::new("functional mock-up unit", e.to_string(), expected, "export to c instead")
+        })
+    }
+}
+
+/// No clock is read: every file is dated 1980, the earliest date of such archives.
+fn packed(files: &[(String, Vec<u8>)]) -> zip::result::ZipResult<Vec<u8>> {
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Stored)
+        .last_modified_time(DateTime::default())
+        .unix_permissions(0o644);
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, bytes) in files {
+        archive.start_file(name.as_str(), options)?;
+        archive.write_all(bytes)?;
+    }
+    Ok(archive.finish()?.into_inner())
+}
+
+// `modelDescription.xml`.
 
 /// A variable of the unit.
 struct ScalarVariable<'a> {
@@ -21,7 +106,7 @@ struct ScalarVariable<'a> {
 
 impl Portable {
     /// The description of the unit.
-    pub(super) fn description(&self) -> String {
+    fn description(&self) -> String {
         let outputs: String = (1..=3).map(|i| format!("      <Unknown index=\"{i}\"/>\n")).collect();
         let variables = self.variables();
         let within = variables.len() + 1;
