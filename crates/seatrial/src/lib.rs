@@ -22,7 +22,6 @@ mod charted;
 mod criticism;
 mod designing;
 pub mod export;
-pub mod exported;
 mod force_search;
 mod growing;
 mod measured;

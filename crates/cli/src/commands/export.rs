@@ -6,7 +6,7 @@ use crate::compiler::compiled;
 use clap::Parser;
 use files::{Staged, commit};
 use seatrial::export::{COMPILED_WITH, PLATFORM, Portable, Target};
-use seatrial::exported::read_portable;
+use seatrial::export::read_portable;
 use serde_json::{Value, json};
 use ship::model::Source;
 
