@@ -10,9 +10,9 @@ use files::{
 };
 use refusal::{foreign, one_line, shortened};
 
-use crate::files::{read_ingest, read_plan};
-use crate::ingest_file::recordings::find;
 use crate::plan::{ChartsError, Means, read_charts};
+use crate::written::files::{read_ingest, read_plan};
+use crate::written::ingest_file::recordings::find;
 use crate::{invalid, refuse, role_of};
 
 /// The files of a folder and of those below it.

@@ -4,39 +4,29 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-pub mod campaign_file;
-pub mod design_files;
 pub mod documents;
-pub mod estimates;
 pub mod figure_goals;
-pub mod files;
 pub mod folder;
-pub mod ingest_file;
-pub mod logs_file;
-pub mod moments_table;
 mod notes;
 pub mod parts;
 pub mod plan;
 pub mod pooled_set;
-pub mod resamples;
-pub mod scores;
-pub mod selection;
-pub mod sequential;
-pub mod ship_file;
-pub mod track;
-pub mod trajectories;
+mod tables;
 mod tried;
+mod written;
 
 use std::path::Path;
 
 use ::files::Error;
 use ::refusal::Invalid;
 
-pub use estimates::{note_seed, seed};
-pub use files::{TermLists, beside, beyond, check_kind, role_of};
 pub use notes::{Doubtful, LoggedHelm, at_rate, note_divided, note_reached};
-pub use scores::{recommendations, validated};
+pub use tables::estimates::{note_seed, seed};
+pub use tables::{estimates, moments_table, resamples, scores, selection, track, trajectories};
+pub use tables::scores::{recommendations, validated};
 pub use tried::Tried;
+pub use written::{campaign_file, design_files, files, ingest_file, logs_file, sequential, ship_file};
+pub use written::files::{TermLists, beside, beyond, check_kind, role_of};
 
 /// A refusal of what is invalid in `file`.
 pub fn invalid(file: &Path, invalid: &Invalid) -> Error {

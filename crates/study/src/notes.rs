@@ -13,7 +13,7 @@ use ship::model::Vessel;
 use trial::campaign::{Maneuvers, Reached, Refusal};
 
 use crate::documents::RecordingSummary;
-use crate::trajectories::{REACHED, Reacting};
+use crate::tables::trajectories::{REACHED, Reacting};
 
 /// Name of the setting with them.
 const DOUBTFUL: &str = "doubtful";

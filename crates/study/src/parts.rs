@@ -13,8 +13,9 @@ use trial::campaign::SimulatedRun;
 use validation::tally::Bounds;
 
 use crate::documents::{MomentsDocument, TallyDocument};
-use crate::trajectories::{BlockBuilder, Layout, rows_per_block};
-use crate::{beside, estimates, scores, validated};
+use crate::tables::trajectories::{BlockBuilder, Layout, rows_per_block};
+use crate::tables::{estimates, scores};
+use crate::{beside, validated};
 
 /// The documents of all `shards`, in the order of their numbers.
 ///

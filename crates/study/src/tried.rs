@@ -9,8 +9,8 @@ use ship::model::Vessel;
 use validation::comparison::{Known, Magnitudes, Standing};
 
 use crate::documents::{AverageDocument, ModelDocument};
-use crate::files::{is_average, read_any_vessel_as};
-use crate::trajectories::rate_of;
+use crate::tables::trajectories::rate_of;
+use crate::written::files::{is_average, read_any_vessel_as};
 
 /// A `model.json` or an `average.json`, with its models.
 pub struct Tried {

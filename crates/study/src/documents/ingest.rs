@@ -7,8 +7,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::model::Vessel;
 
-use crate::logs_file::LogsFile;
-use crate::trajectories::DataLabel;
+use crate::tables::trajectories::DataLabel;
+use crate::written::logs_file::LogsFile;
 
 pub use logs::{
     ChannelSummary, ManeuverCount, MotionSummary, RecordingSummary, RowSummary, State, WarningKind,

@@ -9,7 +9,6 @@ mod ingest;
 mod map;
 mod model;
 mod plan;
-mod reference;
 mod refined;
 mod search;
 mod solved;
@@ -47,6 +46,9 @@ pub use ship::model::{DegreeOfFreedom, Source};
 pub use trial::moments::{DegreeMoments, ManeuverMoments, Moments, SampledFrom, UnreachedMotion};
 pub use trial::rounds::{Arm, ArmSummary, RoundGain, Stopping};
 
+pub use crate::written::reference::{
+    Published, PublishedPicks, PublishedSelection, PublishedShare, Reference,
+};
 pub use average::{AverageDocument, AverageMember, AverageSummary, AverageTerm};
 pub use compare::{
     CompareDocument, CrossvalDocument, MeritDocument, MeritTableRow, SlopesAt, merit_rows, traces,
@@ -79,7 +81,6 @@ pub use plan::{
     CostUnit, DroppedMove, LeftOut, PlanChart, PlanChartClass, PlanDepths, PlanDocument, PlanHandling,
     PlanLattice, PlanPose, PlanStatus, PlanStep, PlanUnitFrom, SecondaryCost, Voyage,
 };
-pub use reference::{Published, PublishedPicks, PublishedSelection, PublishedShare, Reference};
 pub use refined::{
     DesignUpdateDocument, RefinedDocument, RefinedExperiment, RefinedFiles, RefinedLimit, UpdatedAccuracy,
     UpdatedCriterion, UpdatedError, UpdatedFigure, UpdatedParameter,

@@ -11,7 +11,7 @@ use validation::selection::{PublishedLimits, SelectionScores};
 use validation::tally::{Counted, PairCounts, QUANTILE_ERROR, Tally};
 
 use super::Bounds;
-use crate::estimates::distinct;
+use crate::tables::estimates::distinct;
 
 /// `validation.json`: parameter and simulation errors of every design.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]

@@ -15,7 +15,7 @@ use plan::voyage::{
 use refusal::Invalid;
 
 use crate::documents::{FollowDocument, FollowStatus, FollowedStep, PlanDocument, PlanStep, Voyage};
-use crate::track::planned_points;
+use crate::tables::track::planned_points;
 
 /// The files of a plan that is followed.
 #[derive(Clone, Copy, Debug)]

@@ -7,7 +7,6 @@ mod document;
 mod exchange_set;
 mod file;
 mod follow;
-mod routes;
 mod task;
 
 use std::fmt::Display;
@@ -23,14 +22,13 @@ pub use chart::Plane;
 pub use chart::route::{Feature, Geometry, Route};
 
 pub use charts::{Charts, ChartsError, Means, chart_text, read_charts};
-pub use document::{map_of, of_problem, of_voyage};
+pub use document::{NamedFile, Routes, map_of, of_problem, of_voyage};
 pub use file::{
     ApproachSpec, AreaSpec, ChartKind, ChartSpec, KnownCurrent, PlanFile, SensorSpec, SlotSpec, TideSpec,
 };
 pub use follow::{
     Begun, FollowError, FollowFiles, FollowedPlan, SoFar, read_begun, resumed, stated_place as place,
 };
-pub use routes::{NamedFile, Routes};
 pub use task::{in_tide, programs, second, uncertain};
 
 // Why there is no plan: the refusals of the planner, with the file at fault and the flag that helps.

@@ -13,7 +13,7 @@ use ship::model::Vessel;
 
 use super::file::PlanFile;
 use crate::documents::ModelDocument;
-use crate::files::{read_dictionary, read_model};
+use crate::written::files::{read_dictionary, read_model};
 
 /// By how much of it the length over all may differ from that between perpendiculars.
 const OVER_ALL: f64 = 0.2;

@@ -13,7 +13,7 @@ use ship::model::DegreeOfFreedom;
 use crate::documents::{
     Bounds, ComparedError, DesignScores, EstimatorRecommendation, EstimatorScores, ValidationDocument,
 };
-use crate::estimates::{distinct, implausible, is_error, seed};
+use crate::tables::estimates::{distinct, implausible, is_error, seed};
 
 pub use estimation::RunScore as Row;
 

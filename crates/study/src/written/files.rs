@@ -12,13 +12,13 @@ use ship::engine::Run;
 use ship::model::{Source, VesselFile};
 use validation::comparison::{Counter, Outside, Validity};
 
-use crate::campaign_file::CampaignFile;
 use crate::documents::{AverageDocument, AverageMember, ModelDocument, Reference};
-use crate::ingest_file::IngestFile;
-use crate::logs_file::LogsFile;
 use crate::plan::PlanFile;
-use crate::sequential::SequentialFile;
-use crate::trajectories::{Layout, TrajectoryReader};
+use crate::tables::trajectories::{Layout, TrajectoryReader};
+use crate::written::campaign_file::CampaignFile;
+use crate::written::ingest_file::IngestFile;
+use crate::written::logs_file::LogsFile;
+use crate::written::sequential::SequentialFile;
 
 // Types of the hand-written files.
 pub use maneuver::DictionaryFile;

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::documents::{SIMULATED_FILE, SimulatedLogsDocument};
-use crate::trajectories::DataLabel;
+use crate::tables::trajectories::DataLabel;
 
 /// `ingest.toml` as written.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]

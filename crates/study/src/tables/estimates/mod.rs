@@ -17,7 +17,7 @@ use crate::documents::{
     ConstrainedParameter, DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary,
     bounded,
 };
-use crate::trajectories::TrajectoryReader;
+use crate::tables::trajectories::TrajectoryReader;
 
 pub use estimation::RunEstimate as Row;
 
@@ -78,7 +78,7 @@ pub fn columns(vessel: &Vessel) -> Columns<Row> {
 }
 
 /// What has a condition number of its own: each degree of freedom; the numbers of a ship with forces together.
-pub(crate) fn blocks(vessel: &Vessel) -> &'static [&'static str] {
+fn blocks(vessel: &Vessel) -> &'static [&'static str] {
     if vessel.model.forces.is_some() { &["forces"] } else { &["surge", "sway", "yaw"] }
 }
 
