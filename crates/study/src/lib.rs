@@ -15,25 +15,29 @@ mod tables;
 mod tried;
 mod written;
 
-use std::path::Path;
-
-use ::files::Error;
-use ::refusal::Invalid;
-
 pub use notes::{Doubtful, LoggedHelm, at_rate, note_divided, note_reached};
+pub use refusals::{invalid, refuse};
 pub use tables::estimates::{note_seed, seed};
-pub use tables::{estimates, moments_table, resamples, scores, selection, track, trajectories};
 pub use tables::scores::{recommendations, validated};
+pub use tables::{estimates, moments_table, resamples, scores, selection, track, trajectories};
 pub use tried::Tried;
-pub use written::{campaign_file, design_files, files, ingest_file, logs_file, sequential, ship_file};
 pub use written::files::{TermLists, beside, beyond, check_kind, role_of};
+pub use written::{campaign_file, design_files, files, ingest_file, logs_file, sequential, ship_file};
 
-/// A refusal of what is invalid in `file`.
-pub fn invalid(file: &Path, invalid: &Invalid) -> Error {
-    Error::invalid(file, invalid.clone())
-}
+/// Refusals of a file.
+mod refusals {
+    use std::path::Path;
 
-/// A refusal of `file`.
-pub fn refuse(file: &Path, thing: &str, found: &str, expected: &str, remedy: &str) -> Error {
-    Error::refuse(file, thing, found, expected, remedy)
+    use files::Error;
+    use refusal::Invalid;
+
+    /// A refusal of what is invalid in `file`.
+    pub fn invalid(file: &Path, invalid: &Invalid) -> Error {
+        Error::invalid(file, invalid.clone())
+    }
+
+    /// A refusal of `file`.
+    pub fn refuse(file: &Path, thing: &str, found: &str, expected: &str, remedy: &str) -> Error {
+        Error::refuse(file, thing, found, expected, remedy)
+    }
 }

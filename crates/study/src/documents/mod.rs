@@ -13,7 +13,6 @@ mod refined;
 mod search;
 mod solved;
 mod statements;
-mod titles;
 mod validation;
 
 use std::collections::BTreeMap;

@@ -11,10 +11,11 @@ use ship::model::{Source, Vessel};
 use trial::moments::Promise;
 use trial::refining::Refinement;
 
+use super::design::titles;
 use super::design::{
     CovarianceCriterion, DesignDocument, DesignPromise, DesignStatus, Sequence, SequencePart,
 };
-use super::{statements, titles};
+use super::statements;
 
 /// `refined.json`: an experiment whose input signals were refined, against the one that it began as.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
