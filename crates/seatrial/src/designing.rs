@@ -75,7 +75,9 @@ impl<'a> Designing<'a> {
         (removal, seed): (regression::MeanRemoval, u64),
         options: &Options,
     ) -> Result<Option<(Design, Accuracy)>, NoCriterion> {
-        let (Criterion::Covariance(own), Some(meat)) = (&self.criterion, &self.meat) else { return Ok(None) };
+        let (Criterion::Covariance(covariance), Some(meat)) = (&self.criterion, &self.meat) else {
+            return Ok(None);
+        };
         let lengths: Vec<f64> = self.moments.maneuvers.iter().map(|m| m.samples as f64).collect();
         let squares = match wanted.of {
             AccuracyOf::Figures => Vec::new(),
@@ -83,9 +85,9 @@ impl<'a> Designing<'a> {
         };
         let errors = match &self.figures {
             Some((goals, _)) if wanted.of == AccuracyOf::Figures => {
-                Errors::of_figures(&self.dictionary, meat, own, &goals.wanted())
+                Errors::of_figures(&self.dictionary, meat, covariance, &goals.wanted())
             }
-            _ => Errors::new(&self.dictionary, meat, own, &squares, wanted.of),
+            _ => Errors::new(&self.dictionary, meat, covariance, &squares, wanted.of),
         };
         let question = Question {
             dictionary: &self.dictionary,
@@ -130,8 +132,8 @@ impl<'a> Designing<'a> {
         let least = few.minimal_s.zip(duration_s).map_or(0.0, |(minimal, duration)| minimal / duration);
         let most = few.most_maneuvers.map_or(usize::MAX, |k| k as usize).min(relaxed.shares.len());
         let (restriction, parameters) = (Restriction { most, least }, self.dictionary.parameters());
-        let found = criterion.restricted(relaxed, bounds, &restriction, options, parameters)?;
-        Ok(Some((few, found)))
+        let restricted = criterion.restricted(relaxed, bounds, &restriction, options, parameters)?;
+        Ok(Some((few, restricted)))
     }
 
     /// The figures' standard errors after an experiment of `samples` (1 if not known) by `design`, and by the D-optimal
@@ -148,10 +150,10 @@ impl<'a> Designing<'a> {
     ) -> Result<Option<SolvedFigures<'_>>, NoCriterion> {
         let Some((goals, errors)) = &self.figures else { return Ok(None) };
         let at = |shares: &[f64]| errors.at(shares, samples.unwrap_or(1.0));
-        let Some(own) = at(&design.shares) else { return Ok(None) };
+        let Some(designed) = at(&design.shares) else { return Ok(None) };
         let duration_s = samples.map(|samples| samples / self.dictionary.sample_rate_hz);
         let d_optimal = self.d_optimal(design, bounds, duration_s, options)?;
-        Ok(Some(SolvedFigures { goals, errors: own, d_optimal: at(&d_optimal) }))
+        Ok(Some(SolvedFigures { goals, errors: designed, d_optimal: at(&d_optimal) }))
     }
 
     /// The D-optimal shares under the same limits: those of `design` where that is D-optimal.
@@ -170,7 +172,7 @@ impl<'a> Designing<'a> {
         let (criterion, _) = criterion(self.moments, &self.dictionary, Wish { name, ..self.wish }, None)?;
         let relaxed = criterion.solve(bounds, options).map_err(explained)?;
         let few = self.few_by(&criterion, &relaxed, bounds, duration_s, options).map_err(explained)?;
-        Ok(few.map_or(relaxed.shares, |(_, found)| found.design.shares))
+        Ok(few.map_or(relaxed.shares, |(_, restricted)| restricted.design.shares))
     }
 }
 
@@ -207,12 +209,12 @@ pub fn sampled_ships(
     }
     let Some(sampler) = ShipSampler::new(vessel, covariance) else { return Ok(None) };
     let (reacting, mut all) = (Reacting::noted(reader.provenance()), Vec::new());
-    let name = |run: &Run| run.segments.first().map_or(String::new(), |own| own.maneuver.clone());
+    let name = |run: &Run| run.segments.first().map_or(String::new(), |segment| segment.maneuver.clone());
     for block in 0..reader.blocks() {
         let mut runs = reader.runs(block)?;
         runs.retain(|run| !reacting.has(&name(run), run.run));
-        let found: Vec<PlayedMotion> = runs.par_iter().map(|run| sampler.play(run)).collect();
-        all.extend(found);
+        let motions: Vec<PlayedMotion> = runs.par_iter().map(|run| sampler.play(run)).collect();
+        all.extend(motions);
     }
     Ok(Some(sampler.found(all)))
 }
@@ -268,7 +270,7 @@ impl<'a> Merits<'a> {
     /// # Errors
     /// What is no covariance.
     pub fn simulate_drawn(&mut self, covariance: &Covariance, draws: u32, seed: u64) -> Result<(), Invalid> {
-        let parameters = self.generator.map_or(Vec::new(), |own| own.parameters().to_vec());
+        let parameters = self.generator.map_or(Vec::new(), |generator| generator.parameters().to_vec());
         let uncertain = Uncertain::new(self.vessel, parameters, covariance).ok_or_else(|| {
             Invalid::new("`covariance`", "numbers that are none", "a covariance", "estimate the model again")
         })?;

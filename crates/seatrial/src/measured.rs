@@ -218,14 +218,14 @@ impl<'a> Pooling<'a> {
         resampling: Resampling,
     ) -> Result<PooledSet, PoolError<R::Error>> {
         let Self { pool, judgement, .. } = self;
-        let mut found = grown.judged(pool, runs, estimator, judgement, resampling)?;
+        let mut judged = grown.judged(pool, runs, estimator, judgement, resampling)?;
         if is_usual && estimator == Estimator::OutputError && pool.additional == AdditionalUnknowns::default()
         {
-            found.found.statements.insert(0, NO_NOISE.to_owned());
+            judged.found.statements.insert(0, NO_NOISE.to_owned());
         }
-        let own = pool.of(&found.vessel, pool.nominal.clone());
+        let fitted_pool = pool.of(&judged.vessel, pool.nominal.clone());
         let made = (estimator, judgement.replicates);
-        let mut set = PooledSet::new(&own, self.nominal, made, (&found.found, &found.added));
+        let mut set = PooledSet::new(&fitted_pool, self.nominal, made, (&judged.found, &judged.added));
         if let Some(model) = &mut set.model {
             let Vessel { model: of, sample_rate_hz, .. } = pool.vessel;
             model.magnitudes = Magnitudes::of(of, runs, *sample_rate_hz).map_err(PoolError::Unread)?;
@@ -258,26 +258,26 @@ pub fn widest<'a>(vessels: &[&'a Vessel]) -> Option<&'a Vessel> {
 /// # Errors
 /// Another sampling rate; a channel that `widest` does not have, or computes otherwise.
 pub fn channels_within(vessel: &Vessel, widest: &Vessel) -> Result<Vec<usize>, Invalid> {
-    let rates = [vessel, widest].map(|own| own.sample_rate_hz);
+    let rates = [vessel, widest].map(|vessel| vessel.sample_rate_hz);
     if rates[0] != rates[1] {
-        let [found, expected] = rates.map(|own| format!("{own} Hz"));
+        let [found, expected] = rates.map(|rate| format!("{rate} Hz"));
         return Err(Invalid::new("sampling rate", found, expected, "compare models of the same logs"));
     }
     let formula = |of: &Vessel, place: usize| {
-        of.model.derived.iter().find(|own| own.variable == place).map(|own| own.text.clone())
+        of.model.derived.iter().find(|derived| derived.variable == place).map(|derived| derived.text.clone())
     };
     let all = &widest.model.variables;
     let column = |place: usize| {
-        let own = &vessel.model.variables[place];
+        let channel = &vessel.model.variables[place];
         let same = |i: &usize| {
             let texts = (formula(vessel, place), formula(widest, *i));
-            let otherwise = matches!(texts, (Some(own), Some(other)) if own != other);
-            all[*i].name == own.name && all[*i].unit == own.unit && !otherwise
+            let otherwise = matches!(texts, (Some(text), Some(other)) if text != other);
+            all[*i].name == channel.name && all[*i].unit == channel.unit && !otherwise
         };
         (3..all.len()).find(same).map(|i| i - 3).ok_or_else(|| {
-            let names: Vec<&str> = all[3..].iter().map(|own| own.name.as_str()).collect();
+            let names: Vec<&str> = all[3..].iter().map(|variable| variable.name.as_str()).collect();
             Invalid::new(
-                format!("channel `{}` in {}", own.name, own.unit),
+                format!("channel `{}` in {}", channel.name, channel.unit),
                 "a channel of this model alone",
                 format!("those of the model with the most: {}", names.join(", ")),
                 "compare models of the same logs",
@@ -310,29 +310,29 @@ impl<'a> Comparison<'a> {
             vessels.iter().map(|vessel| channels_within(vessel, lead)).collect::<Result<Vec<_>, _>>()?;
         let contestants = self.contestants(lead, &columns);
         let tried: Vec<&Tried> = std::iter::once(self.model).chain(self.averaged).collect();
-        let known: Option<Vec<Known>> = tried.iter().map(|own| own.known()).collect();
+        let known: Option<Vec<Known>> = tried.iter().map(|model| model.known()).collect();
         let known = known.unwrap_or_default();
-        let fitted = tried.iter().rev().max_by_key(|own| own.vessel().model.exogenous());
+        let fitted = tried.iter().rev().max_by_key(|model| model.vessel().model.exogenous());
         let (covered, magnitudes) =
             fitted.map_or((&[][..], None), |fitted| (fitted.covered(), fitted.magnitudes()));
         let (window, rate_hz) = (self.window, lead.sample_rate_hz);
         let options = CompareOptions { window, known: &known, covered, magnitudes, rate_hz };
-        let mut found = compare(&contestants, runs, &options)?;
-        let unknown = tried.iter().position(|own| own.known().is_none());
-        found.statements.extend(unknown.filter(|_| !self.averaged.is_empty()).map(|place| {
+        let mut compared = compare(&contestants, runs, &options)?;
+        let unknown = tried.iter().position(|model| model.known().is_none());
+        compared.statements.extend(unknown.filter(|_| !self.averaged.is_empty()).map(|place| {
             format!("no bands: the errors of model {} of the average are not known", place + 1)
         }));
         let short: Vec<String> = runs
             .windows(window)
             .into_iter()
-            .filter(|(_, own)| own.is_empty())
+            .filter(|(_, windows)| windows.is_empty())
             .map(|(name, _)| name)
             .collect();
         if !short.is_empty() {
-            found.statements.push(format!("shorter than a window and not compared: {}", listed(&short)));
+            compared.statements.push(format!("shorter than a window and not compared: {}", listed(&short)));
         }
         let window_s = window.map(|samples| samples as f64 / rate_hz);
-        Ok((CompareDocument::new(&self.model.vessel().name, window_s, &found), found.trace))
+        Ok((CompareDocument::new(&self.model.vessel().name, window_s, &compared), compared.trace))
     }
 
     /// The model or the average, its models alone, and what it is compared with. `columns` are those of all vessels.
@@ -342,9 +342,9 @@ impl<'a> Comparison<'a> {
     {
         let Self { model, averaged, .. } = *self;
         let whole = |columns: &[usize]| columns.iter().copied().eq(0..lead.model.exogenous());
-        let of = |own: &'b Vec<usize>| Some(own.as_slice()).filter(|own| !whole(own));
+        let of = |columns: &'b Vec<usize>| Some(columns.as_slice()).filter(|columns| !whole(columns));
         let all: Vec<Ship<'b>> =
-            self.vessels().into_iter().zip(columns).map(|(own, from)| ship(own, of(from))).collect();
+            self.vessels().into_iter().zip(columns).map(|(vessel, from)| ship(vessel, of(from))).collect();
         let (several, others) = all.split_at(model.vessels().len() + averaged.len());
         let one = |standing, ships: &[Ship<'b>]| Contestant { standing, place: None, ships: ships.to_vec() };
         let standing = if averaged.is_empty() { model.standing() } else { Standing::Average };
@@ -358,7 +358,7 @@ impl<'a> Comparison<'a> {
         }));
         contestants.extend(others.iter().map(|ship| one(Standing::Other, std::slice::from_ref(ship))));
         let by_least_squares = model.by_least_squares().filter(|_| averaged.is_empty());
-        let same = by_least_squares.map(|own| ship(own, columns.first().and_then(of)));
+        let same = by_least_squares.map(|vessel| ship(vessel, columns.first().and_then(of)));
         contestants.extend(same.map(|ship| one(Standing::LeastSquares, &[ship])));
         contestants
     }
@@ -383,8 +383,8 @@ impl ComparisonError {
     /// What is invalid.
     pub fn invalid(&self) -> Invalid {
         match self {
-            Self::Channels(own) => own.clone(),
-            Self::Windows(own) => own.invalid(),
+            Self::Channels(invalid) => invalid.clone(),
+            Self::Windows(error) => error.invalid(),
         }
     }
 }

@@ -168,9 +168,9 @@ impl Study {
             additional: AdditionalUnknowns::default(),
             levels: Some(self.campaign.levels(self.vessel.sample_rate_hz)),
         };
-        let found: Vec<_> = runs.par_chunks(TOGETHER).map(|some| estimators.estimates(some)).collect();
-        let found: Vec<Vec<RunEstimate>> = found.into_iter().collect::<Result<_, _>>()?;
-        Ok(found.concat())
+        let estimates: Vec<_> = runs.par_chunks(TOGETHER).map(|some| estimators.estimates(some)).collect();
+        let estimates: Vec<Vec<RunEstimate>> = estimates.into_iter().collect::<Result<_, _>>()?;
+        Ok(estimates.concat())
     }
 
     /// Parameter error of every estimate, and its model's error in free simulation of the campaign's validation maneuvers.
@@ -292,9 +292,9 @@ impl MonteCarlo<'_> {
     pub fn realize(&self, design: usize, runs: Range<usize>, kept: usize) -> Result<Realized, StudyError> {
         self.estimators.check_forces()?;
         let together = self.together(runs.len());
-        let found = parts_of(runs, together, |runs| self.some(design, runs, kept));
-        found.into_iter().try_fold(Realized::default(), |mut all, found| {
-            let Realized { runs, estimates, scores } = found?;
+        let parts = parts_of(runs, together, |runs| self.some(design, runs, kept));
+        parts.into_iter().try_fold(Realized::default(), |mut all, part| {
+            let Realized { runs, estimates, scores } = part?;
             all.runs.extend(runs);
             all.estimates.extend(estimates);
             all.scores.extend(scores);
@@ -313,10 +313,10 @@ impl MonteCarlo<'_> {
     fn some(&self, design: usize, runs: Range<usize>, kept: usize) -> Result<Realized, StudyError> {
         let wanted = if runs.start < kept { Wanted::Commands } else { Wanted::Truth };
         let simulated = self.campaign.simulate(design, runs, wanted)?.into_iter();
-        let (own, rest): (Vec<Run>, Vec<_>) = simulated.map(|s| (s.run, (s.states, s.commands))).unzip();
-        let estimates = self.estimators.estimates(&own)?;
+        let (runs, rest): (Vec<Run>, Vec<_>) = simulated.map(|s| (s.run, (s.states, s.commands))).unzip();
+        let estimates = self.estimators.estimates(&runs)?;
         let scores = self.validation.score(&estimates, self.truth.as_deref());
-        let again = own.into_iter().zip(rest);
+        let again = runs.into_iter().zip(rest);
         let again = again.map(|(run, (states, commands))| SimulatedRun { run, states, commands });
         let kept = again.filter(|simulated| (simulated.run.run as usize) < kept).collect();
         Ok(Realized { runs: kept, estimates, scores })
@@ -343,13 +343,13 @@ impl MonteCarlo<'_> {
             };
             SharedInputs::new(vessel, &doing, removal)
         });
-        let found = match alike.transpose() {
+        let scores = match alike.transpose() {
             Ok(alike) => parts_of(runs.clone(), STREAMED_TOGETHER, |runs| {
                 self.scores_side_by_side(alike.as_ref(), design, runs)
             }),
             Err(diverged) => vec![Err(diverged.into())],
         };
-        match found.into_iter().collect::<Result<Vec<_>, _>>() {
+        match scores.into_iter().collect::<Result<Vec<_>, _>>() {
             // Such runs get instruments of their own, one by one.
             Err(StudyError::Estimate(RunError::Diverged(_))) => Ok(self.realize(design, runs, 0)?.scores),
             all => Ok(all?.concat()),
@@ -371,22 +371,22 @@ impl MonteCarlo<'_> {
             let all = self.campaign.together(design, some, Wanted::Measured)?;
             let Some(alike) = alike else {
                 let before = first + outcomes.len();
-                let groups = all.into_iter().map(|own| (own.starts(), own.side_by_side()));
+                let groups = all.into_iter().map(|group| (group.starts(), group.side_by_side()));
                 let nominal_side_by_side = instruments.nominal_side_by_side(groups, removal);
                 let over =
                     |(i, at)| NominalDiverged::over(name, (before + i) as i32, at, vessel.sample_rate_hz);
                 outcomes.extend(nominal_side_by_side.map_err(over)?);
                 continue;
             };
-            for own in all {
-                outcomes.extend(alike.parameters(own.measured()).into_iter().take(own.runs()));
-                own.recycle();
+            for group in all {
+                outcomes.extend(alike.parameters(group.measured()).into_iter().take(group.runs()));
+                group.recycle();
             }
         }
         let candidate = |i: usize| {
             let (run, outcome) = ((first + i) as i32, &outcomes[i]);
             let (status, parameters) = match outcome {
-                Outcome::Identified(own) => (EstimateStatus::Identified, Some(own.as_slice())),
+                Outcome::Identified(theta) => (EstimateStatus::Identified, Some(theta.as_slice())),
                 Outcome::NotIdentifiable(_) => (EstimateStatus::NotIdentifiable, None),
                 Outcome::TooShort => {
                     let samples = self.campaign.samples();

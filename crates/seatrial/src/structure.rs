@@ -39,7 +39,7 @@ impl StructureSearch {
     pub fn check(vessel: &Vessel) -> Result<(), Invalid> {
         let remedy =
             "search for forces that she lacks by `ForceSearch`, or give it a vessel with terms per sample";
-        vessel.check_terms("search").map_err(|own| Invalid { remedy: remedy.into(), ..own })
+        vessel.check_terms("search").map_err(|invalid| Invalid { remedy: remedy.into(), ..invalid })
     }
 
     /// A search over the library of terms for the channels of `vessel` in these roles.
@@ -85,13 +85,13 @@ impl StructureSearch {
         done: &(dyn Fn(usize) + Sync),
     ) -> Result<FoundStructure, SearchError> {
         let vessel = &self.vessel;
-        let mut found = search(&vessel.model, &self.library, runs, options, done)?;
-        found.statements.extend(self.turned(&found));
-        let model = self.model(runs, &found);
-        let averaged = |all| AverageDocument::new(vessel, all, found.samples, model.magnitudes.as_ref());
+        let mut searched = search(&vessel.model, &self.library, runs, options, done)?;
+        searched.statements.extend(self.turned(&searched));
+        let model = self.model(runs, &searched);
+        let averaged = |all| AverageDocument::new(vessel, all, searched.samples, model.magnitudes.as_ref());
         Ok(FoundStructure {
-            search: SearchDocument::new(vessel, options, &found),
-            average: found.average.as_ref().map(averaged),
+            search: SearchDocument::new(vessel, options, &searched),
+            average: searched.average.as_ref().map(averaged),
             model,
         })
     }
@@ -99,13 +99,13 @@ impl StructureSearch {
     /// Estimates with another sign than the nominal value, in words; standard errors are those of the jackknife over folds.
     fn turned(&self, found: &Searched) -> Option<String> {
         let of = |model: &Model, theta: &[f64], name: &str| {
-            theta.get(model.parameter_names().position(|own| own == name)?).copied()
+            theta.get(model.parameter_names().position(|other| other == name)?).copied()
         };
         let known = self.vessel.model.parameter_names().map(|name| {
             let ships = found.without.iter().flatten();
-            let without: Vec<f64> = ships.filter_map(|own| of(&own.model, &own.theta, name)).collect();
+            let without: Vec<f64> = ships.filter_map(|ship| of(&ship.model, &ship.theta, name)).collect();
             let (count, mean) = (without.len() as f64, mean(&without)?);
-            let squares: f64 = without.iter().map(|own| (own - mean).powi(2)).sum();
+            let squares: f64 = without.iter().map(|value| (value - mean).powi(2)).sum();
             Some([of(&found.model, &found.delivered.theta, name)?, ((count - 1.0) / count * squares).sqrt()])
         });
         against_nominal(&self.vessel.model, &self.vessel.nominal, &known.collect::<Vec<_>>())
@@ -128,9 +128,9 @@ pub fn core_of(vessel: &Vessel, roles: &NamedRoles) -> Result<Vessel, Invalid> {
 
 fn with_core(vessel: &Vessel, roles: &NamedRoles) -> Result<(Vessel, Roles), Invalid> {
     let roles = Roles::new(&vessel.model, roles)?;
-    let astern = |own: &Actuator| own.range.is_some_and(|[low, _]| low < 0.0);
+    let astern = |actuator: &Actuator| actuator.range.is_some_and(|[low, _]| low < 0.0);
     let reversing: Vec<usize> =
-        (3..).zip(&vessel.actuators).filter(|(_, own)| astern(own)).map(|(i, _)| i).collect();
+        (3..).zip(&vessel.actuators).filter(|(_, actuator)| astern(actuator)).map(|(i, _)| i).collect();
     let (model, roles) = core(&vessel.model, &roles, &reversing)?;
     if model.degrees == vessel.model.degrees && vessel.model.forces.is_none() {
         return Ok((Vessel { model, ..vessel.clone() }, roles));
@@ -182,7 +182,7 @@ struct OfForces {
 }
 
 /// What is delivered of both, and why not the other.
-struct Choice {
+struct DeliveredModels {
     kind: DeliveredKind,
     left: Vec<String>,
     output_rmse: Option<[f64; 3]>,
@@ -206,31 +206,31 @@ impl AveragedSearch<'_> {
         done: &(dyn Fn(usize) + Sync),
     ) -> Result<FoundStructure, SearchError> {
         let begun = &self.search.vessel;
-        let [own, physical] = [runs, of_forces].map(|runs| Recording::all(runs, self.options.cut));
+        let [recordings, physical] = [runs, of_forces].map(|runs| Recording::all(runs, self.options.cut));
         let searched = match search(&begun.model, &self.search.library, runs, self.options, done) {
             // The forces may give a model.
-            found @ (Ok(_) | Err(SearchError::AllDiverge { .. } | SearchError::Useless(_))) => found,
+            result @ (Ok(_) | Err(SearchError::AllDiverge { .. } | SearchError::Useless(_))) => result,
             Err(error) => return Err(error),
         };
-        let dealt = folds(&own.iter().collect::<Vec<_>>(), self.options.folds);
+        let dealt = folds(&recordings.iter().collect::<Vec<_>>(), self.options.folds);
         let dealt = Dealt { folds: &dealt, are_inputs_held: of_forces.are_inputs_held() };
         let forces = self.forces(of_forces, &physical, dealt, done);
         let none = vec![None; self.options.folds];
-        let without = searched.as_ref().map_or(&none, |found| &found.without);
-        let kinds = [(&own, without), (&physical, &forces.without)]
+        let without = searched.as_ref().map_or(&none, |searched| &searched.without);
+        let kinds = [(&recordings, without), (&physical, &forces.without)]
             .map(|(recordings, without)| Kind { recordings, without });
         let mut document = match &searched {
-            Ok(found) => SearchDocument::new(begun, self.options, found),
-            Err(_) => self.unfound(&own, dealt),
+            Ok(searched) => SearchDocument::new(begun, self.options, searched),
+            Err(_) => self.unfound(&recordings, dealt),
         };
         let (nested, alone) = dealt.averaged(document.nested, &kinds);
         document.nested = nested;
-        let terms = searched.map(|found| self.search.model(runs, &found));
+        let terms = searched.map(|searched| self.search.model(runs, &searched));
         let lost = terms.as_ref().err().cloned();
         let models = [terms.map_err(|e| e.to_string()), forces.model];
         let inside = [document.nested.search.as_ref(), alone.errors.as_ref()];
         let Some(choice) =
-            chosen(&models, inside.map(|own| own.and_then(mean_fit)), [&own, &physical], dealt)
+            chosen(&models, inside.map(|errors| errors.and_then(mean_fit)), [&recordings, &physical], dealt)
         else {
             return Err(lost.unwrap_or(SearchError::NoAverage));
         };
@@ -244,7 +244,7 @@ impl AveragedSearch<'_> {
         let members: Vec<ModelDocument> = models
             .into_iter()
             .zip(choice.kind.members())
-            .filter_map(|(own, is)| own.ok().filter(|_| is))
+            .filter_map(|(model, is)| model.ok().filter(|_| is))
             .collect();
         let mut model = members.last().cloned().ok_or(SearchError::NoAverage)?;
         model.statements.insert(0, document.statements[0].clone());
@@ -256,7 +256,7 @@ impl AveragedSearch<'_> {
     fn unfound(&self, recordings: &[Recording], dealt: Dealt) -> SearchDocument {
         let none = vec![ShipsWithoutFold { search: None, base: None }; self.options.folds];
         let judged = judged_ships(recordings, dealt.folds, &none, dealt.are_inputs_held);
-        let samples = recordings.iter().map(|own| own.samples() as u64).sum();
+        let samples = recordings.iter().map(|recording| recording.samples() as u64).sum();
         SearchDocument::unfound(&self.search.vessel, self.options, [judged.windows, samples], judged.nested)
     }
 
@@ -284,8 +284,8 @@ impl AveragedSearch<'_> {
             recordings.iter().map(|recording| (recording.name.clone(), recording.whole.clone())).collect();
         let ship = |theta: Vec<f64>| FittedShip { model: self.vessel.model.clone(), theta };
         let fold = |fold: usize| {
-            let kept = all.iter().zip(dealt.folds).filter(|(_, own)| **own != fold);
-            let kept: Vec<Recorded> = kept.map(|(own, _)| own.clone()).collect();
+            let kept = all.iter().zip(dealt.folds).filter(|(_, other)| **other != fold);
+            let kept: Vec<Recorded> = kept.map(|(source, _)| source.clone()).collect();
             let mut from = self.vessel.nominal.clone();
             let fitted = self.ways().map(|settings| {
                 let theta = self.physical(settings, false).theta_from(&from, &kept, held).ok()?;
@@ -297,7 +297,7 @@ impl AveragedSearch<'_> {
         };
         let by_folds: Vec<[Option<FittedShip>; 2]> =
             (0..self.options.folds).into_par_iter().map(fold).collect();
-        let by_ways = [0, 1].map(|way| by_folds.iter().map(|own| own[way].clone()).collect::<Vec<_>>());
+        let by_ways = [0, 1].map(|way| by_folds.iter().map(|ways| ways[way].clone()).collect::<Vec<_>>());
         let scores = by_ways.each_ref().map(|without| dealt.scores(&[Kind { recordings, without }]));
         let fit = |way: usize, without: Option<usize>| {
             dealt.fit(&Kind { recordings, without: &by_ways[way] }, &scores[way], without)
@@ -305,9 +305,9 @@ impl AveragedSearch<'_> {
         let better = |without: Option<usize>| usize::from(fit(1, without) > fit(0, without));
         let without = (0..self.options.folds).map(|fold| by_ways[better(Some(fold))][fold].clone()).collect();
         let chosen = better(None);
-        let tried = self.ways().into_iter().enumerate().map(|(way, own)| TriedFit {
-            window_s: own.window_s,
-            measured_starts: own.starts == Starts::Measured,
+        let tried = self.ways().into_iter().enumerate().map(|(way, settings)| TriedFit {
+            window_s: settings.window_s,
+            measured_starts: settings.starts == Starts::Measured,
             score: fit(way, None),
             chosen: way == chosen,
         });
@@ -322,9 +322,9 @@ fn chosen(
     inside: [Option<f64>; 2],
     recordings: [&[Recording]; 2],
     dealt: Dealt,
-) -> Option<Choice> {
-    let ships = models.each_ref().map(|own| {
-        let vessel = own.as_ref().ok()?.vessel().ok()?;
+) -> Option<DeliveredModels> {
+    let ships = models.each_ref().map(|model| {
+        let vessel = model.as_ref().ok()?.vessel().ok()?;
         Some(vec![Some(FittedShip { theta: vessel.nominal, model: vessel.model })])
     });
     let once = Dealt { folds: &vec![0; recordings[0].len()], ..dealt };
@@ -339,7 +339,7 @@ fn chosen(
     };
     let [search, forces] = inside;
     let behind = [search.zip(forces), forces.zip(search)]
-        .map(|pair| pair.map(|(own, other)| other - own).filter(|behind| *behind > WORSE));
+        .map(|pair| pair.map(|(one, other)| other - one).filter(|behind| *behind > WORSE));
     let why = |i: usize| match (&models[i], &ships[i], behind[i]) {
         (Err(why), ..) => Some(format!("{} are left out of the average: {why}", NAMES[i])),
         (_, None, _) => Some(format!("{} are left out of the average: they give no vessel", NAMES[i])),
@@ -362,11 +362,16 @@ fn chosen(
         _ if ships[0].is_some() => (DeliveredKind::Search, vec![0]),
         _ => return None,
     };
-    Some(Choice { kind, output_rmse: rmse(&which), left: left.into_iter().flatten().collect() })
+    Some(DeliveredModels { kind, output_rmse: rmse(&which), left: left.into_iter().flatten().collect() })
 }
 
 /// What is delivered, and how well it and its models predict.
-fn statements(choice: &Choice, nested: &NestedScore, alone: Alone, tried: &[TriedFit]) -> Vec<String> {
+fn statements(
+    choice: &DeliveredModels,
+    nested: &NestedScore,
+    alone: Alone,
+    tried: &[TriedFit],
+) -> Vec<String> {
     let mut all = vec![match choice.kind {
         DeliveredKind::Average => format!("delivered: the average of {} and {}", NAMES[0], NAMES[1]),
         DeliveredKind::Search => format!("delivered: {} alone", NAMES[0]),
@@ -375,13 +380,13 @@ fn statements(choice: &Choice, nested: &NestedScore, alone: Alone, tried: &[Trie
     all.extend(choice.left.iter().cloned());
     all.extend(nested.average.iter().flat_map(averaged).filter(|_| choice.kind == DeliveredKind::Average));
     all.push(match &alone.errors {
-        Some(own) => format!("{} with recordings left out: fit {}", NAMES[1], fits(own)),
+        Some(errors) => format!("{} with recordings left out: fit {}", NAMES[1], fits(errors)),
         None => format!("{} are not validated: without some fold there is no fit, or it diverges", NAMES[1]),
     });
-    all.extend(tried.iter().filter(|own| own.chosen).map(|own| {
-        let starts = if own.measured_starts { "measured starts" } else { "starts that are found" };
+    all.extend(tried.iter().filter(|fit| fit.chosen).map(|fit| {
+        let starts = if fit.measured_starts { "measured starts" } else { "starts that are found" };
         let why = "where recordings left out choose between this and the other way";
-        format!("{} were fitted over windows of at most {} s with {starts}, {why}", NAMES[1], own.window_s)
+        format!("{} were fitted over windows of at most {} s with {starts}, {why}", NAMES[1], fit.window_s)
     }));
     all
 }

@@ -111,7 +111,8 @@ impl Portable {
         let variables = self.variables();
         let within = variables.len() + 1;
         let unknowns = format!("{outputs}      <Unknown index=\"{within}\"/>\n");
-        let reals: String = variables.iter().enumerate().map(|(place, own)| own.element(place)).collect();
+        let reals: String =
+            variables.iter().enumerate().map(|(place, variable)| variable.element(place)).collect();
         let (base, rate) = (&self.base, number(1.0 / self.rate_hz));
         let [name, guid, description, tool] =
             [&self.vessel, &self.guid(), &self.header().join(" "), &self.origin.producer]
@@ -138,7 +139,7 @@ impl Portable {
     }
 
     fn units(&self) -> String {
-        let channels = self.given().iter().map(|own| &own.unit);
+        let channels = self.given().iter().map(|channel| &channel.unit);
         let all: BTreeSet<&String> =
             channels.chain(self.parameters.iter().map(|parameter| &parameter.unit)).collect();
         all.into_iter().map(|unit| format!("    <Unit name=\"{}\"/>\n", attribute(unit))).collect()
@@ -147,8 +148,8 @@ impl Portable {
     /// States, inputs, parameters, initial states: a variable's index is its value reference.
     fn variables(&self) -> Vec<ScalarVariable<'_>> {
         let range = |place: usize| {
-            let own = self.ranges.iter().find(|range| range.channel == place);
-            own.map(|range| [range.low, range.high])
+            let known = self.ranges.iter().find(|range| range.channel == place);
+            known.map(|range| [range.low, range.high])
         };
         let channel = |place: usize, role, start| {
             let channel = &self.channels[place];
@@ -171,12 +172,12 @@ impl Portable {
             }
         });
         let initial = (0..3).map(|place| {
-            let own = channel(place, INITIAL, Some(self.start(place)));
+            let variable = channel(place, INITIAL, Some(self.start(place)));
             ScalarVariable {
-                name: format!("initial_{}", own.name),
-                description: format!("{} at the start", own.name),
+                name: format!("initial_{}", variable.name),
+                description: format!("{} at the start", variable.name),
                 range: None,
-                ..own
+                ..variable
             }
         });
         states.chain(inputs).chain(parameters).chain(initial).collect()

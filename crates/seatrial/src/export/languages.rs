@@ -1,11 +1,45 @@
-//! The model as a Python module.
+//! The model as a Python module, as a function file for MATLAB and Octave, and as C99.
 
-use super::target::Syntax;
-use super::text::fill;
-use crate::export::portable::{Channel, Parameter, Portable, Range};
-use crate::export::ship::Language;
-use crate::export::target::TextFile;
-use crate::export::text::{comment, number, quoted, single};
+use super::portable::{Channel, Portable, TemplateEntry};
+use super::ship::{Language, Ship};
+use super::target::{Syntax, TextFile};
+use super::text::{comment, fill, number, quoted, single};
+
+/// A line of text for each of `all`.
+fn lines<T>(all: &[T], line: impl Fn(&T) -> String) -> String {
+    all.iter().map(line).collect()
+}
+
+/// Unit and meaning, for a comment.
+fn said(unit: &str, meaning: &str) -> String {
+    comment(&format!("[{unit}] {meaning}"))
+}
+
+impl Portable {
+    /// File and digest that it was made from.
+    fn made_from(&self) -> String {
+        format!("{}, {}", self.origin.file, self.origin.digest)
+    }
+
+    /// The identifiers of channels and parameters, with their units.
+    fn identifiers_with_units(&self) -> impl Iterator<Item = (&String, &String)> {
+        let channels = self.channels.iter().map(|channel| (&channel.identifier, &channel.unit));
+        channels.chain(self.parameters.iter().map(|parameter| (&parameter.identifier, &parameter.unit)))
+    }
+
+    /// The gains of the states by terms, for a template.
+    fn gains(&self, syntax: &Syntax) -> [TemplateEntry; 3] {
+        [("surge", 0), ("sway", 1), ("yaw", 2)].map(|(name, d)| (name, syntax.gain(self, d)))
+    }
+
+    /// The routines of `ship`, the forces of the model.
+    fn routines(&self, ship: &Ship, language: Language, syntax: &Syntax, unpack: &str) -> String {
+        let parameter = |i: usize| (syntax.parameter)(self, &self.parameters[i].identifier);
+        ship.text(language, &parameter, &self.identifiers(), unpack)
+    }
+}
+
+// Python.
 
 const PYTHON: Syntax =
     Syntax { modulus: "abs", parameter: |_, name| format!("p[\"{name}\"]"), between: "\n        + " };
@@ -13,27 +47,40 @@ const PYTHON: Syntax =
 impl Portable {
     /// The module.
     pub(crate) fn python(&self) -> TextFile {
+        let parameters = lines(&self.parameters, |parameter| {
+            let (value, meaning) = (number(parameter.value), said(&parameter.unit, &parameter.meaning));
+            format!("    \"{}\": {value},  # {meaning}\n", parameter.identifier)
+        });
+        let standard_errors = lines(&self.parameters, |parameter| {
+            let error = parameter.standard_error.map_or("None".to_owned(), number);
+            format!("    \"{}\": {error},\n", parameter.identifier)
+        });
+        let entry = |(name, text): (&String, &String)| format!("    \"{name}\": {},\n", quoted(text));
+        let (units, renamed) = (self.identifiers_with_units().map(entry), self.renamed());
+        let renamed = renamed.iter().map(entry);
+        let ranges = lines(&self.ranges, |range| {
+            let name = &self.channels[range.channel].identifier;
+            format!("    \"{name}\": ({}, {}),\n", number(range.low), number(range.high))
+        });
+        let imports = if self.ship.is_some() { "atan2, cos, exp, sin, sqrt" } else { "cos, sin" };
         let text = fill(
             include_str!("templates/model.py"),
             &[
                 ("base", self.base.clone()),
                 ("header", self.marked_header("# ")),
                 ("vessel", quoted(&self.vessel)),
-                ("made_from", quoted(&format!("{}, {}", self.origin.file, self.origin.digest))),
+                ("made_from", quoted(&self.made_from())),
                 ("rate", number(self.rate_hz)),
                 ("states", names(self.states())),
                 ("inputs", names(self.inputs())),
-                ("parameters", self.python_parameters()),
-                ("standard_errors", self.python_errors()),
-                ("units", self.python_units()),
-                ("names", self.python_names()),
-                ("ranges", self.python_ranges()),
+                ("parameters", parameters),
+                ("standard_errors", standard_errors),
+                ("units", units.collect()),
+                ("names", renamed.collect()),
+                ("ranges", ranges),
                 ("ranges_are", self.ranges_are().to_owned()),
                 ("rate_holds", self.rate_holds().to_owned()),
-                (
-                    "imports",
-                    if self.ship.is_some() { "atan2, cos, exp, sin, sqrt" } else { "cos, sin" }.to_owned(),
-                ),
+                ("imports", imports.to_owned()),
                 ("arrays", self.python_arrays().to_owned()),
                 ("functions", self.python_functions()),
             ],
@@ -56,62 +103,22 @@ impl Portable {
     fn python_functions(&self) -> String {
         let unpack = self.python_unpack();
         if let Some(ship) = &self.ship {
-            let parameter = |i: usize| (PYTHON.parameter)(self, &self.parameters[i].identifier);
-            let routines = ship.text(Language::Python, &parameter, &self.identifiers(), &unpack);
+            let routines = self.routines(ship, Language::Python, &PYTHON, &unpack);
             return fill(
                 include_str!("templates/ship.py"),
                 &[("steps", ship.steps.to_string()), ("routines", routines)],
             );
         }
-        let gain = |d: usize| PYTHON.gain(self, d);
         let (weights, [step, sample]) = self.steps();
-        let values =
-            [("unpack", unpack), ("surge", gain(0)), ("sway", gain(1)), ("yaw", gain(2)), step, sample];
-        let paced = weights.map(|own| fill(include_str!("templates/paced.py"), &[own]));
+        let values = [&[("unpack", unpack), step, sample][..], &self.gains(&PYTHON)].concat();
+        let paced = weights.map(|entry| fill(include_str!("templates/paced.py"), &[entry]));
         fill(include_str!("templates/terms.py"), &values) + &paced.unwrap_or_default()
-    }
-
-    fn python_parameters(&self) -> String {
-        let line = |parameter: &crate::export::Parameter| {
-            let (value, meaning) =
-                (number(parameter.value), comment(&format!("[{}] {}", parameter.unit, parameter.meaning)));
-            format!("    \"{}\": {value},  # {meaning}\n", parameter.identifier)
-        };
-        self.parameters.iter().map(line).collect()
-    }
-
-    fn python_errors(&self) -> String {
-        let line = |parameter: &crate::export::Parameter| {
-            let error = parameter.standard_error.map_or("None".to_owned(), number);
-            format!("    \"{}\": {error},\n", parameter.identifier)
-        };
-        self.parameters.iter().map(line).collect()
-    }
-
-    fn python_units(&self) -> String {
-        let channels = self.channels.iter().map(|channel| (&channel.identifier, &channel.unit));
-        let all =
-            channels.chain(self.parameters.iter().map(|parameter| (&parameter.identifier, &parameter.unit)));
-        all.map(|(name, unit)| format!("    \"{name}\": {},\n", quoted(unit))).collect()
-    }
-
-    fn python_names(&self) -> String {
-        let all = self.renamed();
-        all.iter().map(|(own, name)| format!("    \"{own}\": {},\n", quoted(name))).collect()
-    }
-
-    fn python_ranges(&self) -> String {
-        let line = |range: &crate::export::Range| {
-            let name = &self.channels[range.channel].identifier;
-            format!("    \"{name}\": ({}, {}),\n", number(range.low), number(range.high))
-        };
-        self.ranges.iter().map(line).collect()
     }
 
     /// Assigns channels to their names within a step.
     fn python_unpack(&self) -> String {
         let all = |channels: &[Channel]| {
-            let names: Vec<&str> = channels.iter().map(|own| own.identifier.as_str()).collect();
+            let names: Vec<&str> = channels.iter().map(|channel| channel.identifier.as_str()).collect();
             if let [only] = names.as_slice() { format!("({only},)") } else { names.join(", ") }
         };
         let inputs = all(self.inputs());
@@ -123,11 +130,9 @@ impl Portable {
 }
 
 fn names(channels: &[Channel]) -> String {
-    let line = |channel: &Channel| {
-        let meaning = comment(&format!("[{}] {}", channel.unit, channel.meaning));
-        format!("    \"{}\",  # {meaning}\n", channel.identifier)
-    };
-    channels.iter().map(line).collect()
+    lines(channels, |channel| {
+        format!("    \"{}\",  # {}\n", channel.identifier, said(&channel.unit, &channel.meaning))
+    })
 }
 
 // The model as a function file for MATLAB and Octave.
@@ -138,7 +143,23 @@ const MATLAB: Syntax =
 impl Portable {
     /// The function file.
     pub(crate) fn matlab(&self) -> TextFile {
-        let list = |channels: &[crate::export::Channel]| {
+        let parameters = lines(&self.parameters, |parameter| {
+            let (name, value) = (&parameter.identifier, number(parameter.value));
+            let meaning = said(&parameter.unit, &parameter.meaning);
+            let error = parameter.standard_error.map_or("NaN".to_owned(), number);
+            format!(
+                "model.parameters.{name} = {value};  % {meaning}\nmodel.standard_errors.{name} = {error};\n"
+            )
+        });
+        let units = self.identifiers_with_units();
+        let units = units.map(|(name, unit)| format!("model.units.{name} = {};\n", single(unit)));
+        let renamed = self.renamed();
+        let renamed = renamed.iter().map(|(new, name)| format!("model.names.{new} = {};\n", single(name)));
+        let ranges = lines(&self.ranges, |range| {
+            let name = &self.channels[range.channel].identifier;
+            format!("model.ranges.{name} = [{}, {}];\n", number(range.low), number(range.high))
+        });
+        let list = |channels: &[Channel]| {
             channels.iter().map(|channel| single(&channel.identifier)).collect::<Vec<_>>().join(", ")
         };
         let text = fill(
@@ -147,14 +168,14 @@ impl Portable {
                 ("base", self.base.clone()),
                 ("header", self.marked_header("%   ")),
                 ("vessel", single(&self.vessel)),
-                ("made_from", single(&format!("{}, {}", self.origin.file, self.origin.digest))),
+                ("made_from", single(&self.made_from())),
                 ("rate", number(self.rate_hz)),
                 ("states", list(self.states())),
                 ("inputs", list(self.inputs())),
-                ("parameters", self.matlab_parameters()),
-                ("units", self.matlab_units()),
-                ("names", self.matlab_names()),
-                ("ranges", self.matlab_ranges()),
+                ("parameters", parameters),
+                ("units", units.collect()),
+                ("names", renamed.collect()),
+                ("ranges", ranges),
                 ("ranges_are", self.ranges_are().to_owned()),
                 ("rate_holds", self.rate_holds().trim_end_matches('.').to_lowercase()),
                 ("functions", self.matlab_functions()),
@@ -167,51 +188,15 @@ impl Portable {
     fn matlab_functions(&self) -> String {
         let unpack = self.matlab_unpack();
         if let Some(ship) = &self.ship {
-            let parameter = |i: usize| (MATLAB.parameter)(self, &self.parameters[i].identifier);
-            let routines = ship.text(Language::Matlab, &parameter, &self.identifiers(), &unpack);
+            let routines = self.routines(ship, Language::Matlab, &MATLAB, &unpack);
             let values =
                 [("steps", ship.steps.to_string()), ("rate", number(self.rate_hz)), ("routines", routines)];
             return fill(include_str!("templates/ship.m"), &values);
         }
-        let gain = |d: usize| MATLAB.gain(self, d);
         let (weights, [step, sample]) = self.steps();
-        let values =
-            [("unpack", unpack), ("surge", gain(0)), ("sway", gain(1)), ("yaw", gain(2)), step, sample];
-        let paced = weights.map(|own| fill(include_str!("templates/paced.m"), &[own]));
+        let values = [&[("unpack", unpack), step, sample][..], &self.gains(&MATLAB)].concat();
+        let paced = weights.map(|entry| fill(include_str!("templates/paced.m"), &[entry]));
         fill(include_str!("templates/terms.m"), &values) + &paced.unwrap_or_default()
-    }
-
-    fn matlab_parameters(&self) -> String {
-        let line = |parameter: &Parameter| {
-            let (name, meaning) =
-                (&parameter.identifier, comment(&format!("[{}] {}", parameter.unit, parameter.meaning)));
-            let (value, error) =
-                (number(parameter.value), parameter.standard_error.map_or("NaN".to_owned(), number));
-            format!(
-                "model.parameters.{name} = {value};  % {meaning}\nmodel.standard_errors.{name} = {error};\n"
-            )
-        };
-        self.parameters.iter().map(line).collect()
-    }
-
-    fn matlab_units(&self) -> String {
-        let channels = self.channels.iter().map(|channel| (&channel.identifier, &channel.unit));
-        let all =
-            channels.chain(self.parameters.iter().map(|parameter| (&parameter.identifier, &parameter.unit)));
-        all.map(|(name, unit)| format!("model.units.{name} = {};\n", single(unit))).collect()
-    }
-
-    fn matlab_names(&self) -> String {
-        let all = self.renamed();
-        all.iter().map(|(own, name)| format!("model.names.{own} = {};\n", single(name))).collect()
-    }
-
-    fn matlab_ranges(&self) -> String {
-        let line = |range: &Range| {
-            let name = &self.channels[range.channel].identifier;
-            format!("model.ranges.{name} = [{}, {}];\n", number(range.low), number(range.high))
-        };
-        self.ranges.iter().map(line).collect()
     }
 
     /// Assigns channels to their names within a step.
@@ -219,7 +204,7 @@ impl Portable {
         let states = ["u = state(1);\n", "v = state(2);\n", "r = state(3);\n"].map(str::to_owned);
         let used = self.used();
         let inputs = self.inputs().iter().enumerate().filter(|(i, _)| used.contains(&(i + 3)));
-        let inputs = inputs.map(|(i, own)| format!("{} = input({});\n", own.identifier, i + 1));
+        let inputs = inputs.map(|(i, channel)| format!("{} = input({});\n", channel.identifier, i + 1));
         let derived = MATLAB.derived(self).into_iter();
         let derived = derived.map(|(name, value)| format!("{name} = {value};\n"));
         states.into_iter().chain(inputs).chain(derived).collect()
@@ -228,7 +213,7 @@ impl Portable {
 
 // The model as C99.
 
-const SYNTAX: Syntax = Syntax {
+const C99: Syntax = Syntax {
     modulus: "fabs",
     parameter: |model, name| format!("p[{}_P_{name}]", model.upper()),
     between: "\n        + ",
@@ -250,23 +235,34 @@ impl Portable {
 
     /// Header and source.
     pub(crate) fn c_model(&self) -> [TextFile; 2] {
+        let channels = lines(self.given(), |channel| {
+            let texts = [&channel.identifier, &channel.name, &channel.unit].map(|text| quoted(text));
+            format!("    {{{}}},\n", texts.join(", "))
+        });
+        let parameters = lines(&self.parameters, |parameter| {
+            let texts = [&parameter.identifier, &parameter.name, &parameter.unit].map(|text| quoted(text));
+            let error = parameter.standard_error.map_or("-1.0".to_owned(), number);
+            format!("    {{{}, {}, {error}}},\n", texts.join(", "), number(parameter.value))
+        });
+        let inputs = self.inputs().iter().map(|input| [&input.identifier, &input.unit, &input.meaning]);
+        let places = self.parameters.iter().map(|p| [&p.identifier, &p.unit, &p.meaning]);
         let values = [
             ("base", self.base.clone()),
             ("BASE", self.upper()),
             ("header", self.c_header()),
             ("vessel", quoted(&self.vessel)),
-            ("made_from", quoted(&format!("{}, {}", self.origin.file, self.origin.digest))),
+            ("made_from", quoted(&self.made_from())),
             ("rate", number(self.rate_hz)),
             ("input_count", self.inputs().len().to_string()),
             ("input_room", self.inputs().len().max(1).to_string()),
             ("parameter_count", self.parameters.len().to_string()),
             ("range_count", self.ranges.len().to_string()),
             ("range_capacity", self.ranges.len().max(1).to_string()),
-            ("input_places", self.c_input_places()),
-            ("parameter_places", self.c_parameter_places()),
-            ("channels", self.c_channels()),
-            ("parameters", self.c_parameters()),
-            ("values", self.c_values()),
+            ("input_places", self.c_places("I", inputs)),
+            ("parameter_places", self.c_places("P", places)),
+            ("channels", channels),
+            ("parameters", parameters),
+            ("values", lines(&self.parameters, |parameter| format!("    {},\n", number(parameter.value)))),
             ("ranges", self.c_ranges()),
             ("ranges_are", self.ranges_are().to_owned()),
             ("rate_holds", self.rate_holds().trim_end_matches('.').to_owned()),
@@ -281,89 +277,54 @@ impl Portable {
         let unpack = self.c_unpack();
         let names = [("base", self.base.clone()), ("BASE", self.upper())];
         if let Some(ship) = &self.ship {
-            let parameter = |i: usize| (SYNTAX.parameter)(self, &self.parameters[i].identifier);
             let unpack = unpack + "    (void)input;\n";
-            let routines = ship.text(Language::C, &parameter, &self.identifiers(), &unpack);
-            let own = [("steps", ship.steps.to_string()), ("routines", routines)];
-            return fill(include_str!("templates/ship.c"), &[names, own].concat());
+            let routines = self.routines(ship, Language::C, &C99, &unpack);
+            let values = [("steps", ship.steps.to_string()), ("routines", routines)];
+            return fill(include_str!("templates/ship.c"), &[names, values].concat());
         }
-        let gain = |d: usize| SYNTAX.gain(self, d);
         let (weights, _) = self.steps();
         let step = if weights.is_some() { "static void own_step" } else { "void {{base}}_step" };
         let step = ("step", step.replace("{{base}}", &self.base));
-        let values = [("unpack", unpack), ("surge", gain(0)), ("sway", gain(1)), ("yaw", gain(2)), step];
+        let values = [names.to_vec(), vec![("unpack", unpack), step], self.gains(&C99).to_vec()].concat();
         let paced =
-            weights.map(|own| fill(include_str!("templates/paced.c"), &[&names[..], &[own]].concat()));
-        fill(include_str!("templates/terms.c"), &[&names[..], &values].concat()) + &paced.unwrap_or_default()
+            weights.map(|entry| fill(include_str!("templates/paced.c"), &[&names[..], &[entry]].concat()));
+        fill(include_str!("templates/terms.c"), &values) + &paced.unwrap_or_default()
     }
 
     pub(crate) fn c_header(&self) -> String {
         format!("/*\n{} */", self.marked_header(" * "))
     }
 
-    fn c_input_places(&self) -> String {
-        let line = |(i, own): (usize, &crate::export::Channel)| {
-            let meaning = comment(&format!("[{}] {}", own.unit, own.meaning));
-            format!("#define {}_I_{} {i} /* {meaning} */\n", self.upper(), own.identifier)
+    /// The places of inputs (`I`) or parameters (`P`): identifier, unit and meaning of each.
+    fn c_places<'t>(&self, kind: &str, all: impl Iterator<Item = [&'t String; 3]>) -> String {
+        let line = |(i, [name, unit, meaning]): (usize, [&String; 3])| {
+            format!("#define {}_{kind}_{name} {i} /* {} */\n", self.upper(), said(unit, meaning))
         };
-        self.inputs().iter().enumerate().map(line).collect()
-    }
-
-    fn c_parameter_places(&self) -> String {
-        let line = |(i, own): (usize, &Parameter)| {
-            let meaning = comment(&format!("[{}] {}", own.unit, own.meaning));
-            format!("#define {}_P_{} {i} /* {meaning} */\n", self.upper(), own.identifier)
-        };
-        self.parameters.iter().enumerate().map(line).collect()
-    }
-
-    fn c_channels(&self) -> String {
-        let line = |channel: &crate::export::Channel| {
-            format!(
-                "    {{{}, {}, {}}},\n",
-                quoted(&channel.identifier),
-                quoted(&channel.name),
-                quoted(&channel.unit)
-            )
-        };
-        self.given().iter().map(line).collect()
-    }
-
-    fn c_parameters(&self) -> String {
-        let line = |parameter: &Parameter| {
-            let (name, unit) = (quoted(&parameter.name), quoted(&parameter.unit));
-            let (value, error) =
-                (number(parameter.value), parameter.standard_error.map_or("-1.0".to_owned(), number));
-            format!("    {{{}, {name}, {unit}, {value}, {error}}},\n", quoted(&parameter.identifier))
-        };
-        self.parameters.iter().map(line).collect()
-    }
-
-    fn c_values(&self) -> String {
-        self.parameters.iter().map(|parameter| format!("    {},\n", number(parameter.value))).collect()
+        all.enumerate().map(line).collect()
     }
 
     fn c_ranges(&self) -> String {
-        let line = |range: &Range| {
+        if self.ranges.is_empty() {
+            return "    {0, 0.0, 0.0},\n".to_owned();
+        }
+        lines(&self.ranges, |range| {
             format!("    {{{}, {}, {}}},\n", range.channel, number(range.low), number(range.high))
-        };
-        let nothing = "    {0, 0.0, 0.0},\n".to_owned();
-        if self.ranges.is_empty() { nothing } else { self.ranges.iter().map(line).collect() }
+        })
     }
 
     /// Assigns channels to their names within a step.
     fn c_unpack(&self) -> String {
         let used = self.used();
         let channels = self.given().iter().enumerate();
-        let line = |(place, own): (usize, &crate::export::Channel)| {
+        let line = |(place, channel): (usize, &Channel)| {
             let from = if place < 3 { format!("state[{place}]") } else { format!("input[{}]", place - 3) };
-            format!("    const double {} = {from}; /* [{}] */\n", own.identifier, comment(&own.unit))
+            format!("    const double {} = {from}; /* [{}] */\n", channel.identifier, comment(&channel.unit))
         };
-        let state = |name: &str| self.ship.as_ref().is_none_or(|own| own.takes_state(name));
+        let state = |name: &str| self.ship.as_ref().is_none_or(|ship| ship.takes_state(name));
         let given = channels
-            .filter(|(place, own)| if *place < 3 { state(&own.name) } else { used.contains(place) })
+            .filter(|(place, channel)| if *place < 3 { state(&channel.name) } else { used.contains(place) })
             .map(line);
-        let derived = SYNTAX.derived(self).into_iter();
+        let derived = C99.derived(self).into_iter();
         given.chain(derived.map(|(name, value)| format!("    const double {name} = {value};\n"))).collect()
     }
 }

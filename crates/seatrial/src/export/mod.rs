@@ -87,12 +87,12 @@ fn portable(
 /// Standard errors, the ranges of the data, and warnings about the model.
 fn knowledge(model: &ModelDocument) -> Knowledge {
     let terms = model.degrees.iter().flat_map(|degree| &degree.parameters);
-    let terms = terms.map(|own| (&own.name, own.standard_error));
+    let terms = terms.map(|parameter| (&parameter.name, parameter.standard_error));
     let forces = model.forces.iter().flat_map(|force| &force.parameters);
-    let all = terms.chain(forces.map(|own| (&own.name, own.standard_error)));
+    let all = terms.chain(forces.map(|parameter| (&parameter.name, parameter.standard_error)));
     Knowledge {
         standard_errors: all.filter_map(|(name, error)| Some((name.clone(), error?))).collect(),
-        covered: model.covered.iter().map(|own| (own.name.clone(), [own.low, own.high])).collect(),
+        covered: model.covered.iter().map(|range| (range.name.clone(), [range.low, range.high])).collect(),
         parts: None,
         notes: model.statements.clone(),
     }
@@ -110,8 +110,8 @@ const HELD: usize = 100;
 fn tried(vessel: &Vessel, parameters: &[f64]) -> Result<Option<String>, Invalid> {
     let Some(mut divided) = Divided::new(&vessel.model) else { return Ok(None) };
     let inputs = vessel.model.inputs;
-    let range = |(i, own): (usize, &Actuator)| {
-        own.range.ok_or_else(|| {
+    let range = |(i, actuator): (usize, &Actuator)| {
+        actuator.range.ok_or_else(|| {
             let thing = format!("input `{}`", vessel.model.input_variables()[i].name);
             let expected = "a `range`, within which a faster step is tried";
             Invalid::new(thing, "no `range`", expected, "state it, or export at the vessel's own rate")

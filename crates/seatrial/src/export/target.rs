@@ -90,12 +90,12 @@ impl Syntax {
     /// The computed channels that some equation uses: identifier and expression.
     pub fn derived<'m>(&self, model: &'m Portable) -> Vec<(&'m str, String)> {
         let used = model.used();
-        let needed = model.derived.iter().filter(|own| used.contains(&own.variable));
-        let expression = |derived_channel: &'m DerivedChannel| {
-            let written = derived_channel.formula.written(|function, source| {
-                self.function(function, &model.channels[derived_channel.sources[source]].identifier)
+        let needed = model.derived.iter().filter(|channel| used.contains(&channel.variable));
+        let expression = |derived: &'m DerivedChannel| {
+            let written = derived.formula.written(|function, source| {
+                self.function(function, &model.channels[derived.sources[source]].identifier)
             });
-            (model.channels[derived_channel.variable].identifier.as_str(), written)
+            (model.channels[derived.variable].identifier.as_str(), written)
         };
         needed.map(expression).collect()
     }
@@ -115,7 +115,8 @@ impl Syntax {
     /// The increment of degree of freedom `d` of `model` in a step. Products and sums are in the order of
     /// [`ship::engine::Compiled::step`].
     pub fn gain(&self, model: &Portable, d: usize) -> String {
-        let summands: Vec<String> = model.equations[d].iter().map(|own| self.summand(model, own)).collect();
+        let summands: Vec<String> =
+            model.equations[d].iter().map(|summand| self.summand(model, summand)).collect();
         summands.join(self.between)
     }
 
@@ -127,7 +128,8 @@ impl Syntax {
                 format!("{parameter} * {}", self.product(model, factors, None))
             }
             products => {
-                let each = products.iter().map(|(factors, own)| self.product(model, factors, *own));
+                let each =
+                    products.iter().map(|(factors, coefficient)| self.product(model, factors, *coefficient));
                 format!("{parameter} * ({})", each.collect::<Vec<_>>().join(" + "))
             }
         }
@@ -161,19 +163,24 @@ impl Portable {
                 self.current()
             ),
         ];
-        said.extend(self.late.iter().map(|own| format!("Inputs are as they act: {own}.")));
+        said.extend(self.late.iter().map(|late| format!("Inputs are as they act: {late}.")));
         said.push(match self.ranges.is_empty() {
             true => "Its range of validity is not known: within_ranges is true everywhere.".to_owned(),
             false => format!("Its range of validity is {}.", self.ranges_are()),
         });
-        said.extend(self.tied.iter().map(|own| {
-            format!("{} is {} times {}, and part of the term of that.", own.name, number(own.factor), own.to)
+        said.extend(self.tied.iter().map(|tied| {
+            format!(
+                "{} is {} times {}, and part of the term of that.",
+                tied.name,
+                number(tied.factor),
+                tied.to
+            )
         }));
         if self.ship.is_some() {
             said.push("A number `key` of `component` is called component_key here.".to_owned());
         }
         let renamed = self.unlike();
-        said.extend(renamed.iter().map(|(own, name)| format!("{name} is called {own} here.")));
+        said.extend(renamed.iter().map(|(identifier, name)| format!("{name} is called {identifier} here.")));
         said.extend(self.parts.iter().map(|part| format!("{part}.")));
         said.extend(self.notes.iter().map(|note| format!("Note: {note}.")));
         said.iter().flat_map(|line| wrapped(&comment(line), WIDTH)).collect()
@@ -182,14 +189,14 @@ impl Portable {
     /// The length of its steps, in words.
     fn time(&self) -> String {
         let (seconds, rate) = (number(1.0 / self.rate_hz), self.rate_hz);
-        let own = number(1.0 / self.own_rate_hz());
+        let step = number(1.0 / self.own_rate_hz());
         let sums = "Discrete in time: in a step the states gain the sums below. They hold for steps of";
         match (&self.ship, self.pace) {
             (None, RateChange::Repeated(count)) => {
-                format!("{sums} {own} s; here, a step of {seconds} s ({rate} Hz) is {count} of them.")
+                format!("{sums} {step} s; here, a step of {seconds} s ({rate} Hz) is {count} of them.")
             }
             (None, RateChange::Divided { by, order }) => format!(
-                "{sums} {own} s; here, a step of {seconds} s ({rate} Hz) is a part of them, by Newton's forward formula of order {order} for \
+                "{sums} {step} s; here, a step of {seconds} s ({rate} Hz) is a part of them, by Newton's forward formula of order {order} for \
                  1/{by} of a step."
             ),
             (Some(ship), _) => format!(

@@ -55,7 +55,7 @@ pub fn fill(template: &str, values: &[(&str, String)]) -> String {
     let mut out = parts.next().unwrap_or_default().to_owned();
     for part in parts {
         let (key, rest) = part.split_once("}}").unwrap_or((part, ""));
-        let value = values.iter().find(|(own, _)| *own == key);
+        let value = values.iter().find(|(name, _)| *name == key);
         debug_assert!(value.is_some(), "no value for {key}");
         out.push_str(value.map_or("", |(_, value)| value));
         out.push_str(rest);
@@ -114,7 +114,7 @@ impl Identifiers {
     pub fn take(&mut self, name: &str) -> String {
         let plain = identifier(name);
         let numbered = (2..).map(|number| format!("{plain}_{number}"));
-        let free = [plain.clone()].into_iter().chain(numbered).find(|own| !self.0.contains(own));
+        let free = [plain.clone()].into_iter().chain(numbered).find(|candidate| !self.0.contains(candidate));
         let free = free.unwrap_or(plain);
         self.0.insert(free.clone());
         free

@@ -12,11 +12,11 @@ use super::expression::{Expression, Line, Lines, Numbers, Routine, motion};
 pub(crate) fn thruster(
     forces: &Forces,
     i: usize,
-    thruster_spec: &ThrusterSpec,
+    spec: &ThrusterSpec,
     numbers: &Numbers,
     name: &str,
 ) -> Routine {
-    let number = |key: &str| numbers.of(&thruster_spec.name, key);
+    let number = |key: &str| numbers.of(&spec.name, key);
     let (driven, turned) = forces.thruster_inputs(i);
     let [input, u, v, r] = ["setting", "u", "v", "r"].map(Expression::name);
     let mut arguments = motion();
@@ -33,9 +33,9 @@ pub(crate) fn thruster(
     let cosine = lines.name("ahead", angle.clone().cosine(), "share of its force ahead");
     let sine = lines.name("starboard", angle.sine(), "share of its force to starboard");
     let [x, y] = ["x_m", "y_m"].map(number);
-    let astern = if thruster_spec.astern.is_some() { number("astern") } else { number("ahead") };
+    let astern = if spec.astern.is_some() { number("astern") } else { number("ahead") };
     let coefficient = input.clone().if_positive(number("ahead"), astern);
-    let force = match (&thruster_spec.loss, thruster_spec.curve) {
+    let force = match (&spec.loss, spec.curve) {
         (None, Curve::Force) => coefficient * input,
         (None, Curve::Square) => coefficient * input.clone() * input.modulus(),
         (Some(_), _) => {
@@ -50,16 +50,16 @@ pub(crate) fn thruster(
     let comment = format!(
         "Thruster {}: force ahead and to starboard [N], moment [N m]. Fossen, Handbook of Marine Craft Hydrodynamics and \
          Motion Control.",
-        thruster_spec.name
+        spec.name
     );
     Routine { name: name.to_owned(), comment, arguments, lines: lines.0, results }.without_unused()
 }
 
 /// Wind `i` on a ship.
-pub(crate) fn wind(forces: &Forces, i: usize, own: &WindSpec, numbers: &Numbers, name: &str) -> Routine {
-    let number = |key: &str| numbers.of(&own.name, key);
+pub(crate) fn wind(forces: &Forces, i: usize, spec: &WindSpec, numbers: &Numbers, name: &str) -> Routine {
+    let number = |key: &str| numbers.of(&spec.name, key);
     let [speed, direction] = ["speed", "direction"].map(Expression::name);
-    let [by_speed, by_direction] = forces.wind_inputs(i).map(|own| numbers.driven(own));
+    let [by_speed, by_direction] = forces.wind_inputs(i).map(|channel| numbers.driven(channel));
     let arguments = vec![("speed".to_owned(), by_speed), ("direction".to_owned(), by_direction)];
     let mut lines = Lines::default();
     let pressure = number("air_density_kg_m3") * speed.clone() * speed * -0.5;
@@ -73,24 +73,24 @@ pub(crate) fn wind(forces: &Forces, i: usize, own: &WindSpec, numbers: &Numbers,
             sum + number(&format!("{key}.{k}")) * part
         })
     };
-    let surge = harmonic("surge", own.surge.len(), true);
-    let sway = harmonic("sway", own.sway.len(), false);
-    let yaw = harmonic("yaw", own.yaw.len(), false);
+    let surge = harmonic("surge", spec.surge.len(), true);
+    let sway = harmonic("sway", spec.sway.len(), false);
+    let yaw = harmonic("yaw", spec.yaw.len(), false);
     let results =
         vec![frontal * surge, lateral.clone() * sway, lateral * (yaw * numbers.get("ship.length_m"))];
     let comment = format!(
         "Wind {}: force ahead and to starboard [N], moment [N m], by harmonics of the direction that it comes from [rad]; speed \
          in m/s.",
-        own.name
+        spec.name
     );
     Routine { name: name.to_owned(), comment, arguments, lines: lines.0, results }.without_unused()
 }
 
 /// Cross-flow drag.
-pub(crate) fn crossflow(own: &CrossflowSpec, numbers: &Numbers, name: &str) -> Routine {
-    let number = |key: &str| numbers.of(&own.name, key);
+pub(crate) fn crossflow(spec: &CrossflowSpec, numbers: &Numbers, name: &str) -> Routine {
+    let number = |key: &str| numbers.of(&spec.name, key);
     let [v, r, i, force, moment] = ["v", "r", "i", "force", "moment"].map(Expression::name);
-    let strips = own.strips.unwrap_or(21);
+    let strips = spec.strips.unwrap_or(21);
     let length = numbers.get("ship.length_m");
     let mut lines = Lines::default();
     let strip = length.clone() / Expression::Number(f64::from(strips - 1));
@@ -101,7 +101,7 @@ pub(crate) fn crossflow(own: &CrossflowSpec, numbers: &Numbers, name: &str) -> R
     let drag = each.name("drag", across.clone() * across.modulus(), "[m²/s²]");
     each.0.push(Line::Grow("force".to_owned(), drag.clone()));
     each.0.push(Line::Grow("moment".to_owned(), drag * x));
-    lines.0.extend(["force", "moment"].map(|own| Line::Sum(own.to_owned())));
+    lines.0.extend(["force", "moment"].map(|total| Line::Sum(total.to_owned())));
     lines.0.push(Line::Repeat(strips, each.0));
     let factor = numbers.get("density_kg_m3") * (strip * -0.5) * number("draught_m") * number("drag");
     let factor = lines.name("factor", factor, "drag of a strip over its speed squared [kg/m]");
@@ -109,7 +109,7 @@ pub(crate) fn crossflow(own: &CrossflowSpec, numbers: &Numbers, name: &str) -> R
     let comment = format!(
         "Cross-flow drag {}: force ahead and to starboard [N], moment [N m]. Faltinsen, Sea Loads on Ships and Offshore \
          Structures.",
-        own.name
+        spec.name
     );
     Routine { name: name.to_owned(), comment, arguments: motion(), lines: lines.0, results }.without_unused()
 }
@@ -121,22 +121,22 @@ pub(crate) fn hull(forces: &Forces, numbers: &Numbers, name: &str) -> Routine {
     let description = forces.description();
     let mut arguments = motion();
     let channels = numbers.channels.iter().enumerate().skip(3);
-    arguments.extend(channels.map(|(i, own)| (own.clone(), Expression::Channel(i))));
+    arguments.extend(channels.map(|(i, channel)| (channel.clone(), Expression::Channel(i))));
     let variable = |i: usize| match MOTION.get(i) {
-        Some(own) => Expression::name(own),
+        Some(symbol) => Expression::name(symbol),
         None => Expression::name(&numbers.channels[3 + i - MOTION.len()]),
     };
     let mut lines = Lines::default();
     let mut results = Vec::new();
     for (d, (terms, (name, comment))) in description.terms().into_iter().zip(SUMS).enumerate() {
-        let term = |(i, own): (usize, &ship::forces::TermSpec)| {
-            forces.factors(d, i).iter().fold(numbers.get(&own.parameter), |product, factor| {
-                let own = variable(factor.variable);
-                let own = if factor.modulus { own.modulus() } else { own };
-                if factor.divides { product / own } else { product * own }
+        let term = |(i, spec): (usize, &ship::forces::TermSpec)| {
+            forces.factors(d, i).iter().fold(numbers.get(&spec.parameter), |product, factor| {
+                let value = variable(factor.variable);
+                let value = if factor.modulus { value.modulus() } else { value };
+                if factor.divides { product / value } else { product * value }
             })
         };
-        let sum = terms.iter().enumerate().map(term).fold(Expression::ZERO, |sum, own| sum + own);
+        let sum = terms.iter().enumerate().map(term).fold(Expression::ZERO, |sum, product| sum + product);
         results.push(lines.name(name, sum, comment));
     }
     let comment =
@@ -187,7 +187,7 @@ pub(crate) fn rigid_body(forces: &Forces, numbers: &Numbers, name: &str, sums: [
     let ahead = lines.name("surge", ahead, "with products of mass and yaw rate [N]");
     let starboard = lines.name("sway", starboard, "the same [N]");
     let moment = lines.name("yaw", moment, "the same [N m]");
-    let over = |own: Expression| own / determinant.clone();
+    let over = |value: Expression| value / determinant.clone();
     let zero = || Expression::ZERO;
     let results = vec![
         ahead * (Expression::ONE / surge),
@@ -211,13 +211,13 @@ const FORCES: [&str; 3] = ["force_x", "force_y", "moment_z"];
 const WASH: [&str; 3] = ["inflow", "jet", "reversed"];
 
 /// u_P: the speed of the water that flows to a propeller.
-fn inflow(propeller_spec: &PropellerSpec, numbers: &Numbers, lines: &mut Lines) -> Expression {
-    let number = |key: &str| numbers.of(&propeller_spec.name, key);
+fn inflow(spec: &PropellerSpec, numbers: &Numbers, lines: &mut Lines) -> Expression {
+    let number = |key: &str| numbers.of(&spec.name, key);
     let [u, v, r, speed] = ["u", "v", "r", "U"].map(Expression::name);
     let one = || Expression::ONE;
     let drift = (Expression::ZERO - v).angle(u.clone().modulus()) - number("x_m") * r / speed;
     let drift = lines.name("drift", drift, "at the propeller [rad]");
-    let [positive, negative] = numbers.both(&propeller_spec.name, "wake_ratio");
+    let [positive, negative] = numbers.both(&spec.name, "wake_ratio");
     let ratio = drift.clone().if_positive(positive, negative);
     let share = one() - (Expression::ZERO - number("wake_change") * drift.modulus()).exponential();
     let share = lines.name("share", share, "how far the wake has changed");
@@ -229,17 +229,17 @@ fn inflow(propeller_spec: &PropellerSpec, numbers: &Numbers, lines: &mut Lines) 
 pub(crate) fn propeller(
     forces: &Forces,
     i: usize,
-    propeller_spec: &PropellerSpec,
+    spec: &PropellerSpec,
     numbers: &Numbers,
     name: &str,
     wash: usize,
 ) -> Routine {
-    let number = |key: &str| numbers.of(&propeller_spec.name, key);
+    let number = |key: &str| numbers.of(&spec.name, key);
     let n = Expression::name("n");
     let mut arguments = motion();
     arguments.push(("n".to_owned(), numbers.driven(forces.propeller_input(i))));
     let mut lines = Lines::default();
-    let inflow = inflow(propeller_spec, numbers, &mut lines);
+    let inflow = inflow(spec, numbers, &mut lines);
     let diameter = number("diameter_m");
     let tip = n.clone().if_positive(n.clone(), Expression::ZERO) * diameter.clone();
     let tip = lines.name("tip", tip, "n D ahead [m/s]");
@@ -256,12 +256,12 @@ pub(crate) fn propeller(
     let square = lines.name("square", square, "density times D squared [kg/m]");
     let mut surge = (Expression::ONE - number("deduction")) * square.clone() * thrust;
     let (mut sway, mut yaw) = (Expression::ZERO, Expression::ZERO);
-    if propeller_spec.astern.is_some() {
+    if spec.astern.is_some() {
         let by_square = reversed.clone() * back.modulus() * diameter;
         let by_square = lines.name("by_square", by_square, "[m²/s²]");
         let by_inflow = lines.name("by_inflow", reversed.clone() * inflow.clone(), "[m²/s²]");
         let force = |key: &str| {
-            let [a, b] = numbers.both(&propeller_spec.name, &format!("astern.{key}"));
+            let [a, b] = numbers.both(&spec.name, &format!("astern.{key}"));
             let sum = a * by_square.clone() + b * by_inflow.clone();
             square.clone() * sum
         };
@@ -271,8 +271,7 @@ pub(crate) fn propeller(
     }
     let surge = lines.name("surge", surge, "[N]");
     let mut results = vec![surge.clone(), sway, yaw - number("y_m") * surge];
-    let mut comment =
-        format!("Propeller {}: force ahead and to starboard [N], moment [N m]", propeller_spec.name);
+    let mut comment = format!("Propeller {}: force ahead and to starboard [N], moment [N m]", spec.name);
     if wash > 0 {
         comment += ", speeds of its inflow and its jet [m/s]";
     }
@@ -286,18 +285,13 @@ pub(crate) fn propeller(
 }
 
 /// How much of the wash of the propeller in front of it a rudder takes.
-pub(crate) fn taken(rudder_spec: &RudderSpec) -> usize {
-    if rudder_spec.reversed_flow.is_some() { WASH.len() } else { WASH.len() - 1 }
+pub(crate) fn taken(spec: &RudderSpec) -> usize {
+    if spec.reversed_flow.is_some() { WASH.len() } else { WASH.len() - 1 }
 }
 
 /// u_R: the speed of the flow along a rudder, behind `propeller` if there is one.
-fn along(
-    rudder_spec: &RudderSpec,
-    numbers: &Numbers,
-    propeller: Option<&str>,
-    lines: &mut Lines,
-) -> Expression {
-    let number = |key: &str| numbers.of(&rudder_spec.name, key);
+fn along(spec: &RudderSpec, numbers: &Numbers, propeller: Option<&str>, lines: &mut Lines) -> Expression {
+    let number = |key: &str| numbers.of(&spec.name, key);
     let comment = "u_R, speed of the flow along it [m/s]";
     let Some(propeller) = propeller else {
         return lines.name("along", number("epsilon") * Expression::name("u"), comment);
@@ -319,31 +313,29 @@ fn along(
 pub(crate) fn rudder(
     forces: &Forces,
     i: usize,
-    rudder_spec: &RudderSpec,
+    spec: &RudderSpec,
     numbers: &Numbers,
     name: &str,
     wash: Option<(&str, &str)>,
 ) -> Routine {
-    let number = |key: &str| numbers.of(&rudder_spec.name, key);
+    let number = |key: &str| numbers.of(&spec.name, key);
     let (one, zero) = (|| Expression::ONE, || Expression::ZERO);
     let mut arguments = motion();
     arguments.push(("angle".to_owned(), numbers.driven(forces.rudder_input(i).0)));
     if let Some((_, results)) = wash {
-        let item = |(k, rudder_spec): (usize, &str)| {
-            (rudder_spec.to_owned(), Expression::Item(results.to_owned(), 3 + k))
-        };
+        let item = |(k, spec): (usize, &str)| (spec.to_owned(), Expression::Item(results.to_owned(), 3 + k));
         arguments.extend(WASH.into_iter().enumerate().map(item));
     }
     let mut lines = Lines::default();
-    let along = along(rudder_spec, numbers, wash.map(|(propeller, _)| propeller), &mut lines);
+    let along = along(spec, numbers, wash.map(|(propeller, _)| propeller), &mut lines);
     let [u, v, r, speed, angle] = ["u", "v", "r", "U", "angle"].map(Expression::name);
-    let drift = match rudder_spec.inflow.unwrap_or(Inflow::Velocity) {
+    let drift = match spec.inflow.unwrap_or(Inflow::Velocity) {
         Inflow::Velocity => zero() - v,
         Inflow::Angle => speed * (zero() - v).angle(u),
     };
     let drift = drift - number("ell") * (r * numbers.get("ship.length_m"));
     let drift = lines.name("drift", drift, "speed across it as of a rudder alone, to port [m/s]");
-    let [positive, negative] = numbers.both(&rudder_spec.name, "gamma");
+    let [positive, negative] = numbers.both(&spec.name, "gamma");
     let across = drift.clone().if_positive(positive, negative) * drift;
     let across = lines.name("across", across, "v_R, speed of the flow across it, to port [m/s]");
     let flow = across.clone().angle(along.clone().modulus());
@@ -367,7 +359,7 @@ pub(crate) fn rudder(
     let comment = format!(
         "Rudder {}: force ahead and to starboard [N], moment [N m]; angle in rad. Yasukawa and Yoshimura, Introduction of MMG \
          standard method for ship maneuvering predictions, 2015.",
-        rudder_spec.name
+        spec.name
     );
     Routine { name: name.to_owned(), comment, arguments, lines: lines.0, results }.without_unused()
 }

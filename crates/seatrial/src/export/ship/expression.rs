@@ -108,8 +108,8 @@ impl Expression {
     pub fn visit(&self, seen: &mut impl FnMut(&Self)) {
         seen(self);
         match self {
-            Binary(_, both) => both.iter().for_each(|own| own.visit(seen)),
-            Call(_, all) => all.iter().for_each(|own| own.visit(seen)),
+            Binary(_, both) => both.iter().for_each(|value| value.visit(seen)),
+            Call(_, all) => all.iter().for_each(|value| value.visit(seen)),
             _ => {}
         }
     }
@@ -119,7 +119,7 @@ impl Add for Expression {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         match (self, other) {
-            (Self::ZERO, own) | (own, Self::ZERO) => own,
+            (Self::ZERO, value) | (value, Self::ZERO) => value,
             (one, other) => Self::binary(Operation::Sum, one, other),
         }
     }
@@ -129,7 +129,7 @@ impl Sub for Expression {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         match (self, other) {
-            (own, Self::ZERO) => own,
+            (value, Self::ZERO) => value,
             (Number(one), Number(other)) => Number(one - other),
             (one, other) => Self::binary(Operation::Difference, one, other),
         }
@@ -141,7 +141,7 @@ impl Mul for Expression {
     fn mul(self, other: Self) -> Self {
         match (self, other) {
             (Self::ZERO, _) | (_, Self::ZERO) => Self::ZERO,
-            (Self::ONE, own) | (own, Self::ONE) => own,
+            (Self::ONE, value) | (value, Self::ONE) => value,
             (one, other) => Self::binary(Operation::Product, one, other),
         }
     }
@@ -159,7 +159,7 @@ impl Div for Expression {
     fn div(self, other: Self) -> Self {
         match (self, other) {
             (Self::ZERO, _) => Self::ZERO,
-            (own, Self::ONE) => own,
+            (value, Self::ONE) => value,
             (one, other) => Self::binary(Operation::Quotient, one, other),
         }
     }
@@ -215,7 +215,7 @@ impl<'a> Numbers<'a> {
 /// The motion that components depend on, as arguments: u, v, r, the whole speed, that with the sign of u, and u less the
 /// approach speed.
 pub(crate) fn motion() -> Vec<(String, Expression)> {
-    ship::forces::MOTION.iter().map(|own| ((*own).to_owned(), Expression::name(own))).collect()
+    ship::forces::MOTION.iter().map(|name| ((*name).to_owned(), Expression::name(name))).collect()
 }
 
 // Functions of the generated code, independent of the language.
@@ -254,9 +254,9 @@ impl Line {
     fn visit(&self, seen: &mut impl FnMut(&Expression)) {
         match self {
             Self::Let(_, value, _) | Self::Grow(_, value) => value.visit(seen),
-            Self::Results { arguments, .. } => arguments.iter().for_each(|own| own.visit(seen)),
+            Self::Results { arguments, .. } => arguments.iter().for_each(|value| value.visit(seen)),
             Self::Sum(_) => {}
-            Self::Repeat(_, lines) => lines.iter().for_each(|own| own.visit(seen)),
+            Self::Repeat(_, lines) => lines.iter().for_each(|line| line.visit(seen)),
         }
     }
 }
@@ -272,7 +272,7 @@ impl Routine {
     /// The same without lines and arguments that no result needs.
     pub fn without_unused(mut self) -> Self {
         let mut used = BTreeSet::new();
-        self.results.iter().for_each(|own| own.visit(&mut |value| names(&mut used, value)));
+        self.results.iter().for_each(|result| result.visit(&mut |value| names(&mut used, value)));
         let mut kept = Vec::new();
         for line in self.lines.into_iter().rev() {
             let unused = matches!(&line, Line::Let(name, ..) if !used.contains(name));
@@ -289,16 +289,18 @@ impl Routine {
 
     /// Calls `seen` for every value in it.
     pub fn visit(&self, seen: &mut impl FnMut(&Expression)) {
-        self.lines.iter().for_each(|own| own.visit(seen));
-        self.results.iter().for_each(|own| own.visit(seen));
+        self.lines.iter().for_each(|line| line.visit(seen));
+        self.results.iter().for_each(|result| result.visit(seen));
     }
 
     /// Whether it takes parameters.
     pub fn has_parameters(&self) -> bool {
-        let mut found = false;
-        self.visit(&mut |value| found |= matches!(value, Expression::Quantity(_)));
-        self.lines.iter().for_each(|own| found |= matches!(own, Line::Results { parameters: true, .. }));
-        found
+        let mut takes_any = false;
+        self.visit(&mut |value| takes_any |= matches!(value, Expression::Quantity(_)));
+        self.lines
+            .iter()
+            .for_each(|line| takes_any |= matches!(line, Line::Results { parameters: true, .. }));
+        takes_any
     }
 
     /// The line that calls it for what `name` then has.
@@ -306,7 +308,7 @@ impl Routine {
         Line::Results {
             name: name.to_owned(),
             routine: self.name.clone(),
-            arguments: self.arguments.iter().map(|(_, own)| own.clone()).collect(),
+            arguments: self.arguments.iter().map(|(_, value)| value.clone()).collect(),
             count: self.results.len(),
             parameters: self.has_parameters(),
         }
