@@ -218,11 +218,11 @@ impl ForceSearch<'_> {
         without: Vec<ForcesWithoutFold>,
     ) -> SearchedForces {
         let cost = |model: &ModelDocument| model.forces.as_ref().map_or(f64::NAN, |forces| forces.cost);
-        let forces_found =
-            added(&grown.tried).filter_map(|force| found_force(force, numbers(with?), &without)).collect();
         SearchedForces {
             delivered,
-            found,
+            found: added(&grown.tried)
+                .filter_map(|force| found_force(force, numbers(with?), &without))
+                .collect(),
             tried: grown.tried.clone(),
             ended: grown.ended.clone(),
             most_added: self.most_added as u64,

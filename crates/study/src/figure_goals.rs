@@ -80,16 +80,16 @@ impl FigureGoals {
             let thing = format!("`data.slopes_at.parameters.{name}`");
             return Err(Invalid::new(thing, value.to_string(), "a value other than 0", again));
         }
-        let mut own =
+        let mut goals =
             Self { goals: Vec::new(), parameters, left_out: Vec::new(), length_m: document.length_m };
         for maneuver in &document.maneuvers {
             for figure in &maneuver.figures {
-                own.add(&maneuver.name, figure, &names)?;
+                goals.add(&maneuver.name, figure, &names)?;
             }
         }
-        match own.goals.is_empty() {
+        match goals.goals.is_empty() {
             true => Err(Invalid::new("`data.maneuvers`", "no figure with slopes", "at least one", again)),
-            false => Ok(own),
+            false => Ok(goals),
         }
     }
 
@@ -177,13 +177,13 @@ impl FigureGoals {
                 let length_m = self.length_m;
                 let goal = &mut self.goals[index];
                 let factor = match (goal.unit.as_str(), stated.unit.as_str()) {
-                    (own, unit) if own == unit => 1.0,
+                    (known, unit) if known == unit => 1.0,
                     ("m", "L") => length_m,
                     ("deg", "°") => 1.0,
                     ("1", "") => 1.0,
-                    (own, unit) => {
+                    (known, unit) => {
                         let found = if unit.is_empty() { "no unit".into() } else { format!("`{unit}`") };
-                        let expected = if own == "m" { "m, or L (ship lengths)" } else { own };
+                        let expected = if known == "m" { "m, or L (ship lengths)" } else { known };
                         let thing = format!("--accuracy {}", stated.name.text());
                         return Err(Invalid::new(thing, found, expected, "correct the unit"));
                     }
@@ -284,7 +284,7 @@ impl FigureName {
     pub fn matches(&self, maneuver: &str, figure: &str) -> bool {
         let numbered = |rest: &str| rest.strip_prefix('_').is_some_and(|n| n.parse::<u32>().is_ok());
         let named = figure.strip_prefix(&self.figure).is_some_and(|rest| rest.is_empty() || numbered(rest));
-        self.is_all() || (named && self.maneuver.as_ref().is_none_or(|own| own == maneuver))
+        self.is_all() || (named && self.maneuver.as_ref().is_none_or(|other| other == maneuver))
     }
 }
 

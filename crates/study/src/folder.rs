@@ -124,8 +124,8 @@ impl Folder {
             self.files.iter().filter_map(|(path, found)| Some((path.clone(), found.as_ref().ok()?.digest)));
         let known: BTreeMap<PathBuf, Digest> = found.collect();
         for (path, found) in &mut self.files {
-            let Ok(own) = &*found else { continue };
-            if let Err(mixed) = check_members(path, &own.members, |path| known.get(path).copied()) {
+            let Ok(inspected) = &*found else { continue };
+            if let Err(mixed) = check_members(path, &inspected.members, |path| known.get(path).copied()) {
                 *found = Err(mixed);
             }
         }
@@ -133,8 +133,8 @@ impl Folder {
 
     fn name(&mut self, root: &Path) {
         for (path, found) in &self.files {
-            if let Ok(own) = found {
-                self.names.insert(own.digest, relative(root, path));
+            if let Ok(inspected) = found {
+                self.names.insert(inspected.digest, relative(root, path));
             }
         }
     }
@@ -155,18 +155,18 @@ impl Folder {
             let above = || {
                 let nearest =
                     folder.ancestors().skip(1).find_map(|above| known.get(above)).unwrap_or(written);
-                let mut own = nearest.clone();
-                own.forget(&["estimates", "validation"]);
-                own
+                let mut provenance = nearest.clone();
+                provenance.forget(&["estimates", "validation"]);
+                provenance
             };
-            let own = if known.contains_key(folder) { None } else { Some(above()) };
-            let own = known.entry(folder).or_insert_with(|| own.unwrap_or_default());
+            let missing = if known.contains_key(folder) { None } else { Some(above()) };
+            let provenance = known.entry(folder).or_insert_with(|| missing.unwrap_or_default());
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             // Another file with the same role in the folder is no error: `estimates-2.parquet`.
             let mut from = found.provenance.clone();
             from.inputs.retain(|_, digest| !self.names.contains_key(digest));
             from.origins.retain(|_, digest| !self.names.contains_key(digest));
-            if let Err(error) = own.made(role_of(&name), path, found.digest, &from) {
+            if let Err(error) = provenance.made(role_of(&name), path, found.digest, &from) {
                 self.faults.push(error.to_string());
             }
         }
@@ -255,8 +255,8 @@ fn outdated(path: &Path, found: &Inspected, study: &Path) -> Vec<String> {
 
 /// The files of the plan at `path`: plan.toml, or that called as the plan or its folder.
 fn of_plan(path: &Path, made: &Provenance, study: &Path) -> Result<Now, Error> {
-    let own = [path.file_stem(), path.parent().and_then(Path::file_name)].into_iter().flatten();
-    let mut names = own.map(|name| name.to_string_lossy().into_owned());
+    let folders = [path.file_stem(), path.parent().and_then(Path::file_name)].into_iter().flatten();
+    let mut names = folders.map(|name| name.to_string_lossy().into_owned());
     let name = names.find(|name| name.starts_with("plan-")).unwrap_or_else(|| "plan".to_owned());
     let file = study.join(format!("{name}.toml"));
     if !file.is_file() {
@@ -297,7 +297,9 @@ fn of_logs(study: &Path) -> Result<Now, Error> {
     let Some(folder) = folders.iter().find(|folder| find(&config, &naming, &file, folder).is_ok()) else {
         return Ok(None);
     };
-    for name in find(&config, &naming, &file, folder)?.iter().flat_map(|own| own.files.iter().flatten()) {
+    for name in
+        find(&config, &naming, &file, folder)?.iter().flat_map(|recording| recording.files.iter().flatten())
+    {
         now.inputs.insert(format!("log:{name}"), Digest::of_file(folder.join(name))?);
     }
     Ok(Some(now.inputs))

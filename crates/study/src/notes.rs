@@ -109,7 +109,8 @@ impl LoggedHelm {
     /// # Errors
     /// Names the maneuver and the estimator.
     pub fn check(&self, file: &Path, estimators: &[Estimator]) -> Result<(), Error> {
-        let by_instruments = |own: &&Estimator| own.by_instruments() || **own == Estimator::Auto;
+        let by_instruments =
+            |estimator: &&Estimator| estimator.by_instruments() || **estimator == Estimator::Auto;
         let (Some(name), Some(estimator)) = (self.0.first(), estimators.iter().find(by_instruments)) else {
             return Ok(());
         };
@@ -174,7 +175,7 @@ pub fn note_reached(
         };
         return Err(Invalid { expected: format!("{}{others}", first.expected), ..first.clone() });
     }
-    let words = reached.iter().filter_map(|own| Some((own.maneuver.clone(), json!(own.words()?))));
+    let words = reached.iter().filter_map(|motion| Some((motion.maneuver.clone(), json!(motion.words()?))));
     let words: serde_json::Map<_, _> = words.collect();
     if !words.is_empty() {
         provenance.settings.insert(REACHED.into(), words.into());

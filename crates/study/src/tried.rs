@@ -26,7 +26,7 @@ impl Tried {
     /// # Errors
     /// A file of another kind, or a damaged one; models that do not belong together.
     pub fn read(path: &Path, provenance: &mut Provenance) -> Result<Self, Error> {
-        if path.extension().is_some_and(|own| own == "toml") {
+        if path.extension().is_some_and(|extension| extension == "toml") {
             let vessel = read_any_vessel_as("model", path, provenance)?;
             return Ok(Self {
                 models: Vec::new(),
@@ -53,8 +53,10 @@ impl Tried {
     #[must_use]
     pub fn at_rate_of(mut self, path: &Path) -> Self {
         if let (true, Some(rate_hz)) = (self.models.is_empty(), rate_of(path)) {
-            let ships = self.vessels.iter_mut().filter(|own| own.model.forces.is_some());
-            ships.for_each(|own| *own = own.clone().at_rate(rate_hz).unwrap_or_else(|_| own.clone()));
+            let ships = self.vessels.iter_mut().filter(|vessel| vessel.model.forces.is_some());
+            ships.for_each(|vessel| {
+                *vessel = vessel.clone().at_rate(rate_hz).unwrap_or_else(|_| vessel.clone())
+            });
         }
         self
     }
@@ -113,7 +115,7 @@ impl Tried {
 
     /// The ranges that it was fitted on; all models of an average were fitted to the same data.
     pub fn covered(&self) -> &[Covered] {
-        self.models.first().map_or(&[], |own| own.covered.as_slice())
+        self.models.first().map_or(&[], |model| model.covered.as_slice())
     }
 
     /// The magnitudes of the motions that it was fitted to.

@@ -82,17 +82,17 @@ impl AverageDocument {
     pub fn new(vessel: &Vessel, found: &Averaged, samples: u64, magnitudes: Option<&Magnitudes>) -> Self {
         let [output_rmse_u, output_rmse_v, output_rmse_r] =
             found.output_rmse.map_or([None; 3], |rmse| rmse.map(Some));
-        let member = |(i, own): (usize, &Member)| AverageMember {
-            found_on: own.found_on.clone(),
+        let member = |(i, member): (usize, &Member)| AverageMember {
+            found_on: member.found_on.clone(),
             model: ModelDocument {
                 magnitudes: magnitudes.cloned(),
                 statements: vec![format!(
                     "model {} of {} whose trajectories are averaged; its structure was found on {} recordings",
                     i + 1,
                     found.members.len(),
-                    own.found_on.len()
+                    member.found_on.len()
                 )],
-                ..ModelDocument::found(vessel, &own.model, &own.delivered, samples)
+                ..ModelDocument::found(vessel, &member.model, &member.delivered, samples)
             },
         };
         let members = found.members.iter().enumerate().map(member).collect();
@@ -103,8 +103,9 @@ impl AverageDocument {
     pub fn of(vessel: &Vessel, models: Vec<ModelDocument>, output_rmse: Option<[f64; 3]>) -> Self {
         let [output_rmse_u, output_rmse_v, output_rmse_r] =
             output_rmse.map_or([None; 3], |rmse| rmse.map(Some));
-        let found_on =
-            |model: &ModelDocument| model.recordings.iter().map(|own| own.source.clone()).collect();
+        let found_on = |model: &ModelDocument| {
+            model.recordings.iter().map(|recording| recording.source.clone()).collect()
+        };
         let members =
             models.into_iter().map(|model| AverageMember { found_on: found_on(&model), model }).collect();
         Self { vessel: vessel.name.clone(), output_rmse_u, output_rmse_v, output_rmse_r, members }
@@ -119,9 +120,9 @@ impl AverageDocument {
 /// The common properties of the models of an average.
 fn shared(model: &ModelDocument) -> [(&'static str, String); 4] {
     let names = |all: Vec<&str>| all.join(", ");
-    let inputs = model.inputs.iter().map(|own| own.name.as_str());
-    let channels = inputs.chain(model.measured.iter().map(|own| own.name.as_str())).collect();
-    let recordings = model.recordings.iter().map(|own| own.source.as_str()).collect();
+    let inputs = model.inputs.iter().map(|input| input.name.as_str());
+    let channels = inputs.chain(model.measured.iter().map(|channel| channel.name.as_str())).collect();
+    let recordings = model.recordings.iter().map(|recording| recording.source.as_str()).collect();
     [
         ("vessel", model.vessel.clone()),
         ("sampling rate", format!("{} Hz", model.sample_rate_hz)),
@@ -190,8 +191,8 @@ fn terms(vessel: &Vessel, degree: DegreeOfFreedom, found: &Averaged) -> Vec<Aver
     let (d, base) = (degree as usize, vessel.written(degree).len());
     let mut all: BTreeMap<String, AverageTerm> = BTreeMap::new();
     for member in &found.members {
-        let own = parameters(vessel, d, &member.model, &member.delivered);
-        for (i, ModelParameter { name, term, value, .. }) in own.into_iter().enumerate() {
+        let combined = parameters(vessel, d, &member.model, &member.delivered);
+        for (i, ModelParameter { name, term, value, .. }) in combined.into_iter().enumerate() {
             let new = AverageTerm {
                 degree: degree.name().to_owned(),
                 name: name.clone(),
@@ -223,11 +224,13 @@ impl ModelDocument {
             degree.parameters = resampled(std::mem::take(&mut degree.parameters), found);
             // Parameters that others are tied to are still estimated.
             let targets: Vec<String> =
-                degree.parameters.iter().filter_map(|own| own.tied_to.clone()).collect();
-            let combined = |own: &&mut ModelParameter| {
-                found.combined.contains(&own.name) && own.tied_to.is_none() && !targets.contains(&own.name)
+                degree.parameters.iter().filter_map(|parameter| parameter.tied_to.clone()).collect();
+            let combined = |parameter: &&mut ModelParameter| {
+                found.combined.contains(&parameter.name)
+                    && parameter.tied_to.is_none()
+                    && !targets.contains(&parameter.name)
             };
-            degree.parameters.iter_mut().filter(combined).for_each(|own| own.fixed = true);
+            degree.parameters.iter_mut().filter(combined).for_each(|parameter| parameter.fixed = true);
         }
         let left_out = found.nested.search.as_ref();
         Self {
@@ -241,23 +244,23 @@ impl ModelDocument {
     /// The model with the structure `model`, as `delivered` after a fit to `samples` samples.
     pub(super) fn found(vessel: &Vessel, model: &Model, delivered: &Delivered, samples: u64) -> Self {
         let made = (Estimator::OutputError, MeanRemoval::Complete);
-        let own = Self::with_degrees(vessel, made, delivered, |d| degree(vessel, d, model, delivered));
-        Self { samples, ..own }
+        let document = Self::with_degrees(vessel, made, delivered, |d| degree(vessel, d, model, delivered));
+        Self { samples, ..document }
     }
 }
 
 /// The same parameters with the bootstrap over recordings.
 pub(super) fn resampled(mut parameters: Vec<ModelParameter>, found: &Searched) -> Vec<ModelParameter> {
     let all = found.resampled.as_ref().map(|resampled| &resampled.parameters);
-    for own in parameters.iter_mut().filter(|parameter| !parameter.fixed) {
+    for parameter in parameters.iter_mut().filter(|parameter| !parameter.fixed) {
         // A tied parameter follows the other one.
-        let (name, factor) = match &own.tied_to {
-            Some(other) => (other, own.factor.unwrap_or(1.0)),
-            None => (&own.name, 1.0),
+        let (name, factor) = match &parameter.tied_to {
+            Some(other) => (other, parameter.factor.unwrap_or(1.0)),
+            None => (&parameter.name, 1.0),
         };
         let Some(ends) = all.and_then(|all| all.get(name)) else { continue };
         let [low, high] = [ends.low, ends.high].map(|end| factor * end);
-        (own.low, own.high) = (Some(low.min(high)), Some(low.max(high)));
+        (parameter.low, parameter.high) = (Some(low.min(high)), Some(low.max(high)));
     }
     parameters
 }
@@ -265,7 +268,8 @@ pub(super) fn resampled(mut parameters: Vec<ModelParameter>, found: &Searched) -
 /// Whether left-out recordings reject the model: it diverges on them, is no better than their mean, or is worse than
 /// the structure that the search began with.
 fn rejected(nested: &NestedScore) -> bool {
-    let useless = nested.search.as_ref().is_none_or(|own| own.fits().iter().flatten().any(|fit| *fit <= 0.0));
+    let useless =
+        nested.search.as_ref().is_none_or(|errors| errors.fits().iter().flatten().any(|fit| *fit <= 0.0));
     let worse = nested.margin.as_ref().and_then(|margin| margin.interval[1]).is_some_and(|high| high < 0.0);
     useless || worse
 }
@@ -321,14 +325,16 @@ pub(super) fn parameters(
     let theta = base(vessel, model, delivered);
     let written = vessel.written(DegreeOfFreedom::ALL[d]).into_iter().map(|written| match written {
         Written::Estimated(place) => parameter(place - known.start),
-        Written::Constrained(own) => ModelParameter::constrained(vessel, own, &theta, |to| error(names[to])),
+        Written::Constrained(constrained) => {
+            ModelParameter::constrained(vessel, constrained, &theta, |to| error(names[to]))
+        }
     });
     written.chain((known.len()..degree.terms.len()).map(parameter)).collect()
 }
 
 /// The estimates of the parameters of the base structure.
 fn base(vessel: &Vessel, model: &Model, delivered: &Delivered) -> Vec<f64> {
-    let (all, own) = (model.layout(), vessel.model.layout());
-    let degree = |d: usize| delivered.theta[all.terms(d)][..own.terms(d).len()].to_vec();
+    let (all, nominal) = (model.layout(), vessel.model.layout());
+    let degree = |d: usize| delivered.theta[all.terms(d)][..nominal.terms(d).len()].to_vec();
     [0, 1, 2].map(degree).concat()
 }

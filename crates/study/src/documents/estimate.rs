@@ -200,7 +200,7 @@ impl EstimateDocument {
 
 /// Which parameters of `model` have bounds.
 pub(crate) fn bounded(model: &Model) -> Vec<bool> {
-    let is_bounded = |own: &[f64; 2]| own.iter().any(|end| end.is_finite());
+    let is_bounded = |bounds: &[f64; 2]| bounds.iter().any(|end| end.is_finite());
     let none = || vec![false; model.parameters()];
     model.bounds().map_or_else(none, |all| all.iter().map(is_bounded).collect())
 }
@@ -259,7 +259,7 @@ impl ConstrainedParameter {
             let parameters = found.degrees.iter().flat_map(|d| &d.parameters);
             parameters.map(|p| (p.estimate, p.standard_error)).collect()
         });
-        vessel.constrained.iter().map(|own| Self::of(vessel, own, &estimates)).collect()
+        vessel.constrained.iter().map(|constrained| Self::of(vessel, constrained, &estimates)).collect()
     }
 
     fn of(vessel: &Vessel, constrained: &Constrained, estimates: &[(Option<f64>, Option<f64>)]) -> Self {

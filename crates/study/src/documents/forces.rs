@@ -174,8 +174,8 @@ impl FittedForces {
 pub(super) fn own_lag(vessel: &Vessel, input: usize) -> Option<f64> {
     let lag_s = Some(vessel.actuators[input].lag_s).filter(|lag| *lag > 0.0)?;
     let moved = vessel.model.forces.as_ref();
-    let driven =
-        moved.is_some_and(|own| own.forces.lags(&vessel.nominal).iter().any(|(driven, _)| *driven == input));
+    let driven = moved
+        .is_some_and(|moved| moved.forces.lags(&vessel.nominal).iter().any(|(driven, _)| *driven == input));
     (!driven).then_some(lag_s)
 }
 

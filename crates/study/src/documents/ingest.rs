@@ -66,11 +66,11 @@ impl IngestDocument {
     pub fn constant_channels(&self) -> Vec<String> {
         let channels = || self.recordings.iter().flat_map(|r| &r.channels);
         let constant = |channel: &&ChannelSummary| {
-            let own = || channels().filter(|c| c.name == channel.name);
-            let low = own().filter_map(|c| c.min).fold(f64::INFINITY, f64::min);
-            let high = own().filter_map(|c| c.max).fold(f64::NEG_INFINITY, f64::max);
+            let recorded = || channels().filter(|c| c.name == channel.name);
+            let low = recorded().filter_map(|c| c.min).fold(f64::INFINITY, f64::min);
+            let high = recorded().filter_map(|c| c.max).fold(f64::NEG_INFINITY, f64::max);
             let size = low.abs().max(high.abs());
-            own().count() == self.recordings.len() && size > 0.0 && high - low < STEADY * size
+            recorded().count() == self.recordings.len() && size > 0.0 && high - low < STEADY * size
         };
         let named = |c: &ChannelSummary| format!("`{}` at {:.4} {}", c.name, c.max.unwrap_or(0.0), c.unit);
         self.recordings

@@ -306,10 +306,12 @@ impl MapDocument {
 
     /// All sets of cells with their rasters.
     fn masks(&self) -> impl Iterator<Item = (&MapRaster, &MapRuns)> {
-        let cells =
-            self.cells.iter().flat_map(|own| own.classes.iter().map(|class| (&own.raster, &class.runs)));
+        let cells = self
+            .cells
+            .iter()
+            .flat_map(|cells| cells.classes.iter().map(|class| (&cells.raster, &class.runs)));
         let margins = self.margins.iter().map(|margin| (&margin.raster, &margin.runs));
-        cells.chain(margins).chain(self.swept.iter().map(|own| (&own.raster, &own.runs)))
+        cells.chain(margins).chain(self.swept.iter().map(|swept| (&swept.raster, &swept.runs)))
     }
 
     /// Cells of all rasters, with repetitions.
@@ -345,7 +347,7 @@ impl Document for MapDocument {
                 format!("runs of {} × {} cells, at most {MOST_CELLS}", raster.columns, raster.rows);
             return Err(Invalid::new("`runs`", found, expected, remedy));
         }
-        let strange = self.tracks.iter().filter_map(|own| own.maneuver.as_ref());
+        let strange = self.tracks.iter().filter_map(|track| track.maneuver.as_ref());
         if let Some(name) = strange.into_iter().find(|name| !self.counts.contains_key(*name)) {
             return Err(Invalid::new("`maneuver`", format!("`{name}`"), "a name in `counts`", remedy));
         }
@@ -438,8 +440,8 @@ impl FollowDocument {
             "step {} of {}, {} of {} maneuvers done{share}",
             self.step,
             self.steps.len(),
-            uses(|own| own.done),
-            uses(|own| own.planned)
+            uses(|step| step.done),
+            uses(|step| step.planned)
         )
     }
 }

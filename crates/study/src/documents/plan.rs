@@ -70,11 +70,11 @@ impl PlanDocument {
         if !check.safe {
             said += &format!("; UNSAFE: {}", check.faults.join(", "));
         }
-        let own = json!({"duration_s": duration_s, "clearance_m": check.clearance_m, "safe": check.safe,
+        let further = json!({"duration_s": duration_s, "clearance_m": check.clearance_m, "safe": check.safe,
             "faults": check.faults, "aground": check.aground, "runs": check.runs, "left_area": check.left_area,
             "rounds": check.rounds});
-        if let (Value::Object(all), Value::Object(own)) = (&mut details, own) {
-            all.extend(own);
+        if let (Value::Object(all), Value::Object(further)) = (&mut details, further) {
+            all.extend(further);
         }
         (said, details)
     }
@@ -165,9 +165,9 @@ impl PlanChart {
 
     /// Objects without effect, or for maneuvers only, by class and reason.
     pub fn left_out(&self) -> impl Iterator<Item = LeftOut<'_>> {
-        self.classes.iter().flat_map(|(class, own)| {
-            let maneuvers = (own.maneuvers_avoid, "only maneuvers avoid it");
-            let reasons = own.reasons.iter().map(|(why, count)| (*count, why.as_str()));
+        self.classes.iter().flat_map(|(class, counts)| {
+            let maneuvers = (counts.maneuvers_avoid, "only maneuvers avoid it");
+            let reasons = counts.reasons.iter().map(|(why, count)| (*count, why.as_str()));
             let all = reasons.chain([maneuvers]).filter(|(count, _)| *count > 0);
             all.map(move |(objects, why)| LeftOut { class, objects, why })
         })
@@ -185,8 +185,8 @@ impl PlanChart {
             by_reason.entry(why).or_default().push(format!("{objects} {class}"));
         }
         let maneuvers = by_reason.remove("only maneuvers avoid it");
-        let listed = |own: Option<Vec<String>>| own.map_or("none".to_owned(), |own| own.join(", "));
-        let reasons = by_reason.into_iter().map(|(why, own)| format!("{} ({why})", own.join(", ")));
+        let listed = |names: Option<Vec<String>>| names.map_or("none".to_owned(), |names| names.join(", "));
+        let reasons = by_reason.into_iter().map(|(why, files)| format!("{} ({why})", files.join(", ")));
         let reasons: Vec<String> = reasons.collect();
         let ignored = if reasons.is_empty() { "none".to_owned() } else { reasons.join(", ") };
         let notes: String = depths.iter().chain(&self.notes).map(|note| format!("; {note}")).collect();

@@ -119,17 +119,17 @@ impl SearchDocument {
             candidates: found.candidates.clone(),
             sizes: found.sizes.clone(),
             nested: found.nested.clone(),
-            resamples: found.resampled.as_ref().zip(options.bootstrap).map(|(own, wanted)| Resamples {
+            resamples: found.resampled.as_ref().zip(options.bootstrap).map(|(resampled, wanted)| Resamples {
                 seed: wanted.seed,
-                searches: own.searches,
-                failed: own.failed,
+                searches: resampled.searches,
+                failed: resampled.failed,
             }),
             terms: DegreeOfFreedom::ALL.into_iter().flat_map(|d| terms(vessel, d, found)).collect(),
             average: found
                 .average
                 .as_ref()
                 .zip(seed)
-                .map(|(own, seed)| AverageSummary::new(vessel, seed, own)),
+                .map(|(average, seed)| AverageSummary::new(vessel, seed, average)),
             forces: None,
             beside: None,
             statements: found.statements.clone(),
@@ -172,10 +172,10 @@ impl SearchDocument {
     pub fn delivered_errors(&self) -> Option<FreeRunErrors> {
         match self.beside.as_ref().map(|beside| (beside.delivered, beside)) {
             Some((DeliveredKind::Average, _)) => return self.nested.average.as_ref()?.errors,
-            Some((DeliveredKind::Forces, own)) => return own.errors,
+            Some((DeliveredKind::Forces, beside)) => return beside.errors,
             _ => {}
         }
-        let as_she_was = self.forces.as_ref().is_some_and(|own| !own.delivered);
+        let as_she_was = self.forces.as_ref().is_some_and(|forces| !forces.delivered);
         if as_she_was { self.nested.base } else { self.nested.search }
     }
 }
@@ -184,8 +184,9 @@ fn terms(vessel: &Vessel, degree: DegreeOfFreedom, found: &Searched) -> Vec<Sear
     let d = degree as usize;
     let known = vessel.written(degree).len();
     let all = resampled(parameters(vessel, d, &found.model, &found.delivered), found).into_iter().enumerate();
-    let chosen =
-        |name: &str| found.resampled.as_ref().map(|own| own.parameters.get(name).map_or(0, |p| p.chosen));
+    let chosen = |name: &str| {
+        found.resampled.as_ref().map(|resampled| resampled.parameters.get(name).map_or(0, |p| p.chosen))
+    };
     all.map(|(i, p)| SearchTerm {
         degree: degree.name().to_owned(),
         base: i < known,
@@ -327,13 +328,13 @@ impl SearchDocument {
 fn force_terms(ship: &Vessel, numbers: &[FittedParameter], found: &[FoundForce]) -> Vec<SearchTerm> {
     let Some(moved) = &ship.model.forces else { return Vec::new() };
     let all = DegreeOfFreedom::ALL.into_iter().zip(moved.forces.description().terms());
-    let term = |degree: DegreeOfFreedom, own: &ship::forces::TermSpec| {
-        let number = numbers.iter().find(|number| number.name == own.parameter)?;
-        let found = found.iter().find(|found| found.parameter == own.parameter);
+    let term = |degree: DegreeOfFreedom, spec: &ship::forces::TermSpec| {
+        let number = numbers.iter().find(|number| number.name == spec.parameter)?;
+        let found = found.iter().find(|found| found.parameter == spec.parameter);
         Some(SearchTerm {
             degree: degree.name().to_owned(),
-            name: own.parameter.clone(),
-            term: own.term.clone(),
+            name: spec.parameter.clone(),
+            term: spec.term.clone(),
             base: found.is_none(),
             value: number.value,
             low: None,
@@ -342,5 +343,5 @@ fn force_terms(ship: &Vessel, numbers: &[FittedParameter], found: &[FoundForce])
             chosen_by_folds: found.map(|found| found.found_by_folds),
         })
     };
-    all.flat_map(|(degree, terms)| terms.iter().filter_map(move |own| term(degree, own))).collect()
+    all.flat_map(|(degree, terms)| terms.iter().filter_map(move |spec| term(degree, spec))).collect()
 }

@@ -181,7 +181,7 @@ fn range(solved: &Solved, found: &Accuracy) -> Option<[f64; 2]> {
 /// Whether a maneuver has a share.
 fn is_used(solved: &Solved, name: &str) -> bool {
     let maneuvers = solved.dictionary.maneuvers.iter().zip(&solved.design.shares);
-    maneuvers.into_iter().any(|(own, share)| own == name && *share > 0.0)
+    maneuvers.into_iter().any(|(maneuver, share)| maneuver == name && *share > 0.0)
 }
 
 /// The maneuvers in use that many ships miss, if there are any.

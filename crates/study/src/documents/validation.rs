@@ -190,8 +190,8 @@ impl TallyDocument {
     ) -> Self {
         let estimators = distinct(tally.counted.iter().map(|counted| counted.estimator));
         let of = |estimator: &Estimator| {
-            let own = tally.counted.iter().filter(|c| c.estimator == *estimator);
-            EstimatorScores { estimator: *estimator, designs: own.map(scores).collect() }
+            let counted = tally.counted.iter().filter(|c| c.estimator == *estimator);
+            EstimatorScores { estimator: *estimator, designs: counted.map(scores).collect() }
         };
         let mut document = Self {
             bounds,
@@ -207,7 +207,7 @@ impl TallyDocument {
         };
         let shares = document.tally.counted.iter().filter_map(|counted| share_in_words(counted, bounds));
         let pairs = document.paired.iter().zip(&document.tally.pairs);
-        let pairs = pairs.filter_map(|(own, counts)| own.in_words(counts.ratio.count()));
+        let pairs = pairs.filter_map(|(ratio, counts)| ratio.in_words(counts.ratio.count()));
         document.statements = shares.chain(pairs).collect();
         document
     }
@@ -239,8 +239,8 @@ fn scores(counted: &Counted) -> DesignScores {
 }
 
 fn paired(pair: &PairCounts, tally: &Tally) -> PairedRatio {
-    let own = |c: &&Counted| c.design == pair.design && c.estimator == pair.one;
-    let runs = tally.counted.iter().find(own).map_or(0, |counted| counted.runs as usize);
+    let is_of_pair = |c: &&Counted| c.design == pair.design && c.estimator == pair.one;
+    let runs = tally.counted.iter().find(is_of_pair).map_or(0, |counted| counted.runs as usize);
     PairedRatio {
         design: pair.design.clone(),
         one: pair.one,

@@ -38,11 +38,11 @@ fn below(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let set = ExchangeSet::below(folder)?;
     let mut newest: BTreeMap<&str, (Age, &Path)> = BTreeMap::new();
     for file in set.files.iter().filter(|file| file.is_base() && !file.special) {
-        let own = (age_of(&file.path)?, file.path.as_path());
+        let candidate = (age_of(&file.path)?, file.path.as_path());
         match newest.entry(file.stem()) {
-            Entry::Vacant(free) => drop(free.insert(own)),
-            Entry::Occupied(mut known) if own.0 > known.get().0 => drop(known.insert(own)),
-            Entry::Occupied(known) if own.0 == known.get().0 => check_same(known.get().1, own.1)?,
+            Entry::Vacant(free) => drop(free.insert(candidate)),
+            Entry::Occupied(mut known) if candidate.0 > known.get().0 => drop(known.insert(candidate)),
+            Entry::Occupied(known) if candidate.0 == known.get().0 => check_same(known.get().1, candidate.1)?,
             Entry::Occupied(_) => {}
         }
     }
@@ -269,23 +269,23 @@ impl Updates {
     /// # Errors
     /// A newer edition of the cell; two different files with the same identification.
     pub(super) fn of(base: &Found, others: Vec<Found>) -> Result<Self, Error> {
-        let mut own = Self::default();
+        let mut updates = Self::default();
         for file in others.into_iter().filter(|file| file.bytes != base.bytes) {
             match file.identity.purpose {
-                Purpose::Base => own.other_base(base, &file)?,
-                Purpose::Update => own.update(base, file)?,
+                Purpose::Base => updates.other_base(base, &file)?,
+                Purpose::Update => updates.update(base, file)?,
             }
         }
-        for (edition, count) in &own.others {
+        for (edition, count) in &updates.others {
             let (edition, of) = (foreign(edition), foreign(&base.identity.edition));
-            own.notes.push(format!("{count} updates of edition {edition} not applied to edition {of}"));
+            updates.notes.push(format!("{count} updates of edition {edition} not applied to edition {of}"));
         }
-        if own.files.is_empty() {
+        if updates.files.is_empty() {
             let name =
                 base.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-            own.notes.push(format!("no updates found beside {}", foreign(&name)));
+            updates.notes.push(format!("no updates found beside {}", foreign(&name)));
         }
-        Ok(own)
+        Ok(updates)
     }
 
     fn other_base(&mut self, base: &Found, other: &Found) -> Result<(), Error> {
@@ -337,22 +337,24 @@ impl Catalogue {
 
     /// Refuses files of a cell that are missing or changed since the catalogue was made, and reports how many agree.
     pub(super) fn check(&self, stem: &str, files: &[(&CellFile, &Found)]) -> Result<String, Error> {
-        let of_cell = |own: &&Listed| own.name().strip_prefix(stem).is_some_and(is_number);
-        let own: Vec<&Listed> = self.listed.iter().filter(of_cell).collect();
-        let places: BTreeSet<&[String]> = own.iter().map(|own| &own.place[..]).collect();
+        let of_cell = |entry: &&Listed| entry.name().strip_prefix(stem).is_some_and(is_number);
+        let of_cell: Vec<&Listed> = self.listed.iter().filter(of_cell).collect();
+        let places: BTreeSet<&[String]> = of_cell.iter().map(|entry| &entry.place[..]).collect();
         // A file may be at another path than listed, but for one entry only.
-        let stands_for = |file: &CellFile, own: &Listed| {
-            file.place == own.place || (file.name() == own.name() && !places.contains(&file.place[..]))
+        let stands_for = |file: &CellFile, entry: &Listed| {
+            file.place == entry.place || (file.name() == entry.name() && !places.contains(&file.place[..]))
         };
-        if let Some(missing) = own.iter().find(|own| !files.iter().any(|(file, _)| stands_for(file, own))) {
+        if let Some(missing) =
+            of_cell.iter().find(|entry| !files.iter().any(|(file, _)| stands_for(file, entry)))
+        {
             let found = format!("no file {}, which it lists", foreign(&missing.place.join("/")));
             let remedy = "copy the exchange set again, as a whole";
             return Err(Error::refuse(&self.file, "exchange set", found, "all files of the cell", remedy));
         }
         let mut agree = 0;
         for (file, Found { bytes, .. }) in files {
-            let listed: Vec<&&Listed> = own.iter().filter(|own| stands_for(file, own)).collect();
-            if !listed.is_empty() && !listed.iter().any(|own| own.agrees(bytes)) {
+            let listed: Vec<&&Listed> = of_cell.iter().filter(|entry| stands_for(file, entry)).collect();
+            if !listed.is_empty() && !listed.iter().any(|entry| entry.agrees(bytes)) {
                 let found = format!("CRC-32 {:08X}", chart::enc::crc(bytes));
                 let expected =
                     format!("{:08X}, as {} says", listed[0].crc.unwrap_or_default(), self.file.display());
@@ -360,7 +362,7 @@ impl Catalogue {
                     "copy the exchange set again, as a whole: the file is damaged, or not of this set";
                 return Err(Error::refuse(&file.path, "file", found, expected, remedy));
             }
-            agree += usize::from(listed.iter().any(|own| own.crc.is_some()));
+            agree += usize::from(listed.iter().any(|entry| entry.crc.is_some()));
         }
         Ok(match files.len() - agree {
             0 => format!("all {agree} files agree with CATALOG.031"),
@@ -371,5 +373,7 @@ impl Catalogue {
 
 /// Whether the rest of a name is the number of a cell's file.
 fn is_number(suffix: &str) -> bool {
-    suffix.strip_prefix('.').is_some_and(|own| own.len() == 3 && own.bytes().all(|b| b.is_ascii_digit()))
+    suffix
+        .strip_prefix('.')
+        .is_some_and(|number| number.len() == 3 && number.bytes().all(|b| b.is_ascii_digit()))
 }

@@ -207,18 +207,18 @@ fn check_beside(path: &Path, declared: &GridDeclaration) -> Result<(), Error> {
     read.map_err(|e| Error::io(&beside, "read", e))?;
     let text = String::from_utf8_lossy(&bytes);
     for (tag, usual) in [("Scale", 1.0), ("Offset", 0.0)] {
-        if let Some(own) = text_of(&text, tag).filter(|own| own.parse() != Ok(usual)) {
-            let found = format!("{} beside the grid", refusal::foreign(own));
+        if let Some(value) = text_of(&text, tag).filter(|value| value.parse() != Ok(usual)) {
+            let found = format!("{} beside the grid", refusal::foreign(value));
             let remedy = "write both into one file, for instance with `gdal_translate -of GTiff`";
             return Err(Error::refuse(&beside, tag, found, format!("{usual}, or none"), remedy));
         }
     }
-    let Some(own) = text_of(&text, "UnitType").filter(|text_of| !text_of.is_empty()) else { return Ok(()) };
-    let (unit, usual) = (DepthUnit::of_text(own), declared.unit.unwrap_or(DepthUnit::Metre));
+    let Some(unit_name) = text_of(&text, "UnitType").filter(|name| !name.is_empty()) else { return Ok(()) };
+    let (unit, usual) = (DepthUnit::of_text(unit_name), declared.unit.unwrap_or(DepthUnit::Metre));
     if declared.kind == GridKind::LandMask || unit == Some(usual) {
         return Ok(());
     }
-    let found = format!("`{}` beside the grid", refusal::foreign(own));
+    let found = format!("`{}` beside the grid", refusal::foreign(unit_name));
     let expected = format!("`{}`, or the same as `depth_unit`", usual.name());
     Err(Error::refuse(&beside, "UnitType", found, expected, "say `depth_unit` in its [[chart]]"))
 }
@@ -226,7 +226,7 @@ fn check_beside(path: &Path, declared: &GridDeclaration) -> Result<(), Error> {
 /// The text between two tags.
 fn text_of<'t>(text: &'t str, tag: &str) -> Option<&'t str> {
     let (_, rest) = text.split_once(&format!("<{tag}>"))?;
-    rest.split_once(&format!("</{tag}>")).map(|(own, _)| own.trim())
+    rest.split_once(&format!("</{tag}>")).map(|(inner, _)| inner.trim())
 }
 
 // Charts that are text, in any encoding.

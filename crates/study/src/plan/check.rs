@@ -67,9 +67,9 @@ impl PlanFile {
         }
         for (limit, number) in self.speed_limit.iter().zip(1..) {
             limit.name.iter().try_for_each(|name| check_name("`name` of a speed limit", name))?;
-            let own = limit.name.as_ref().map_or_else(|| number.to_string(), |name| format!("`{name}`"));
-            check_corners(&format!("`corners` of speed limit {own}"), &limit.corners)?;
-            let thing = format!("`max_speed_m_s` of speed limit {own}");
+            let name = limit.name.as_ref().map_or_else(|| number.to_string(), |name| format!("`{name}`"));
+            check_corners(&format!("`corners` of speed limit {name}"), &limit.corners)?;
+            let thing = format!("`max_speed_m_s` of speed limit {name}");
             check(thing, limit.max_speed_m_s, above_0_to(1000.0), "m/s")?;
         }
         let draughts = [("air_draught_m", self.hull.air_draught_m), ("draught_m", self.hull.draught_m)];
@@ -80,11 +80,11 @@ impl PlanFile {
     }
 
     fn check_measurement(&self) -> Result<(), Invalid> {
-        let Some(own) = self.measurement else { return Ok(()) };
+        let Some(measurement) = self.measurement else { return Ok(()) };
         let all = [
-            ("std_u_m_s", own.std_u_m_s, "m/s"),
-            ("std_v_m_s", own.std_v_m_s, "m/s"),
-            ("std_r_rad_s", own.std_r_rad_s, "rad/s"),
+            ("std_u_m_s", measurement.std_u_m_s, "m/s"),
+            ("std_v_m_s", measurement.std_v_m_s, "m/s"),
+            ("std_r_rad_s", measurement.std_r_rad_s, "rad/s"),
         ];
         all.into_iter().try_for_each(|(key, value, unit)| {
             check(format!("`measurement.{key}`"), value, above_0_to(100.0), unit)

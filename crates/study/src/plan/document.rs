@@ -143,10 +143,10 @@ fn lattice(prepared: &Prepared) -> PlanLattice {
 /// Moves that are not available to the search.
 fn dropped(prepared: &Prepared) -> Vec<DroppedMove> {
     let grid = &prepared.grid;
-    let dropped = prepared.dropped.iter().map(|own| {
-        let (level, mode) = grid.level_and_mode(own.from);
-        let (name, mode, why) = (own.name.clone(), grid.modes[mode].name.clone(), own.why.clone());
-        DroppedMove { name, side: own.side, h: level as u64, mode, why }
+    let dropped = prepared.dropped.iter().map(|dropped| {
+        let (level, mode) = grid.level_and_mode(dropped.from);
+        let (name, mode, why) = (dropped.name.clone(), grid.modes[mode].name.clone(), dropped.why.clone());
+        DroppedMove { name, side: dropped.side, h: level as u64, mode, why }
     });
     dropped.collect()
 }
@@ -445,8 +445,8 @@ impl Routes<'_> {
     /// The track of step `k`, up to the start of the next one.
     fn line(&self, k: usize) -> Vec<[f64; 2]> {
         let samples = &self.sailed.samples;
-        let own = samples.iter().skip_while(|s| s.leg != k).take_while(|s| s.leg == k);
-        let mut line: Vec<[f64; 2]> = own.map(|s| self.place(s)).collect();
+        let leg = samples.iter().skip_while(|s| s.leg != k).take_while(|s| s.leg == k);
+        let mut line: Vec<[f64; 2]> = leg.map(|s| self.place(s)).collect();
         line.push(samples.iter().find(|s| s.leg == k + 1).map_or(self.end(), |s| self.place(s)));
         line
     }

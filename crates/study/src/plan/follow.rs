@@ -129,7 +129,7 @@ impl FollowedPlan {
         provenance: &mut Provenance,
     ) -> Result<Self, FollowError> {
         let names: Vec<&str> =
-            brief.vessel.model.input_variables().iter().map(|own| own.name.as_str()).collect();
+            brief.vessel.model.input_variables().iter().map(|input| input.name.as_str()).collect();
         let logged = read_so_far(files.positions, &names, provenance)?;
         let (plane, _) = brief.sight()?;
         let (points, inputs) = planned_points(files.plan, &brief.vessel, &plane)?;
@@ -141,10 +141,10 @@ impl FollowedPlan {
         let clock = Clock::of(&logged, voyage);
         let positions = clock.placed(&logged, &plane);
         let limits = FollowLimits::of(&brief.task, &track, files.max_gap_s);
-        let mut own = logged.inputs.clone();
-        own.values_mut().flatten().for_each(|[at_s, _]| *at_s += clock.origin_s);
+        let mut recorded = logged.inputs.clone();
+        recorded.values_mut().flatten().for_each(|[at_s, _]| *at_s += clock.origin_s);
         let followed = track
-            .follow(&positions, [&inputs, &own], &limits)
+            .follow(&positions, [&inputs, &recorded], &limits)
             .map_err(|e| Error::invalid(files.positions, e))?;
         let last = &logged.rows[logged.rows.len() - 1];
         let from = goes_on([last.longitude_deg, last.latitude_deg], &followed, voyage);
@@ -196,7 +196,7 @@ fn check_order(logged: &LoggedPositions, points: &[TrackPoint], plane: &Plane) -
         ("with the longitude's sign turned", "turn", [-east, north]),
         ("with the latitude's sign turned", "turn", [east, -north]),
     ];
-    let near = others.into_iter().find(|own| nearest_m(own.2) < (0.1 * away_m).min(ELSEWHERE_M));
+    let near = others.into_iter().find(|other| nearest_m(other.2) < (0.1 * away_m).min(ELSEWHERE_M));
     let Some((how, remedy, _)) = near.filter(|_| away_m > ELSEWHERE_M) else { return Ok(()) };
     let found = format!(
         "longitude {east} and latitude {north}, {:.0} km from the plan; {how} they are near it",
@@ -348,9 +348,9 @@ fn no_voyage(plan: &Path) -> Error {
 /// Where the ship goes on, at longitude and latitude `place`.
 fn goes_on([longitude_deg, latitude_deg]: [f64; 2], followed: &Followed, voyage: &Voyage) -> RestartPoint {
     let [heading_deg, speed_m_s] = followed.motion;
-    let off = |own: &(&String, &f64)| (own.1 - speed_m_s).abs();
+    let off = |mode: &(&String, &f64)| (mode.1 - speed_m_s).abs();
     let modes = voyage.lattice.modes.iter();
-    let mode = modes.min_by(|a, b| off(a).total_cmp(&off(b))).map_or(String::new(), |own| own.0.clone());
+    let mode = modes.min_by(|a, b| off(a).total_cmp(&off(b))).map_or(String::new(), |mode| mode.0.clone());
     RestartPoint { longitude_deg, latitude_deg, heading_deg, speed_m_s, mode }
 }
 
@@ -410,8 +410,8 @@ fn statement(
         let percent = 100.0 * share;
         said += &format!(" What is done has {percent:.0} % of the planned information (D-criterion).");
     }
-    let missed = |(k, (own, state)): (usize, (&PlanStep, &StepState))| {
-        (*state == StepState::Missed).then(|| format!("{} (`{}`)", k + 1, own.action))
+    let missed = |(k, (step, state)): (usize, (&PlanStep, &StepState))| {
+        (*state == StepState::Missed).then(|| format!("{} (`{}`)", k + 1, step.action))
     };
     let missed: Vec<String> =
         plan.steps.iter().zip(&followed.states).enumerate().filter_map(missed).collect();
@@ -519,11 +519,11 @@ fn rest_of<'a>(
 /// Uses of maneuvers, in pieces as `task` has them.
 fn maneuvers<'a>(task: &Task, counts: impl IntoIterator<Item = (&'a str, u64)>) -> Vec<ManeuverUse> {
     let of = |(name, count): (&str, u64)| {
-        let known = task.maneuvers.iter().find(|own| own.name == name);
+        let known = task.maneuvers.iter().find(|maneuver| maneuver.name == name);
         ManeuverUse {
             name: name.to_owned(),
             count: Some(count.min(u64::from(u32::MAX)) as u32),
-            piece_s: known.and_then(|own| own.piece_s),
+            piece_s: known.and_then(|maneuver| maneuver.piece_s),
         }
     };
     counts.into_iter().map(of).collect()

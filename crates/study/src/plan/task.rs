@@ -175,7 +175,7 @@ fn in_words(at_s: f64) -> String {
 fn table(bytes: &[u8]) -> Result<Vec<TideRow>, Invalid> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(bytes);
     let header = reader.headers().map_err(no_table)?.clone();
-    let place = |name: &str| header.iter().position(|own| own.trim_start_matches('\u{feff}') == name);
+    let place = |name: &str| header.iter().position(|column| column.trim_start_matches('\u{feff}') == name);
     let needed = |name: &str| {
         place(name).ok_or_else(|| {
             let found = header.iter().collect::<Vec<_>>().join(", ");
@@ -332,9 +332,9 @@ fn covariant(
     document: &ModelDocument,
     errors: f64,
 ) -> Result<Option<Deviations>, Error> {
-    let of_forces = document.forces.as_ref().map(|own| &own.covariance);
+    let of_forces = document.forces.as_ref().map(|forces| &forces.covariance);
     let Some(covariance) = of_forces.or(document.covariance.as_ref()) else { return Ok(None) };
-    let place = |name: &str| covariance.names.iter().position(|own| own == name);
+    let place = |name: &str| covariance.names.iter().position(|row| row == name);
     let places: Vec<Option<usize>> = vessel.model.parameter_names().map(place).collect();
     let entry = |a: &Option<usize>, b: &Option<usize>| match (a, b) {
         (Some(a), Some(b)) => covariance.entries[a * covariance.names.len() + b],
@@ -353,7 +353,7 @@ fn covariant(
 
 /// Within so many standard deviations of the priors of a ship with forces.
 fn by_priors(path: &Path, vessel: &Vessel, errors: f64) -> Result<Deviations, Error> {
-    let parameters = vessel.model.forces.as_ref().map_or(&[][..], |own| own.forces.parameters());
+    let parameters = vessel.model.forces.as_ref().map_or(&[][..], |moved| moved.forces.parameters());
     let deviations = parameters.iter().map(|parameter| {
         parameter.prior.ok_or_else(|| {
             let expected = "a `prior`, which `safety.standard_errors` of plan.toml counts in";
@@ -380,11 +380,11 @@ pub fn programs(
     let generator = read_dictionary(path, &brief.vessel, provenance)?;
     // A task that names none is refused where its pieces are cut.
     let named = brief.named().unwrap_or_default();
-    let runs = named.iter().filter_map(|own| brief.run(&own.name));
+    let runs = named.iter().filter_map(|maneuver| brief.run(&maneuver.name));
     let mut programs = BTreeMap::new();
     for run in runs {
         let name = &run.segments[0].maneuver;
-        let index = generator.maneuvers().iter().position(|own| own.name == *name);
+        let index = generator.maneuvers().iter().position(|maneuver| maneuver.name == *name);
         let program = index.map_or(Ok(None), |index| generator.program(index, run.samples()));
         if let Some(helm) = program.map_err(|e| crate::invalid(path, &e))? {
             programs.insert(name.clone(), helm);

@@ -106,9 +106,9 @@ impl MomentsTable {
     /// A damaged block.
     pub fn with(&self, places: &[(usize, usize)]) -> Result<Moments, Error> {
         let mut moments = self.head.clone();
-        for own in places.chunk_by(|a, b| a.0 == b.0) {
-            let block = self.maneuvers(own[0].0)?;
-            moments.maneuvers.extend(own.iter().filter_map(|(_, place)| block.get(*place).cloned()));
+        for group in places.chunk_by(|a, b| a.0 == b.0) {
+            let block = self.maneuvers(group[0].0)?;
+            moments.maneuvers.extend(group.iter().filter_map(|(_, place)| block.get(*place).cloned()));
         }
         Ok(moments)
     }

@@ -104,15 +104,15 @@ fn by_estimator(rows: &[Row], estimator: Estimator, bounds: Bounds) -> Vec<Desig
 }
 
 fn design_scores(design: &str, estimator: Estimator, rows: &[Row], bounds: Bounds) -> DesignScores {
-    let own = || rows.iter().filter(|r| r.design == design && r.estimator == estimator);
-    let runs = own().count();
-    let with = |status: ScoreStatus| own().filter(|r| r.status == status).count() as u64;
+    let counted = || rows.iter().filter(|r| r.design == design && r.estimator == estimator);
+    let runs = counted().count();
+    let with = |status: ScoreStatus| counted().filter(|r| r.status == status).count() as u64;
     let below = |value: fn(&Row) -> Option<f64>, bound: f64| {
-        own().filter(|r| value(r).is_some_and(|v| v < bound)).count()
+        counted().filter(|r| value(r).is_some_and(|v| v < bound)).count()
     };
     let parameter_errors = Share::of(below(|r| r.parameter_error, bounds.parameter_error), runs);
     let simulation_errors = Share::of(below(|r| r.simulation_error, bounds.simulation_error), runs);
-    let without_estimate = Share::of(own().filter(|r| !r.status.estimated()).count(), runs);
+    let without_estimate = Share::of(counted().filter(|r| !r.status.estimated()).count(), runs);
     DesignScores {
         design: design.to_owned(),
         runs: runs as u64,
@@ -124,11 +124,11 @@ fn design_scores(design: &str, estimator: Estimator, rows: &[Row], bounds: Bound
         simulation_error_share: simulation_errors.share,
         simulation_error_share_interval: simulation_errors.interval,
         without_estimate_share: Some(without_estimate.share),
-        parameter_error: Quantiles::of(own().map(|r| r.parameter_error)),
-        simulation_error: Quantiles::of(own().map(|r| r.simulation_error)),
-        rmse_u: Quantiles::of(own().map(|r| r.rmse[0])),
-        rmse_v: Quantiles::of(own().map(|r| r.rmse[1])),
-        rmse_r: Quantiles::of(own().map(|r| r.rmse[2])),
+        parameter_error: Quantiles::of(counted().map(|r| r.parameter_error)),
+        simulation_error: Quantiles::of(counted().map(|r| r.simulation_error)),
+        rmse_u: Quantiles::of(counted().map(|r| r.rmse[0])),
+        rmse_v: Quantiles::of(counted().map(|r| r.rmse[1])),
+        rmse_r: Quantiles::of(counted().map(|r| r.rmse[2])),
     }
 }
 
@@ -136,8 +136,8 @@ fn design_scores(design: &str, estimator: Estimator, rows: &[Row], bounds: Bound
 pub fn recommendations(rows: &[Row]) -> Option<Vec<EstimatorRecommendation>> {
     let designs = distinct(rows.iter().map(|row| row.design.as_str()));
     let of = |design: &&str| {
-        let own: Vec<&Row> = rows.iter().filter(|row| row.design == *design).collect();
-        recommendation(design, &own, &estimators(rows))
+        let of_design: Vec<&Row> = rows.iter().filter(|row| row.design == *design).collect();
+        recommendation(design, &of_design, &estimators(rows))
     };
     (estimators(rows).len() > 1).then(|| designs.iter().map(of).collect())
 }
@@ -161,15 +161,15 @@ fn recommendation(design: &str, rows: &[&Row], estimators: &[Estimator]) -> Esti
 }
 
 fn contender(estimator: Estimator, rows: &[&Row], error: ComparedError) -> Contender {
-    let own = || rows.iter().filter(|row| row.estimator == estimator);
+    let of_estimator = || rows.iter().filter(|row| row.estimator == estimator);
     let value = |row: &&Row| match error {
         ComparedError::ParameterError => row.parameter_error,
         ComparedError::SimulationError => row.simulation_error,
     };
     Contender {
         estimator,
-        errors: own().map(value).collect(),
-        without_estimate: own().filter(|row| !row.status.estimated()).count(),
+        errors: of_estimator().map(value).collect(),
+        without_estimate: of_estimator().filter(|row| !row.status.estimated()).count(),
     }
 }
 

@@ -174,8 +174,8 @@ pub fn planned_points(
     };
     let points: Option<Vec<TrackPoint>> = rows.iter().map(point).collect();
     let input = |(i, input): (usize, &ship::model::Variable)| {
-        let own = rows.iter().filter_map(|row| Some([row.floats[0], row.inputs[i]?]));
-        (input.name.clone(), own.collect())
+        let points = rows.iter().filter_map(|row| Some([row.floats[0], row.inputs[i]?]));
+        (input.name.clone(), points.collect())
     };
     let inputs = vessel.model.input_variables().iter().enumerate().map(input).collect();
     points.filter(|points| !points.is_empty()).map(|points| (points, inputs)).ok_or_else(|| {

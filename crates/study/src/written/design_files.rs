@@ -39,8 +39,8 @@ impl Promised {
         figures: Option<&Path>,
         provenance: &mut Provenance,
     ) -> Result<Self, Error> {
-        let own = read_document::<DesignDocument>(design)?;
-        provenance.made("design", design, own.digest, &own.provenance)?;
+        let document = read_document::<DesignDocument>(design)?;
+        provenance.made("design", design, document.digest, &document.provenance)?;
         let read = read_document::<MomentsDocument>(moments)?;
         provenance.made("moments", moments, read.digest, &read.provenance)?;
         let of = read.data.moments().map_err(|e| invalid(moments, &e))?;
@@ -50,10 +50,10 @@ impl Promised {
             let refused = Invalid::new("`data.prior`", "priors, which count once", expected, remedy);
             return Err(invalid(moments, &refused));
         }
-        let relative_to = own.provenance.settings.get("relative_to").and_then(|name| name.as_str());
+        let relative_to = document.provenance.settings.get("relative_to").and_then(|name| name.as_str());
         let is_value = relative_to == Some(Source::Value.name());
         Ok(Self {
-            design: own.data,
+            design: document.data,
             figures: figures.map(|path| FigureGoals::read(path, &of, provenance)).transpose()?,
             moments: of,
             relative_to: if is_value { Source::Value } else { Source::Nominal },

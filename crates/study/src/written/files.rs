@@ -93,11 +93,11 @@ pub fn read_any_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vesse
 
 /// As [`read_any_vessel`], noted as the input `role`: for stages that read several vessels.
 pub fn read_any_vessel_as(role: &str, path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
-    let mut own = Provenance { changes: provenance.changes.clone(), ..Provenance::default() };
-    let vessel = read_any_vessel(path, &mut own)?;
-    provenance.inputs.extend(own.inputs.into_values().map(|digest| (role.to_owned(), digest)));
-    provenance.read.extend(own.read);
-    provenance.settings.extend(own.settings);
+    let mut noted = Provenance { changes: provenance.changes.clone(), ..Provenance::default() };
+    let vessel = read_any_vessel(path, &mut noted)?;
+    provenance.inputs.extend(noted.inputs.into_values().map(|digest| (role.to_owned(), digest)));
+    provenance.read.extend(noted.read);
+    provenance.settings.extend(noted.settings);
     Ok(vessel)
 }
 
@@ -125,7 +125,7 @@ pub fn read_planned(path: &Path, provenance: &mut Provenance) -> Result<Vessel, 
 }
 
 fn without_dead_time(path: &Path, vessel: Vessel) -> Result<Vessel, Error> {
-    if vessel.model.forces.as_ref().is_some_and(|own| own.forces.has_dead_time(&vessel.nominal)) {
+    if vessel.model.forces.as_ref().is_some_and(|moved| moved.forces.has_dead_time(&vessel.nominal)) {
         let found = "a dead time above 0 s";
         let expected = "none: simulations give inputs as they act";
         return Err(Error::refuse(path, "`dead_time_s`", found, expected, "remove it for this stage"));
@@ -278,11 +278,11 @@ pub fn role_of(name: &str) -> &str {
 /// `tank-estimate.json` to `tank.parquet`.
 pub fn beside(main: &Path, usual: &str, name: &str) -> PathBuf {
     let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let (own, usual) = (stem(main), stem(Path::new(usual)));
+    let (stem, usual) = (stem(main), stem(Path::new(usual)));
     let (start, end) = name.split_once('.').unwrap_or((name, ""));
-    let name = match own.strip_prefix(&usual) {
+    let name = match stem.strip_prefix(&usual) {
         Some(rest) => format!("{start}{rest}.{end}"),
-        None => format!("{own}-{name}"),
+        None => format!("{stem}-{name}"),
     };
     main.with_file_name(name)
 }
@@ -300,13 +300,14 @@ const KINDS: [&str; 33] = [
 /// # Errors
 /// Names `out` and the ending that it needs.
 pub fn check_kind(out: &Path, usual: &str) -> Result<(), Invalid> {
-    let end = |path: &Path| path.extension().map(|own| own.to_string_lossy().to_ascii_lowercase());
+    let end =
+        |path: &Path| path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     match (end(out), end(Path::new(usual))) {
-        (Some(found), Some(own)) if found != own && KINDS.contains(&found.as_str()) => {
-            let expected = format!("a name that ends in .{own}, as {usual} does");
+        (Some(found), Some(wanted)) if found != wanted && KINDS.contains(&found.as_str()) => {
+            let expected = format!("a name that ends in .{wanted}, as {usual} does");
             let is_map = usual == "plan.json" && ["gpkg", "kml"].contains(&found.as_str());
             let maps = if is_map { ", and give maps the track.geojson or route.gpx beside it" } else { "" };
-            let remedy = format!("write --out {}{maps}", out.with_extension(own).display());
+            let remedy = format!("write --out {}{maps}", out.with_extension(wanted).display());
             Err(Invalid::new("--out", out.display().to_string(), expected, remedy))
         }
         _ => Ok(()),
@@ -316,7 +317,7 @@ pub fn check_kind(out: &Path, usual: &str) -> Result<(), Invalid> {
 /// Whether a file is an average; false for a damaged one, which its reader refuses.
 pub fn is_average(path: &Path) -> bool {
     let average = |kind: &str| kind.starts_with(&format!("{}/", AverageDocument::ID));
-    inspect(path).ok().flatten().is_some_and(|own| average(&own.schema))
+    inspect(path).ok().flatten().is_some_and(|inspected| average(&inspected.schema))
 }
 
 // Warnings about simulations that leave the range of the data that the model was fitted on.
@@ -344,8 +345,8 @@ pub fn beyond(model: &Path, out: &Path, rate_hz: Option<f64>) -> Result<Vec<Stri
         let runs = reader.runs(block)?;
         runs.iter().for_each(|run| counter.add(&run.exogenous, &run.measured));
         let views = runs.iter().map(Run::view);
-        let own = magnitudes.as_ref().and_then(|known| Validity::of(known, views, rate_hz));
-        validity = Validity::together(validity, own);
+        let reached = magnitudes.as_ref().and_then(|known| Validity::of(known, views, rate_hz));
+        validity = Validity::together(validity, reached);
     }
     let stretches = validity.as_ref().and_then(Validity::statement);
     Ok(stretches.into_iter().chain(counter.outside().iter().map(Outside::statement)).collect())

@@ -57,7 +57,8 @@ impl Reference {
             let shares = [published.parameter_error_share, published.simulation_error_share];
             keys.into_iter().zip(shares.map(PublishedShare::printed))
         });
-        let derivatives = self.derivatives.iter().map(|(name, own)| (format!("derivatives.{name}"), *own));
+        let derivatives =
+            self.derivatives.iter().map(|(name, value)| (format!("derivatives.{name}"), *value));
         check_numbers(derivatives, "a finite number", f64::is_finite)?;
         let shares = maneuvers.chain(degenerate).chain(designs);
         check_numbers(shares, "a share from 0 to 1", |value| (0.0..=1.0).contains(&value))

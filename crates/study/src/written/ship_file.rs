@@ -25,12 +25,12 @@ pub struct ShipFile {
 /// # Errors
 /// A file that is refused; a model without forces.
 pub fn read_ship(path: &Path, provenance: &mut Provenance) -> Result<ShipFile, Error> {
-    match path.extension().and_then(|own| own.to_str()) {
+    match path.extension().and_then(|extension| extension.to_str()) {
         Some("json") => {
             let model = read_document::<ModelDocument>(path)?;
             provenance.written("vessel", path, model.digest)?;
             let file = model.data.forces_file().map_err(|e| crate::invalid(path, &e))?;
-            Ok(ShipFile { file, fitted: model.data.forces.map(|own| own.parameters) })
+            Ok(ShipFile { file, fitted: model.data.forces.map(|forces| forces.parameters) })
         }
         Some("toml") => Ok(ShipFile { file: provenance.read_toml("vessel", "vessel", path)?, fitted: None }),
         _ => {
@@ -107,7 +107,7 @@ const ORDER: [&str; 44] = [
 /// # Errors
 /// A ship that TOML cannot state.
 pub fn vessel_text(file: &VesselFile, notes: &Notes) -> Result<String, Invalid> {
-    let mut text: String = notes.head.iter().flat_map(|own| wrapped(own)).collect();
+    let mut text: String = notes.head.iter().flat_map(|paragraph| wrapped(paragraph)).collect();
     let all = [
         ("name", table_of(&file.name)?),
         ("unusual", table_of(&file.unusual)?),
@@ -141,19 +141,19 @@ pub fn vessel_text(file: &VesselFile, notes: &Notes) -> Result<String, Invalid> 
 }
 
 /// A value; none where there is none.
-fn table_of<T: Serialize>(own: &Option<T>) -> Result<Option<Value>, Invalid> {
-    own.as_ref().map(value_of).transpose()
+fn table_of<T: Serialize>(value: &Option<T>) -> Result<Option<Value>, Invalid> {
+    value.as_ref().map(value_of).transpose()
 }
 
-fn value_of<T: Serialize>(own: &T) -> Result<Value, Invalid> {
-    Value::try_from(own).map_err(|e| {
+fn value_of<T: Serialize>(value: &T) -> Result<Value, Invalid> {
+    Value::try_from(value).map_err(|e| {
         Invalid::new("the ship", e.to_string(), "a ship that TOML can state", "report this as a defect")
     })
 }
 
 fn items<T: Serialize>(all: &[T]) -> Result<Vec<Table>, Invalid> {
-    let table = |own: &T| match value_of(own)? {
-        Value::Table(own) => Ok(own),
+    let table = |item: &T| match value_of(item)? {
+        Value::Table(table) => Ok(table),
         _ => Ok(Table::new()),
     };
     all.iter().map(table).collect()
@@ -173,9 +173,9 @@ fn terms_text(key: &str, terms: &[Table], notes: &Notes) -> String {
 
 /// Tables of a list.
 fn tables(key: &str, all: &[Table], notes: &Notes) -> String {
-    let table = |own: &Table| {
-        let name = own.get("name").and_then(Value::as_str).unwrap_or_default();
-        format!("\n[[{key}]]\n{}", lines(name, own, notes))
+    let table = |table: &Table| {
+        let name = table.get("name").and_then(Value::as_str).unwrap_or_default();
+        format!("\n[[{key}]]\n{}", lines(name, table, notes))
     };
     all.iter().map(table).collect()
 }
@@ -192,7 +192,7 @@ fn line(owner: &str, key: &str, value: &Value, notes: &Notes) -> String {
 
 fn note(notes: &Notes, names: &[String]) -> String {
     let found = names.iter().find_map(|name| notes.numbers.get(name));
-    found.map_or(String::new(), |own| format!("  # {own}"))
+    found.map_or(String::new(), |note| format!("  # {note}"))
 }
 
 /// The entries of a table in their order.
@@ -205,8 +205,8 @@ fn sorted(table: &Table) -> Vec<(&String, &Value)> {
 /// A value on one line.
 fn inline(value: &Value) -> String {
     match value {
-        Value::Table(own) => {
-            let all = sorted(own).into_iter().map(|(key, own)| format!("{key} = {}", inline(own)));
+        Value::Table(table) => {
+            let all = sorted(table).into_iter().map(|(key, value)| format!("{key} = {}", inline(value)));
             format!("{{ {} }}", all.collect::<Vec<_>>().join(", "))
         }
         Value::Array(all) => format!("[{}]", all.iter().map(inline).collect::<Vec<_>>().join(", ")),
@@ -218,7 +218,7 @@ fn inline(value: &Value) -> String {
 fn wrapped(paragraph: &str) -> Vec<String> {
     let mut lines = vec![String::from("#")];
     for word in paragraph.split_whitespace() {
-        let last = lines.last().map_or(0, |own| own.chars().count());
+        let last = lines.last().map_or(0, |line| line.chars().count());
         if last + 1 + word.chars().count() > WIDTH {
             lines.push(String::from("#"));
         }
@@ -227,5 +227,5 @@ fn wrapped(paragraph: &str) -> Vec<String> {
             last.push_str(word);
         }
     }
-    lines.into_iter().map(|own| own + "\n").collect()
+    lines.into_iter().map(|line| line + "\n").collect()
 }

@@ -31,7 +31,7 @@ pub struct Row {
 impl Row {
     /// That of `estimate`.
     pub fn of(estimate: &RunEstimate, covariance: EstimateCovariance) -> Self {
-        let finite = |own: &Vec<f64>| own.iter().all(|entry| entry.is_finite());
+        let finite = |entries: &Vec<f64>| entries.iter().all(|entry| entry.is_finite());
         Self {
             design: estimate.design.clone(),
             run: estimate.run,
@@ -60,7 +60,7 @@ pub fn columns(vessel: &Vessel) -> Columns<Row> {
             columns = columns.optional(
                 format!("{first} {second}"),
                 &format!("({first_unit}) × ({second_unit})"),
-                move |r| r.covariance.as_ref().map(|own| own[i * all + j]),
+                move |r| r.covariance.as_ref().map(|covariance| covariance[i * all + j]),
                 move |r, value| {
                     if let Some(value) = value {
                         let get_or_insert_with = r.covariance.get_or_insert_with(|| vec![0.0; all * all]);

@@ -147,7 +147,7 @@ pub(crate) fn is_error(value: f64) -> bool {
 }
 
 fn incomplete(file: &Path, row: usize) -> Error {
-    let estimated = EstimateStatus::ALL.into_iter().filter(|own| own.estimated());
+    let estimated = EstimateStatus::ALL.into_iter().filter(|status| status.estimated());
     let named: Vec<String> = estimated.map(|estimated| format!("`{estimated}`")).collect();
     let expected = format!("all parameters where the status is {}", listed(&named));
     crate::refuse(file, &format!("row {row}"), "an absent parameter", &expected, "run `estimate` again")
@@ -232,13 +232,13 @@ fn unexcited(vessel: &Vessel, row: &Row) -> String {
         );
     }
     let degree = (0..3).find(|d| row.condition[*d].is_infinite()).unwrap_or(0);
-    let (parameter, own) = (&row.weakest[degree], &vessel.model.degrees[degree]);
-    let index = own.parameters.iter().position(|p| p == parameter).unwrap_or(0);
+    let (parameter, equation) = (&row.weakest[degree], &vessel.model.degrees[degree]);
+    let index = equation.parameters.iter().position(|p| p == parameter).unwrap_or(0);
     format!(
         "parameter `{parameter}` ({}): found no run that excites it, expected its term `{}` to vary independently of \
          the others; add a maneuver in which it does",
         DegreeOfFreedom::ALL[degree].name(),
-        own.terms[index].text
+        equation.terms[index].text
     )
 }
 
@@ -261,8 +261,8 @@ pub fn summarize(
     let names = estimators(rows);
     let criticised = criticised(provenance);
     let of = |estimator: Estimator| {
-        let own: Vec<&Row> = rows.iter().filter(|r| r.estimator == estimator).collect();
-        design_summaries(vessel, &own, criticised)
+        let of_estimator: Vec<&Row> = rows.iter().filter(|r| r.estimator == estimator).collect();
+        design_summaries(vessel, &of_estimator, criticised)
     };
     let summary = |estimator: &Estimator| EstimatorSummary { estimator: *estimator, designs: of(*estimator) };
     let leading = setting(file, provenance, "estimator")?;
@@ -310,8 +310,8 @@ pub fn distinct<T: PartialEq>(all: impl Iterator<Item = T>) -> Vec<T> {
 fn design_summaries(vessel: &Vessel, rows: &[&Row], criticised: bool) -> Vec<DesignSummary> {
     let mut designs: Vec<&str> = rows.iter().map(|r| r.design.as_str()).collect();
     designs.dedup();
-    let own = |design: &str| rows.iter().copied().filter(|r| r.design == design).collect::<Vec<_>>();
-    designs.iter().map(|design| design_summary(vessel, design, &own(design), criticised)).collect()
+    let of_design = |design: &str| rows.iter().copied().filter(|r| r.design == design).collect::<Vec<_>>();
+    designs.iter().map(|design| design_summary(vessel, design, &of_design(design), criticised)).collect()
 }
 
 fn design_summary(vessel: &Vessel, design: &str, rows: &[&Row], criticised: bool) -> DesignSummary {

@@ -49,8 +49,9 @@ impl TrajectoryReader {
         let with_column =
             |derived_channel: &DerivedChannel| there(&layout.exogenous[derived_channel.variable - 3].0);
         let derived: Vec<(DerivedChannel, bool)> =
-            layout.derived.iter().map(|own| (own.clone(), with_column(own))).collect();
-        let absent = |place: usize| derived.iter().any(|(own, there)| !there && own.variable - 3 == place);
+            layout.derived.iter().map(|channel| (channel.clone(), with_column(channel))).collect();
+        let absent =
+            |place: usize| derived.iter().any(|(channel, there)| !there && channel.variable - 3 == place);
         let places: Vec<usize> = (0..layout.exogenous.len()).filter(|place| !absent(*place)).collect();
         let wanted = layout.required().into_iter().enumerate();
         let wanted = wanted.filter(|(i, _)| *i < 6 || !absent(i - 6));
@@ -178,10 +179,10 @@ impl TrajectoryReader {
             return Ok(Vec::new());
         }
         let table = self.table.read_block(i, &columns)?;
-        let own = |((name, _), column): (&(String, String), &Column)| {
+        let command = |((name, _), column): (&(String, String), &Column)| {
             Some((name.clone(), column.as_f64()?.to_vec()))
         };
-        Ok(self.commanded.iter().zip(&table.columns).filter_map(own).collect())
+        Ok(self.commanded.iter().zip(&table.columns).filter_map(command).collect())
     }
 
     /// The runs of block `i`.
@@ -339,16 +340,16 @@ impl<'a> Block<'a> {
 
     /// Refuses derived channels that differ from their definition: the file was made with another one.
     fn check_derived(&self, rows: &[f64], row: &dyn Fn(usize) -> String) -> Result<(), Error> {
-        for (own, _) in self.reader.derived.iter().filter(|(_, there)| *there) {
-            let column = own.variable - 3;
+        for (channel, _) in self.reader.derived.iter().filter(|(_, there)| *there) {
+            let column = channel.variable - 3;
             let name = self.reader.places.iter().position(|place| *place == column).unwrap_or_default();
             for (k, values) in rows.chunks_exact(self.reader.width).enumerate() {
-                let (found, expected) = (values[column], own.value(values));
+                let (found, expected) = (values[column], channel.value(values));
                 if !DerivedChannel::agrees(found, expected) {
                     return Err(self.reader.refuse(
                         &format!("column `{}`, {}", self.reader.columns[6 + name], row(k)),
                         &found.to_string(),
-                        &format!("{expected}, by the formula `{}` of the vessel's file", own.text),
+                        &format!("{expected}, by the formula `{}` of the vessel's file", channel.text),
                         "make the trajectories again with the same vessel's file",
                     ));
                 }
@@ -390,8 +391,8 @@ impl<'a> Block<'a> {
         for (r, row) in (start..end - 1).zip(rows.chunks_exact_mut(*width)) {
             columns.iter().zip(places).for_each(|(column, place)| row[*place] = column[r]);
             // In order of dependency.
-            for (own, _) in derived.iter().filter(|(_, there)| !there) {
-                row[own.variable - 3] = own.value(row);
+            for (channel, _) in derived.iter().filter(|(_, there)| !there) {
+                row[channel.variable - 3] = channel.value(row);
             }
         }
         rows
@@ -406,10 +407,10 @@ impl Block<'_> {
         }
         let (mut rows, width) = (recorded.to_vec(), self.reader.width);
         for (r, row) in rows.chunks_exact_mut(width).enumerate() {
-            let own = self.instruments.iter().map(|column| column[start + r]);
-            row.iter_mut().zip(own).for_each(|(to, own)| *to = own);
-            for (own, _) in &self.reader.derived {
-                row[own.variable - 3] = own.value(row);
+            let values = self.instruments.iter().map(|column| column[start + r]);
+            row.iter_mut().zip(values).for_each(|(to, value)| *to = value);
+            for (channel, _) in &self.reader.derived {
+                row[channel.variable - 3] = channel.value(row);
             }
         }
         if rows == recorded { Vec::new() } else { rows }

@@ -76,20 +76,24 @@ impl IngestFile {
         check_ranges(self.antenna_m.map(|place| ("antenna_m", place, metres.clone(), "m")))?;
         let classes = self.speed_classes_m_s.iter();
         check_ranges(classes.map(|bound| ("speed_classes_m_s", *bound, 0.0..=1000.0, "m/s")))?;
-        let times =
-            self.segment.iter().flat_map(|own| [("segment.from_s", own.from_s), ("segment.to_s", own.to_s)]);
+        let times = self
+            .segment
+            .iter()
+            .flat_map(|segment| [("segment.from_s", segment.from_s), ("segment.to_s", segment.to_s)]);
         check_ranges(times.map(|(key, time)| (key, time, -1e9..=1e9, "s")))?;
         self.thruster.iter().try_for_each(check_thruster)
     }
 
     /// Refuses names that figures and pages cannot show.
     fn check_names(&self) -> Result<(), Invalid> {
-        let own = [("design", &self.design)].into_iter().chain(self.maneuver.iter().map(|m| ("maneuver", m)));
+        let designs =
+            [("design", &self.design)].into_iter().chain(self.maneuver.iter().map(|m| ("maneuver", m)));
         let classes = self.speed_class_names.iter().flatten().map(|name| ("speed_class_names", name));
         let segments = self.segment.iter().map(|segment| ("segment.maneuver", &segment.maneuver));
-        let channels = self.file.iter().flat_map(|file| &file.channel).map(|own| ("channel", &own.channel));
-        let derived = self.derived.iter().map(|own| ("derived.channel", &own.channel));
-        let all = own.chain(classes).chain(segments).chain(channels).chain(derived);
+        let channels =
+            self.file.iter().flat_map(|file| &file.channel).map(|channel| ("channel", &channel.channel));
+        let derived = self.derived.iter().map(|channel| ("derived.channel", &channel.channel));
+        let all = designs.chain(classes).chain(segments).chain(channels).chain(derived);
         all.into_iter().try_for_each(|(key, name)| check_name(format!("`{key}`"), name))
     }
 
@@ -146,12 +150,12 @@ impl IngestFile {
                 ));
             }
             check_positive([(format!("max_gap_s` of channel `{}", channel.channel), gap)])?;
-            let own = |key: &str| format!("{key}` of channel `{}", channel.channel);
+            let key_of = |key: &str| format!("{key}` of channel `{}", channel.channel);
             check_ranges([
-                (own("scale"), channel.scale, -1e15..=1e15, ""),
-                (own("offset"), channel.offset, -1e15..=1e15, ""),
-                (own("delay_s"), channel.delay_s, -1e9..=1e9, "s"),
-                (own("max_gap_s"), gap, 1e-9..=1e9, "s"),
+                (key_of("scale"), channel.scale, -1e15..=1e15, ""),
+                (key_of("offset"), channel.offset, -1e15..=1e15, ""),
+                (key_of("delay_s"), channel.delay_s, -1e9..=1e9, "s"),
+                (key_of("max_gap_s"), gap, 1e-9..=1e9, "s"),
             ])?;
             check_gate(channel)?;
         }

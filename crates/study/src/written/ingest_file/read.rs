@@ -306,16 +306,16 @@ impl TypedTime<'_> {
                 return refuse("days without a time", "times", "write date and time into one column");
             }
         };
-        let own = match per_second {
+        let unit = match per_second {
             1000 => TimeUnit::Ms,
             1_000_000 => TimeUnit::Us,
             _ => TimeUnit::Ns,
         };
         if spec.format.is_some()
             || spec.nanoseconds.is_some()
-            || ![Some(own), Some(TimeUnit::Iso8601)].contains(&spec.unit)
+            || ![Some(unit), Some(TimeUnit::Iso8601)].contains(&spec.unit)
         {
-            let found = format!("times that are no text, in {own:?} by their type").to_lowercase();
+            let found = format!("times that are no text, in {unit:?} by their type").to_lowercase();
             let remedy = "set `unit = \"iso8601\"` in its `time`: the type says the rest";
             return refuse(&found, "the time's `unit` or `format` as it is stated", remedy);
         }
