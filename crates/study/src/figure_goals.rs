@@ -132,9 +132,9 @@ impl FigureGoals {
                 goal.figure.weight = stated.weight;
                 if is_zero(goal) && stated.weight > 0.0 && !stated.name.is_all() {
                     let thing = format!("--weight {}", stated.name.text());
-                    let found = format!("{} of {}", goal.figure.value, goal.maneuver);
+                    let given = format!("{} of {}", goal.figure.value, goal.maneuver);
                     let expected = "a figure other than 0, which its error is relative to";
-                    return Err(Invalid::new(thing, found, expected, "leave it out"));
+                    return Err(Invalid::new(thing, given, expected, "leave it out"));
                 }
             }
         }
@@ -182,10 +182,10 @@ impl FigureGoals {
                     ("deg", "°") => 1.0,
                     ("1", "") => 1.0,
                     (known, unit) => {
-                        let found = if unit.is_empty() { "no unit".into() } else { format!("`{unit}`") };
+                        let given = if unit.is_empty() { "no unit".into() } else { format!("`{unit}`") };
                         let expected = if known == "m" { "m, or L (ship lengths)" } else { known };
                         let thing = format!("--accuracy {}", stated.name.text());
-                        return Err(Invalid::new(thing, found, expected, "correct the unit"));
+                        return Err(Invalid::new(thing, given, expected, "correct the unit"));
                     }
                 };
                 goal.wanted = Some(factor * stated.error);
@@ -197,10 +197,10 @@ impl FigureGoals {
     /// The places of the figures of this name.
     fn named(&self, flag: &str, name: &FigureName) -> Result<Vec<usize>, Invalid> {
         let all = self.goals.iter().enumerate();
-        let found = all.filter(|(_, goal)| name.matches(&goal.maneuver, &goal.name));
-        let found: Vec<usize> = found.map(|(index, _)| index).collect();
-        if !found.is_empty() {
-            return Ok(found);
+        let places = all.filter(|(_, goal)| name.matches(&goal.maneuver, &goal.name));
+        let places: Vec<usize> = places.map(|(index, _)| index).collect();
+        if !places.is_empty() {
+            return Ok(places);
         }
         let mut known: Vec<&str> = Vec::new();
         for goal in self

@@ -46,9 +46,10 @@ impl Folder {
         folder.compare(root, &known);
         // The record of `run` knows more than the documents.
         if let Some(study) = study.filter(|_| !root.join("run.json").is_file()) {
-            let found = folder.files.iter().filter_map(|(path, found)| Some((path, found.as_ref().ok()?)));
+            let inspected =
+                folder.files.iter().filter_map(|(path, inspected)| Some((path, inspected.as_ref().ok()?)));
             let outdated: Vec<String> =
-                found.flat_map(|(path, found)| outdated(path, found, study)).collect();
+                inspected.flat_map(|(path, inspected)| outdated(path, inspected, study)).collect();
             folder.faults.extend(outdated);
         }
         Ok(folder)
@@ -78,8 +79,8 @@ impl Folder {
             }
         }
         if known.inputs.is_empty() {
-            let found = "no vessel.toml, dictionary.toml or campaign.toml";
-            return Err(refuse(study, "--study", found, "the folder of a study", "name another folder"));
+            let given = "no vessel.toml, dictionary.toml or campaign.toml";
+            return Err(refuse(study, "--study", given, "the folder of a study", "name another folder"));
         }
         Ok(known)
     }
@@ -96,7 +97,7 @@ impl Folder {
         let (folders, files): (Vec<PathBuf>, Vec<PathBuf>) =
             paths.into_iter().partition(|path| path.is_dir());
         for path in files {
-            self.files.extend(inspect(&path).transpose().map(|found| (path, found)));
+            self.files.extend(inspect(&path).transpose().map(|inspected| (path, inspected)));
         }
         folders.iter().filter(|path| !path.is_symlink()).try_for_each(|path| self.look(path))
     }
@@ -110,9 +111,9 @@ impl Folder {
             return;
         }
         if left.half_named {
-            let found = "a run that was interrupted while its files got their names";
+            let given = "a run that was interrupted while its files got their names";
             let remedy = "run a stage that writes into this folder again";
-            let fault = refuse(folder, "set", found, "a run that came to its end", remedy);
+            let fault = refuse(folder, "set", given, "a run that came to its end", remedy);
             self.faults.push(fault.to_string());
         }
         self.left.push((folder.to_owned(), left));
@@ -120,13 +121,15 @@ impl Folder {
 
     /// Checks that files written together are together, without reading inspected files again.
     fn check_sets(&mut self) {
-        let found =
-            self.files.iter().filter_map(|(path, found)| Some((path.clone(), found.as_ref().ok()?.digest)));
-        let known: BTreeMap<PathBuf, Digest> = found.collect();
-        for (path, found) in &mut self.files {
-            let Ok(inspected) = &*found else { continue };
+        let digests = self
+            .files
+            .iter()
+            .filter_map(|(path, inspected)| Some((path.clone(), inspected.as_ref().ok()?.digest)));
+        let known: BTreeMap<PathBuf, Digest> = digests.collect();
+        for (path, state) in &mut self.files {
+            let Ok(inspected) = &*state else { continue };
             if let Err(mixed) = check_members(path, &inspected.members, |path| known.get(path).copied()) {
-                *found = Err(mixed);
+                *state = Err(mixed);
             }
         }
     }
@@ -143,9 +146,9 @@ impl Folder {
     /// estimates and scores and shares the rest with its parent folder, if that has files.
     fn compare(&mut self, root: &Path, written: &Provenance) {
         let mut known: BTreeMap<&Path, Provenance> = BTreeMap::new();
-        for (path, found) in &self.files {
-            let found = match found {
-                Ok(found) => found,
+        for (path, inspected) in &self.files {
+            let inspected = match inspected {
+                Ok(inspected) => inspected,
                 Err(error) => {
                     self.faults.push(error.to_string());
                     continue;
@@ -163,7 +166,7 @@ impl Folder {
             let provenance = known.entry(folder).or_insert_with(|| missing.unwrap_or_default());
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             // Another file with the same role in the folder is no error: `estimates-2.parquet`.
-            let mut from = found.provenance.clone();
+            let mut from = inspected.provenance.clone();
             from.inputs.retain(|_, digest| !self.names.contains_key(digest));
             from.origins.retain(|_, digest| !self.names.contains_key(digest));
             if let Err(error) = provenance.made(role_of(&name), path, found.digest, &from) {
@@ -173,22 +176,22 @@ impl Folder {
     }
 
     /// `design.json: design/1, of moments (moments.json)`.
-    fn line(&self, root: &Path, path: &Path, found: &Result<Inspected, Error>) -> String {
+    fn line(&self, root: &Path, path: &Path, inspected: &Result<Inspected, Error>) -> String {
         let name = relative(root, path);
-        let Ok(found) = found else { return format!("{name}: damaged") };
+        let Ok(inspected) = inspected else { return format!("{name}: damaged") };
         let input = |(role, digest): (&String, &Digest)| match self.names.get(digest) {
             Some(name) => format!("{} ({name})", foreign(role)),
             None => foreign(role),
         };
-        let logs = found.provenance.inputs.keys().filter(|role| role.starts_with("log:")).count();
-        let others = found.provenance.inputs.iter().filter(|(role, _)| !role.starts_with("log:"));
+        let logs = inspected.provenance.inputs.keys().filter(|role| role.starts_with("log:")).count();
+        let others = inspected.provenance.inputs.iter().filter(|(role, _)| !role.starts_with("log:"));
         let mut inputs: Vec<String> = others.map(input).collect();
         if logs > 0 {
             inputs.push(format!("{logs} logs"));
         }
         let of = if inputs.is_empty() { String::new() } else { format!(", of {}", inputs.join(", ")) };
-        let unsealed = if found.sealed { "" } else { ", edited by hand (no seal)" };
-        format!("{name}: {}{unsealed}{of}", foreign(&found.schema))
+        let unsealed = if inspected.sealed { "" } else { ", edited by hand (no seal)" };
+        format!("{name}: {}{unsealed}{of}", foreign(&inspected.schema))
     }
 }
 
@@ -243,12 +246,12 @@ fn outdated(path: &Path, found: &Inspected, study: &Path) -> Vec<String> {
     let roles: BTreeSet<&String> = before.chain(now.keys()).collect();
     let differs = |role: &&String| !is_changed(role) && made.inputs.get(*role) != now.get(*role);
     let fault = |role: &String| {
-        let found = match (made.inputs.get(role), now.get(role)) {
+        let given = match (made.inputs.get(role), now.get(role)) {
             (Some(_), Some(_)) => "another content in the study",
             (Some(_), None) => "no such file in the study",
             _ => "it in the study, where it was not",
         };
-        refuse(path, role, found, "the files that this was made of", "run its stage again").to_string()
+        refuse(path, role, given, "the files that this was made of", "run its stage again").to_string()
     };
     roles.into_iter().filter(differs).map(fault).collect()
 }

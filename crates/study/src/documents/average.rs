@@ -92,7 +92,7 @@ impl AverageDocument {
                     found.members.len(),
                     member.found_on.len()
                 )],
-                ..ModelDocument::found(vessel, &member.model, &member.delivered, samples)
+                ..ModelDocument::of_search(vessel, &member.model, &member.delivered, samples)
             },
         };
         let members = found.members.iter().enumerate().map(member).collect();
@@ -219,7 +219,7 @@ fn terms(vessel: &Vessel, degree: DegreeOfFreedom, found: &Averaged) -> Vec<Aver
 impl ModelDocument {
     /// The model that a search found for `vessel`, whose terms are the base structure.
     pub fn searched(vessel: &Vessel, found: &Searched) -> Self {
-        let mut model = Self::found(vessel, &found.model, &found.delivered, found.samples);
+        let mut model = Self::of_search(vessel, &found.model, &found.delivered, found.samples);
         for degree in &mut model.degrees {
             degree.parameters = resampled(std::mem::take(&mut degree.parameters), found);
             // Parameters that others are tied to are still estimated.
@@ -242,7 +242,7 @@ impl ModelDocument {
     }
 
     /// The model with the structure `model`, as `delivered` after a fit to `samples` samples.
-    pub(super) fn found(vessel: &Vessel, model: &Model, delivered: &Delivered, samples: u64) -> Self {
+    pub(super) fn of_search(vessel: &Vessel, model: &Model, delivered: &Delivered, samples: u64) -> Self {
         let made = (Estimator::OutputError, MeanRemoval::Complete);
         let document = Self::with_degrees(vessel, made, delivered, |d| degree(vessel, d, model, delivered));
         Self { samples, ..document }

@@ -479,11 +479,11 @@ pub(super) mod titles {
 
     /// From a title.
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<CriterionName, D::Error> {
-        let found = String::deserialize(from)?;
+        let title = String::deserialize(from)?;
         let titles = CriterionName::ALL.map(CriterionName::title).join("`, `");
-        let known = CriterionName::ALL.into_iter().find(|name| name.title() == found);
+        let known = CriterionName::ALL.into_iter().find(|name| name.title() == title);
         known
-            .ok_or_else(|| D::Error::custom(format!("unknown variant `{found}`, expected one of `{titles}`")))
+            .ok_or_else(|| D::Error::custom(format!("unknown variant `{title}`, expected one of `{titles}`")))
     }
 
     /// All titles.

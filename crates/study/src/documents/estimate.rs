@@ -148,13 +148,13 @@ impl EstimateDocument {
     /// Several designs; a parameter without an estimate.
     pub fn mean(&self, vessel: &Vessel) -> Result<Vec<f64>, Invalid> {
         let [design] = self.designs.as_slice() else {
-            let found = format!("{} designs", self.designs.len());
+            let given = format!("{} designs", self.designs.len());
             let remedy = "name an estimate.json of `estimate pool`";
-            return Err(Invalid::new("data.designs", found, "one", remedy));
+            return Err(Invalid::new("data.designs", given, "one", remedy));
         };
         let value = |name: &str| {
-            let found = design.parameters.iter().find(|p| p.name == name).and_then(|p| p.mean);
-            found.ok_or_else(|| {
+            let mean = design.parameters.iter().find(|p| p.name == name).and_then(|p| p.mean);
+            mean.ok_or_else(|| {
                 let remedy = "estimate it, or name the vessel that the estimate is of";
                 Invalid::new(format!("parameter `{name}`"), "no estimate", "one", remedy)
             })
@@ -255,8 +255,8 @@ pub struct ConstrainedParameter {
 impl ConstrainedParameter {
     /// The constrained parameters of `vessel`, with their values from an estimate of all runs, if there is one.
     pub fn all(vessel: &Vessel, found: Option<&Pooled>) -> Vec<Self> {
-        let estimates: Vec<(Option<f64>, Option<f64>)> = found.map_or(Vec::new(), |found| {
-            let parameters = found.degrees.iter().flat_map(|d| &d.parameters);
+        let estimates: Vec<(Option<f64>, Option<f64>)> = found.map_or(Vec::new(), |pooled| {
+            let parameters = pooled.degrees.iter().flat_map(|d| &d.parameters);
             parameters.map(|p| (p.estimate, p.standard_error)).collect()
         });
         vessel.constrained.iter().map(|constrained| Self::of(vessel, constrained, &estimates)).collect()

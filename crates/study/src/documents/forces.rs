@@ -152,8 +152,8 @@ impl FittedForces {
     /// A text that is none.
     pub fn description(&self) -> Result<Description, Invalid> {
         toml::from_str(&self.description).map_err(|e| {
-            let found = e.message().to_owned();
-            Invalid::new("data.forces.description", found, "a ship with forces", "estimate the model again")
+            let given = e.message().to_owned();
+            Invalid::new("data.forces.description", given, "a ship with forces", "estimate the model again")
         })
     }
 

@@ -342,10 +342,10 @@ impl Document for MapDocument {
             cells.filter(right).is_some_and(|cells| raster.columns.checked_mul(raster.rows) == Some(cells))
         };
         if let Some((raster, runs)) = self.masks().find(|mask| !filled(mask)) {
-            let found = format!("{} runs that do not fill the raster", runs.0.len());
+            let given = format!("{} runs that do not fill the raster", runs.0.len());
             let expected =
                 format!("runs of {} × {} cells, at most {MOST_CELLS}", raster.columns, raster.rows);
-            return Err(Invalid::new("`runs`", found, expected, remedy));
+            return Err(Invalid::new("`runs`", given, expected, remedy));
         }
         let strange = self.tracks.iter().filter_map(|track| track.maneuver.as_ref());
         if let Some(name) = strange.into_iter().find(|name| !self.counts.contains_key(*name)) {

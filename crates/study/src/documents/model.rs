@@ -145,7 +145,7 @@ impl ModelDocument {
             found.degrees.iter().flat_map(|d| &d.parameters).map(|p| p.standard_error).collect();
         Some(Self {
             samples: found.samples,
-            rejected: found.criticism.as_ref().map(|found| found.rejected),
+            rejected: found.criticism.as_ref().map(|criticism| criticism.rejected),
             statements: found.statements.clone(),
             ..Self::of(pool.vessel, (estimator, pool.removal), delivered, &errors)
         })
@@ -321,8 +321,8 @@ impl ModelDocument {
     }
 
     fn incomplete(&self) -> Invalid {
-        let found = format!("{} degrees of freedom", self.degrees.len());
-        Invalid::new("data.degrees", found, "surge, sway and yaw", "estimate the model again")
+        let given = format!("{} degrees of freedom", self.degrees.len());
+        Invalid::new("data.degrees", given, "surge, sway and yaw", "estimate the model again")
     }
 
     fn with(

@@ -330,17 +330,17 @@ fn force_terms(ship: &Vessel, numbers: &[FittedParameter], found: &[FoundForce])
     let all = DegreeOfFreedom::ALL.into_iter().zip(moved.forces.description().terms());
     let term = |degree: DegreeOfFreedom, spec: &ship::forces::TermSpec| {
         let number = numbers.iter().find(|number| number.name == spec.parameter)?;
-        let found = found.iter().find(|found| found.parameter == spec.parameter);
+        let force = found.iter().find(|force| force.parameter == spec.parameter);
         Some(SearchTerm {
             degree: degree.name().to_owned(),
             name: spec.parameter.clone(),
             term: spec.term.clone(),
-            base: found.is_none(),
+            base: force.is_none(),
             value: number.value,
             low: None,
             high: None,
             chosen_by_resamples: None,
-            chosen_by_folds: found.map(|found| found.found_by_folds),
+            chosen_by_folds: force.map(|force| force.found_by_folds),
         })
     };
     all.flat_map(|(degree, terms)| terms.iter().filter_map(move |spec| term(degree, spec))).collect()

@@ -113,7 +113,7 @@ impl From<Solved<'_>> for DesignDocument {
             prior: prior(&solved),
             restricted: solved.restricted.map(|(few, found)| restriction(few, found)),
             figures: solved.figures.as_ref().map(|figures| figures.document(samples(&solved) as u64)),
-            accuracy: solved.accuracy.map(|found| accuracy(found, range(&solved, found))),
+            accuracy: solved.accuracy.map(|shortest| accuracy(shortest, range(&solved, shortest))),
             sequence: solved.sequence.map(Into::into),
             order: dictionary.maneuvers.clone(),
             candidates: solved.streamed.map(|all| all.candidates as u64),
@@ -235,7 +235,7 @@ fn counts(design: &Design, segments: &Segments, whole: &Whole) -> Counts {
         segments: segments.total,
         segment_samples: segments.samples,
         efficiency: whole.efficiency,
-        method: whole.found.as_ref().map(|found| found.method),
+        method: whole.found.as_ref().map(|counts| counts.method),
         gap: Some(whole.loss),
         statement: Some(statements::counts(design, whole)),
     }

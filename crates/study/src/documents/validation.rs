@@ -276,15 +276,15 @@ impl PairedRatio {
             Ok(interval) => format!("95 % interval {interval}"),
             Err(why) => why,
         };
-        let found = format!("median ratio {:.3} ({interval}) over the same runs", (*median_ratio)?);
+        let ratio = format!("median ratio {:.3} ({interval}) over the same runs", (*median_ratio)?);
         Some(match *ends {
             [Some(low), _] if low > 1.0 => {
-                format!("{design}: {one} has less parameter error than {other}: {found}.")
+                format!("{design}: {one} has less parameter error than {other}: {ratio}.")
             }
             [_, Some(high)] if high < 1.0 => {
-                format!("{design}: {other} has less parameter error than {one}: {found}.")
+                format!("{design}: {other} has less parameter error than {one}: {ratio}.")
             }
-            _ => format!("{design}: {one} and {other} cannot be told apart by parameter error: {found}."),
+            _ => format!("{design}: {one} and {other} cannot be told apart by parameter error: {ratio}."),
         })
     }
 }

@@ -57,9 +57,9 @@ fn check_same(one: &Path, other: &Path) -> Result<(), Error> {
     if files::read(one)? == files::read(other)? {
         return Ok(());
     }
-    let found = format!("the same edition as {}, and other bytes", one.display());
+    let given = format!("the same edition as {}, and other bytes", one.display());
     let remedy = "name the cell that is meant by its file, or move the other away";
-    Err(Error::refuse(other, "cell", found, "each cell once", remedy))
+    Err(Error::refuse(other, "cell", given, "each cell once", remedy))
 }
 
 /// Reads charts within a memory limit, and caches the folders that were searched.
@@ -295,10 +295,10 @@ impl Updates {
         let same = (&other.identity.edition, other.identity.update)
             == (&base.identity.edition, base.identity.update);
         if same || other.age().0 > base.age().0 {
-            let found = format!("{}, and {} with {}", name(base), other.path.display(), name(other));
+            let given = format!("{}, and {} with {}", name(base), other.path.display(), name(other));
             let (expected, remedy) =
                 ("the newest base cell, once", "name the newest, and move the other away");
-            return Err(Error::refuse(&base.path, "cell", found, expected, remedy));
+            return Err(Error::refuse(&base.path, "cell", given, expected, remedy));
         }
         self.notes.push(format!("another base cell ({}) not used", name(other)));
         Ok(())
@@ -313,9 +313,9 @@ impl Updates {
         }
         let number = file.identity.update;
         if let Some(known) = self.files.get(&number).filter(|known| known.bytes != file.bytes) {
-            let found = format!("another update {number} than {}", known.path.display());
+            let given = format!("another update {number} than {}", known.path.display());
             let remedy = "keep the one of the newest exchange set, and move the other away";
-            return Err(Error::refuse(&file.path, "update", found, "each update once", remedy));
+            return Err(Error::refuse(&file.path, "update", given, "each update once", remedy));
         }
         self.files.entry(number).or_insert(file);
         Ok(())
@@ -347,20 +347,20 @@ impl Catalogue {
         if let Some(missing) =
             of_cell.iter().find(|entry| !files.iter().any(|(file, _)| stands_for(file, entry)))
         {
-            let found = format!("no file {}, which it lists", foreign(&missing.place.join("/")));
+            let given = format!("no file {}, which it lists", foreign(&missing.place.join("/")));
             let remedy = "copy the exchange set again, as a whole";
-            return Err(Error::refuse(&self.file, "exchange set", found, "all files of the cell", remedy));
+            return Err(Error::refuse(&self.file, "exchange set", given, "all files of the cell", remedy));
         }
         let mut agree = 0;
         for (file, Found { bytes, .. }) in files {
             let listed: Vec<&&Listed> = of_cell.iter().filter(|entry| stands_for(file, entry)).collect();
             if !listed.is_empty() && !listed.iter().any(|entry| entry.agrees(bytes)) {
-                let found = format!("CRC-32 {:08X}", chart::enc::crc(bytes));
+                let given = format!("CRC-32 {:08X}", chart::enc::crc(bytes));
                 let expected =
                     format!("{:08X}, as {} says", listed[0].crc.unwrap_or_default(), self.file.display());
                 let remedy =
                     "copy the exchange set again, as a whole: the file is damaged, or not of this set";
-                return Err(Error::refuse(&file.path, "file", found, expected, remedy));
+                return Err(Error::refuse(&file.path, "file", given, expected, remedy));
             }
             agree += usize::from(listed.iter().any(|entry| entry.crc.is_some()));
         }

@@ -115,8 +115,8 @@ impl Charts {
         if GridFormat::of(path).is_none() {
             let length = std::fs::metadata(path).map_or(0, |about| about.len());
             self.bytes += PER_BYTE * length;
-            let found = format!("{length} bytes");
-            let work = Work { file: path, thing: "file", found: &found, remedy: LESS };
+            let size = format!("{length} bytes");
+            let work = Work { file: path, thing: "file", found: &size, remedy: LESS };
             means.budget.memory(work, self.taken())?;
         }
         Ok(())
@@ -208,9 +208,9 @@ fn check_beside(path: &Path, declared: &GridDeclaration) -> Result<(), Error> {
     let text = String::from_utf8_lossy(&bytes);
     for (tag, usual) in [("Scale", 1.0), ("Offset", 0.0)] {
         if let Some(value) = text_of(&text, tag).filter(|value| value.parse() != Ok(usual)) {
-            let found = format!("{} beside the grid", refusal::foreign(value));
+            let given = format!("{} beside the grid", refusal::foreign(value));
             let remedy = "write both into one file, for instance with `gdal_translate -of GTiff`";
-            return Err(Error::refuse(&beside, tag, found, format!("{usual}, or none"), remedy));
+            return Err(Error::refuse(&beside, tag, given, format!("{usual}, or none"), remedy));
         }
     }
     let Some(unit_name) = text_of(&text, "UnitType").filter(|name| !name.is_empty()) else { return Ok(()) };
@@ -218,9 +218,9 @@ fn check_beside(path: &Path, declared: &GridDeclaration) -> Result<(), Error> {
     if declared.kind == GridKind::LandMask || unit == Some(usual) {
         return Ok(());
     }
-    let found = format!("`{}` beside the grid", refusal::foreign(unit_name));
+    let given = format!("`{}` beside the grid", refusal::foreign(unit_name));
     let expected = format!("`{}`, or the same as `depth_unit`", usual.name());
-    Err(Error::refuse(&beside, "UnitType", found, expected, "say `depth_unit` in its [[chart]]"))
+    Err(Error::refuse(&beside, "UnitType", given, expected, "say `depth_unit` in its [[chart]]"))
 }
 
 /// The text between two tags.
@@ -306,8 +306,8 @@ impl GridFormat {
             Self::Ascii => {
                 let length = std::fs::metadata(path).map_or(0, |about| about.len()) as f64;
                 if length > reading.bytes {
-                    let found = format!("{length} bytes of text");
-                    return Ok(Err(Unread::TooLarge { found, bytes: length }));
+                    let size = format!("{length} bytes of text");
+                    return Ok(Err(Unread::TooLarge { found: size, bytes: length }));
                 }
                 let text = chart_text(bytes(path, provenance)?).map_err(|e| Error::invalid(path, e))?;
                 Grid::from_ascii(&text, declared, &Reading { bytes: reading.bytes - length, ..*reading })

@@ -177,8 +177,8 @@ impl PlanFile {
             );
         }
         if let (Some(errors), true) = (self.safety.standard_errors, self.safety.parameter_error > 0.0) {
-            let found = format!("{errors} besides `parameter_error` {}", self.safety.parameter_error);
-            return refuse("safety.standard_errors", found, "one of both");
+            let given = format!("{errors} besides `parameter_error` {}", self.safety.parameter_error);
+            return refuse("safety.standard_errors", given, "one of both");
         }
         if self.safety.trial_depth_m < self.safety.transit_depth_m {
             return Err(Invalid::new(
@@ -215,8 +215,8 @@ impl PlanFile {
         match earlier.iter().find(|m| m.speed_m_s == *speed_m_s) {
             None => Ok(()),
             Some(other) => {
-                let found = format!("{speed_m_s} m/s, the speed of mode `{}`", other.name);
-                refuse(found, "every speed once", remedy)
+                let given = format!("{speed_m_s} m/s, the speed of mode `{}`", other.name);
+                refuse(given, "every speed once", remedy)
             }
         }
     }
@@ -259,9 +259,9 @@ impl AreaSpec {
         // West of an area across the antimeridian is the greater longitude; 180° is both.
         let ordered = south_deg < north_deg && (west_deg < east_deg || west_deg - east_deg > 180.0);
         if !(on_earth && ordered) {
-            let found = format!("{west_deg} to {east_deg} E, {south_deg} to {north_deg} N");
+            let given = format!("{west_deg} to {east_deg} E, {south_deg} to {north_deg} N");
             let expected = "west below east (or across 180°), south below north, in degrees";
-            return refuse(found, expected, "correct it");
+            return refuse(given, expected, "correct it");
         }
         Ok(Area { west_deg, south_deg, east_deg, north_deg, corners: Vec::new() })
     }

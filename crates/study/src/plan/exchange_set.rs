@@ -118,10 +118,10 @@ impl ExchangeSet {
         for entry in entries {
             self.entries += 1;
             if self.entries > MOST_ENTRIES {
-                let found = format!("more than {MOST_ENTRIES} files and folders below it");
+                let given = format!("more than {MOST_ENTRIES} files and folders below it");
                 let expected = "the folder of a cell, or of an exchange set";
                 let remedy = "move the cell and its updates into a folder of their own";
-                return Err(Error::refuse(&self.root, "folder", found, expected, remedy));
+                return Err(Error::refuse(&self.root, "folder", given, expected, remedy));
             }
             let path = entry.path();
             let Ok(kind) = entry.file_type() else { continue };

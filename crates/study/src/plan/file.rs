@@ -267,9 +267,9 @@ impl ChartSpec {
         let measures =
             [ChartKind::Depth, ChartKind::Elevation, ChartKind::Danger].map(Some).contains(&self.kind);
         if let Some(unit) = self.depth_unit.filter(|_| !measures) {
-            let found = format!("`{}`, of a chart without depths of its own unit", unit.name());
+            let given = format!("`{}`, of a chart without depths of its own unit", unit.name());
             let expected = "`kind` of depth, elevation or danger; objects say their unit themselves";
-            return refuse("`depth_unit`", &found, expected, "leave it out");
+            return refuse("`depth_unit`", &given, expected, "leave it out");
         }
         if !objects && self.kind.is_none() {
             let expected = "land, no-go, depth, danger, elevation or objects";
@@ -314,10 +314,10 @@ impl ChartSpec {
             Some(ChartKind::Depth) => GridKind::Depth,
             Some(ChartKind::Elevation) => GridKind::Elevation,
             other => {
-                let found =
+                let given =
                     format!("{}, of a grid", if other == Some(ChartKind::NoGo) { "no-go" } else { "danger" });
                 let expected = "land, depth or elevation";
-                return Err(Error::refuse(path, "`kind`", found, expected, "draw it as a polygon"));
+                return Err(Error::refuse(path, "`kind`", given, expected, "draw it as a polygon"));
             }
         };
         if let Some(radius_m) = self.radius_m {

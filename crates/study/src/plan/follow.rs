@@ -198,12 +198,12 @@ fn check_order(logged: &LoggedPositions, points: &[TrackPoint], plane: &Plane) -
     ];
     let near = others.into_iter().find(|other| nearest_m(other.2) < (0.1 * away_m).min(ELSEWHERE_M));
     let Some((how, remedy, _)) = near.filter(|_| away_m > ELSEWHERE_M) else { return Ok(()) };
-    let found = format!(
+    let given = format!(
         "longitude {east} and latitude {north}, {:.0} km from the plan; {how} they are near it",
         away_m / 1e3
     );
     let remedy = format!("{remedy} them in the file");
-    Err(Invalid::new(format!("line {}", last.line), found, "a position near the plan", remedy))
+    Err(Invalid::new(format!("line {}", last.line), given, "a position near the plan", remedy))
 }
 
 /// What is odd about the log, and does not leave the ship's place in doubt; a sentence each.
@@ -483,9 +483,9 @@ pub fn resumed(task: Task, plan: &PlanDocument, done: usize, from: Place) -> Res
         return Err(Invalid::new("`--done`", done.to_string(), expected, "count the steps that are done"));
     }
     rest_of(task, plan, &plan.steps[..done], from).ok_or_else(|| {
-        let found = format!("every maneuver among the first {done} steps");
+        let given = format!("every maneuver among the first {done} steps");
         let remedy = "sail the plan to its end, or count the steps again";
-        Invalid::new("`--done`", found, "a maneuver that is left to do", remedy)
+        Invalid::new("`--done`", given, "a maneuver that is left to do", remedy)
     })
 }
 

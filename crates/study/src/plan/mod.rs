@@ -54,10 +54,10 @@ pub fn unplanned([config, trajectories]: [&Path; 2], design: Option<&Path>, erro
         VoyageError::Invalid(invalid) => Error::invalid(config, invalid).into(),
         VoyageError::UnknownManeuver { name, known } => {
             let near = nearest(&name, known.iter().map(String::as_str)).unwrap_or_default();
-            let found = "a count without a maneuver of that name";
+            let given = "a count without a maneuver of that name";
             let expected = format!("a maneuver of {}: {}", trajectories.display(), known.join(", "));
             let remedy = format!("did you mean `{near}`?");
-            Error::refuse(config, format!("maneuver `{name}`"), found, expected, remedy).into()
+            Error::refuse(config, format!("maneuver `{name}`"), given, expected, remedy).into()
         }
         VoyageError::NoShare { maneuver, known } => Error::refuse(
             design.unwrap_or(config),
@@ -96,18 +96,17 @@ pub fn no_plan(file: &Path, why: &NoPlan) -> Unplanned {
     match why {
         NoPlan::Infeasible(reason) => infeasible(file, &reason.to_string()),
         NoPlan::OutOfTime { lower_bound } => {
-            let found = format!("none in time (any costs at least {})", lower_bound.primary);
-            no_answer(file, &found, "raise --time-limit-s")
+            let answer = format!("none in time (any costs at least {})", lower_bound.primary);
+            no_answer(file, &answer, "raise --time-limit-s")
         }
         NoPlan::OutOfMemory { lower_bound } => {
-            let found = format!("none in memory (any costs at least {})", lower_bound.primary);
             let remedy = "raise --memory-mib, or reduce counts, headings, speed modes or the lattice";
-            no_answer(file, &found, remedy)
+            no_answer(file, &format!("none in memory (any costs at least {})", lower_bound.primary), remedy)
         }
         NoPlan::TooLarge { states, bytes } => {
-            let found = format!("{states} states, which take {} MiB", files::mib_with_program(*bytes));
+            let answer = format!("{states} states, which take {} MiB", files::mib_with_program(*bytes));
             let remedy = "raise --memory-mib, take --engine auto, or reduce counts, headings, speed modes or the lattice";
-            no_answer(file, &found, remedy)
+            no_answer(file, &answer, remedy)
         }
     }
 }
@@ -126,9 +125,9 @@ pub fn too_large(file: &Path, demand: &Demand) -> Unplanned {
 
 fn does_not_fit(file: &Path, what: &dyn Display, bytes: u128) -> Unplanned {
     let remedy = "raise --memory-mib, or reduce the lattice, headings, speed modes or `raster_per_cell`";
-    let found = format!("{what}, which take {} MiB", files::mib_with_program(bytes));
+    let demand = format!("{what}, which take {} MiB", files::mib_with_program(bytes));
     Unplanned::NoAnswer(format!(
-        "{}: plan: found {found}, expected at most --memory-mib; {remedy}",
+        "{}: plan: found {demand}, expected at most --memory-mib; {remedy}",
         file.display()
     ))
 }

@@ -148,8 +148,8 @@ pub fn in_tide(
     let until = second("tide.until", &spec.until).map_err(of_config)?;
     if until <= departure {
         let expected = format!("a time after the departure, {}", in_words(departure as f64));
-        let found = in_words(until as f64);
-        return Err(Error::refuse(config_file, "`tide.until`", found, expected, "correct it"));
+        let given = in_words(until as f64);
+        return Err(Error::refuse(config_file, "`tide.until`", given, expected, "correct it"));
     }
     let path = config_file.parent().unwrap_or(Path::new("")).join(&spec.file);
     let bytes = files::read(&path)?;
@@ -178,9 +178,9 @@ fn table(bytes: &[u8]) -> Result<Vec<TideRow>, Invalid> {
     let place = |name: &str| header.iter().position(|column| column.trim_start_matches('\u{feff}') == name);
     let needed = |name: &str| {
         place(name).ok_or_else(|| {
-            let found = header.iter().collect::<Vec<_>>().join(", ");
+            let given = header.iter().collect::<Vec<_>>().join(", ");
             let expected = "columns time, level_m, and stream_m_s, towards_deg where the stream is known";
-            Invalid::new(format!("column `{name}`"), found, expected, "name the columns so in the first line")
+            Invalid::new(format!("column `{name}`"), given, expected, "name the columns so in the first line")
         })
     };
     let stream = place(COLUMNS[2]).is_some() || place(COLUMNS[3]).is_some();
@@ -196,8 +196,7 @@ fn table(bytes: &[u8]) -> Result<Vec<TideRow>, Invalid> {
         let line = record.position().map_or(0, csv::Position::line);
         let row = row(&record, &places, line)?;
         if rows.last().is_some_and(|last| last.at_s >= row.at_s) {
-            let found = in_words(row.at_s);
-            let expected = "a later time than in the line before";
+            let (found, expected) = (in_words(row.at_s), "a later time than in the line before");
             return Err(Invalid::new(format!("line {line}, `time`"), found, expected, "sort the table"));
         }
         rows.push(row);
@@ -285,10 +284,10 @@ fn daylight(area: &Area, departure: f64) -> Result<Option<[f64; 2]>, Invalid> {
         Daylight::Between([rise, set]) => Ok(Some([rise.ceil(), set.floor()])),
         Daylight::Always => Ok(None),
         Daylight::Never => {
-            let found =
+            let given =
                 format!("no sunrise at latitude {latitude_deg:.1} on the day of {}", in_words(departure));
             let remedy = "take another day, or leave `daylight` out";
-            Err(Invalid::new("`slot.daylight`", found, "a day with sun", remedy))
+            Err(Invalid::new("`slot.daylight`", given, "a day with sun", remedy))
         }
     }
 }
@@ -320,9 +319,9 @@ pub fn uncertain(
 }
 
 fn lacking([file, model]: [&Path; 2], errors: f64, found: &str) -> Error {
-    let found = format!("{errors} and {}, {found}", model.display());
+    let given = format!("{errors} and {}, {found}", model.display());
     let remedy = "give a model.json of `estimate pool`, or state `parameter_error`";
-    Error::invalid(file, Invalid::new("`safety.standard_errors`", found, "a model with a covariance", remedy))
+    Error::invalid(file, Invalid::new("`safety.standard_errors`", given, "a model with a covariance", remedy))
 }
 
 /// Within so many standard errors of the covariance of a model; `None` without one.

@@ -52,8 +52,8 @@ pub fn rows(reader: &TableReader, vessel: &Vessel) -> Result<Vec<Row>, Error> {
 /// Names the first resample that is missing or out of place.
 pub fn check(rows: &[Row], replicates: u32, file: &Path) -> Result<(), Error> {
     let expected = (0..replicates).map(Some).chain([None]);
-    let mut found = rows.iter().map(|row| Some(row.number)).chain([None]).zip(expected);
-    match found.find(|(found, expected)| found != expected) {
+    let mut numbers = rows.iter().map(|row| Some(row.number)).chain([None]).zip(expected);
+    match numbers.find(|(number, expected)| number != expected) {
         None => Ok(()),
         Some((found, expected)) => {
             let text = |number: Option<u32>| {

@@ -147,16 +147,20 @@ fn recommendation(design: &str, rows: &[&Row], estimators: &[Estimator]) -> Esti
     let error = if known { ComparedError::ParameterError } else { ComparedError::SimulationError };
     let contenders: Vec<Contender> = estimators.iter().map(|e| contender(*e, rows, error)).collect();
     let runs = contenders.iter().map(|c| c.errors.len()).max().unwrap_or(0);
-    let found = Recommendation::new(&contenders);
+    let recommendation = Recommendation::new(&contenders);
     EstimatorRecommendation {
         design: design.to_owned(),
         error,
         runs: runs as u64,
         most_without_estimate: MOST_WITHOUT_ESTIMATE,
-        estimator: found.as_ref().and_then(Recommendation::estimator),
-        candidates: found.as_ref().map_or(Vec::new(), Recommendation::candidates),
-        others: found.iter().flat_map(|found| &found.others).map(PairedDifference::from).collect(),
-        statement: statement(found.as_ref(), design, error, runs),
+        estimator: recommendation.as_ref().and_then(Recommendation::estimator),
+        candidates: recommendation.as_ref().map_or(Vec::new(), Recommendation::candidates),
+        others: recommendation
+            .iter()
+            .flat_map(|recommendation| &recommendation.others)
+            .map(PairedDifference::from)
+            .collect(),
+        statement: statement(recommendation.as_ref(), design, error, runs),
     }
 }
 
@@ -173,9 +177,14 @@ fn contender(estimator: Estimator, rows: &[&Row], error: ComparedError) -> Conte
     }
 }
 
-fn statement(found: Option<&Recommendation>, design: &str, error: ComparedError, runs: usize) -> String {
+fn statement(
+    recommendation: Option<&Recommendation>,
+    design: &str,
+    error: ComparedError,
+    runs: usize,
+) -> String {
     let share = format!("{} % of the runs", 100.0 * MOST_WITHOUT_ESTIMATE);
-    let Some(found) = found else {
+    let Some(recommendation) = recommendation else {
         return format!(
             "No estimator can be recommended for the {design} design: each leaves more than {share} without an estimate."
         );
@@ -184,10 +193,11 @@ fn statement(found: Option<&Recommendation>, design: &str, error: ComparedError,
         ComparedError::ParameterError => "parameter error",
         ComparedError::SimulationError => "simulation error",
     };
-    let least = format!("{} has the least median {what} ({:.3})", found.least, found.median);
+    let least =
+        format!("{} has the least median {what} ({:.3})", recommendation.least, recommendation.median);
     let among = format!("of the estimators that leave at most {share} without an estimate");
-    match found.estimator() {
-        Some(_) if found.others.is_empty() => {
+    match recommendation.estimator() {
+        Some(_) if recommendation.others.is_empty() => {
             format!("For the {design} design {least}; it is the only one {among}.")
         }
         Some(_) => format!(
@@ -195,7 +205,8 @@ fn statement(found: Option<&Recommendation>, design: &str, error: ComparedError,
              larger than chance (95 % interval above 0)."
         ),
         None => {
-            let close: Vec<String> = found.candidates()[1..].iter().map(Estimator::to_string).collect();
+            let close: Vec<String> =
+                recommendation.candidates()[1..].iter().map(Estimator::to_string).collect();
             format!(
                 "For the {design} design {least} {among}; there is no difference from {} that {runs} runs can tell: the \
                  95 % interval of the paired difference contains 0.",

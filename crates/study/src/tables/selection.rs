@@ -160,14 +160,12 @@ pub fn counts(
             ));
         };
         if count > *there {
-            let found = format!("--counts: found {count} of `{name}`, expected at most {there}");
-            return Err(format!("{found}; lower it"));
+            return Err(format!("--counts: found {count} of `{name}`, expected at most {there}; lower it"));
         }
         *counts.entry(name.to_owned()).or_default() += count;
     }
     if counts.values().sum::<u64>() == 0 {
-        let found = "--counts: found none, expected name=number or --design";
-        return Err(format!("{found}; name what to pick"));
+        return Err("--counts: found none, expected name=number or --design; name what to pick".to_owned());
     }
     Ok(counts)
 }

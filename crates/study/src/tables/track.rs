@@ -131,17 +131,17 @@ pub fn read_planned(plan: &Path, vessel: &Vessel, provenance: &mut Provenance) -
 fn track_of(plan: &Path) -> Result<(Loaded<PlanDocument>, PathBuf), Error> {
     let document = read_document::<PlanDocument>(plan)?;
     if document.data.voyage.is_none() {
-        let found = "none: the plan of a lattice problem";
+        let given = "none: the plan of a lattice problem";
         let remedy = "plan on a chart, with --vessel, --trajectories and --config";
-        return Err(Error::refuse(plan, "`data.voyage`", found, "a plan on a chart", remedy));
+        return Err(Error::refuse(plan, "`data.voyage`", given, "a plan on a chart", remedy));
     }
     let path = crate::beside(plan, "plan.json", "track.parquet");
     let track = TableReader::open(&path, TRACK, TRACK_VERSION)?;
     let of = |p: &Provenance| (p.inputs.clone(), p.origins.clone(), p.settings.clone());
     if of(track.provenance()) != of(&document.provenance) {
         let expected = format!("the track that was written with {}", plan.display());
-        let found = "a track planned from other inputs or with another seed";
-        return Err(Error::refuse(&path, "provenance", found, expected, "plan again"));
+        let given = "a track planned from other inputs or with another seed";
+        return Err(Error::refuse(&path, "provenance", given, expected, "plan again"));
     }
     Ok((document, path))
 }

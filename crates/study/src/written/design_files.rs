@@ -111,8 +111,8 @@ fn check_stock(stock: &Stock, maneuvers: &[String]) -> Result<(), Invalid> {
     }
     if let Some(twice) = stock.seconds.keys().find(|key| stock.segments.contains_key(*key)) {
         let thing = format!("maneuver `{twice}`");
-        let found = "a limit in `seconds` and one in `segments`";
-        return Err(Invalid::new(thing, found, "one limit", "remove one"));
+        let given = "a limit in `seconds` and one in `segments`";
+        return Err(Invalid::new(thing, given, "one limit", "remove one"));
     }
     let seconds = stock.seconds.iter().map(|(name, seconds)| (name, *seconds));
     check_numbers(seconds, "a time of 0 s or more", |seconds| seconds >= 0.0)

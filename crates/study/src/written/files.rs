@@ -126,8 +126,7 @@ pub fn read_planned(path: &Path, provenance: &mut Provenance) -> Result<Vessel, 
 
 fn without_dead_time(path: &Path, vessel: Vessel) -> Result<Vessel, Error> {
     if vessel.model.forces.as_ref().is_some_and(|moved| moved.forces.has_dead_time(&vessel.nominal)) {
-        let found = "a dead time above 0 s";
-        let expected = "none: simulations give inputs as they act";
+        let (found, expected) = ("a dead time above 0 s", "none: simulations give inputs as they act");
         return Err(Error::refuse(path, "`dead_time_s`", found, expected, "remove it for this stage"));
     }
     Ok(vessel)
@@ -175,9 +174,9 @@ pub fn is_guess(path: &Path, vessel: &Vessel) -> bool {
 
 /// Refuses an average, whose models do not have one structure.
 fn not_one(path: &Path) -> Error {
-    let found = "average/1, several models whose trajectories are averaged";
+    let given = "average/1, several models whose trajectories are averaged";
     let remedy = "take the `model.json` of the same search, or try the average by `validate compare`";
-    Error::refuse(path, "schema", found, "model/1, a single model", remedy)
+    Error::refuse(path, "schema", given, "model/1, a single model", remedy)
 }
 
 fn is_model(path: &Path) -> bool {

@@ -191,8 +191,8 @@ fn line(owner: &str, key: &str, value: &Value, notes: &Notes) -> String {
 }
 
 fn note(notes: &Notes, names: &[String]) -> String {
-    let found = names.iter().find_map(|name| notes.numbers.get(name));
-    found.map_or(String::new(), |note| format!("  # {note}"))
+    let note = names.iter().find_map(|name| notes.numbers.get(name));
+    note.map_or(String::new(), |note| format!("  # {note}"))
 }
 
 /// The entries of a table in their order.

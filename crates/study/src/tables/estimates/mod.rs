@@ -284,10 +284,10 @@ pub fn criticised(provenance: &Provenance) -> bool {
 }
 
 fn setting<T: DeserializeOwned>(file: &Path, provenance: &Provenance, key: &str) -> Result<T, Error> {
-    let found = provenance.settings.get(key).cloned().unwrap_or_default();
-    serde_json::from_value(found.clone()).map_err(|_| {
-        let (thing, found) = (format!("setting `{key}`"), found.to_string());
-        crate::refuse(file, &thing, &found, "one that `estimate` writes", "run `estimate` again")
+    let setting = provenance.settings.get(key).cloned().unwrap_or_default();
+    serde_json::from_value(setting.clone()).map_err(|_| {
+        let (thing, given) = (format!("setting `{key}`"), setting.to_string());
+        crate::refuse(file, &thing, &given, "one that `estimate` writes", "run `estimate` again")
     })
 }
 
@@ -317,10 +317,10 @@ fn design_summaries(vessel: &Vessel, rows: &[&Row], criticised: bool) -> Vec<Des
 fn design_summary(vessel: &Vessel, design: &str, rows: &[&Row], criticised: bool) -> DesignSummary {
     let count = |status: EstimateStatus| rows.iter().filter(|r| r.status == status).count() as u64;
     let by = |which: fn(Estimator) -> bool| rows.iter().any(|r| which(r.estimator));
-    let found: Vec<RepeatedEstimates> =
+    let repeats: Vec<RepeatedEstimates> =
         (0..vessel.model.parameters()).map(|i| repeated(i, rows, vessel.value[i])).collect();
-    let norms = relative_norms(&found);
-    let ratios = || found.iter().filter_map(RepeatedEstimates::se_ratio);
+    let norms = relative_norms(&repeats);
+    let ratios = || repeats.iter().filter_map(RepeatedEstimates::se_ratio);
     DesignSummary {
         design: design.to_owned(),
         runs: rows.len() as u64,
@@ -332,7 +332,7 @@ fn design_summary(vessel: &Vessel, design: &str, rows: &[&Row], criticised: bool
         relative_rms: norms.map(|[.., rms]| rms),
         se_ratio_min: ratios().reduce(f64::min),
         se_ratio_max: ratios().reduce(f64::max),
-        parameters: parameters(vessel, &found, rows),
+        parameters: parameters(vessel, &repeats, rows),
         degrees: blocks(vessel).iter().enumerate().map(|(d, name)| degree_summary((d, name), rows)).collect(),
     }
 }

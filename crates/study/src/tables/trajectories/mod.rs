@@ -34,19 +34,19 @@ impl Reacting {
 
     /// Those that the table of `provenance` was written with.
     pub fn noted(provenance: &Provenance) -> Self {
-        let Some(found) = provenance.settings.get(REACTING) else { return Self::default() };
-        let names = found["maneuvers"].as_array().into_iter().flatten();
+        let Some(setting) = provenance.settings.get(REACTING) else { return Self::default() };
+        let names = setting["maneuvers"].as_array().into_iter().flatten();
         Self {
             names: names.filter_map(|name| Some(name.as_str()?.to_owned())).collect(),
-            generated_from: found["generated_from"].as_u64().map(|from| from as usize),
+            generated_from: setting["generated_from"].as_u64().map(|from| from as usize),
         }
     }
 
     /// Notes them, if there are any.
     pub fn note(&self, provenance: &mut Provenance) {
         if *self != Self::default() {
-            let found = json!({"maneuvers": self.names, "generated_from": self.generated_from});
-            provenance.settings.insert(REACTING.into(), found);
+            let setting = json!({"maneuvers": self.names, "generated_from": self.generated_from});
+            provenance.settings.insert(REACTING.into(), setting);
         }
     }
 

@@ -210,8 +210,8 @@ impl TrajectoryReader {
 
 /// The refusal of `file` as one shard of several.
 pub fn refuse_shard(file: &Path, shard: &Shard) -> Error {
-    let found = format!("shard {shard}");
-    crate::refuse(file, "file", &found, "the whole table", "put all shards together with --gather first")
+    let given = format!("shard {shard}");
+    crate::refuse(file, "file", &given, "the whole table", "put all shards together with --gather first")
 }
 
 /// The columns of a block.

@@ -18,8 +18,7 @@ impl IngestFile {
         self.check_channels()?;
         self.check_segments()?;
         if !self.file.is_empty() && self.file.iter().all(|file| file.optional) {
-            let found = "it in every [[file]]";
-            let expected = "a kind of files that every recording has";
+            let (found, expected) = ("it in every [[file]]", "a kind of files that every recording has");
             return Err(Invalid::new("`optional`", found, expected, "remove it from one of them"));
         }
         self.file.iter().try_for_each(check_file)
@@ -48,12 +47,12 @@ impl IngestFile {
             ));
         }
         if self.tail_s.is_some() && self.tail_s > Some(self.window_s.unwrap_or(0.0)) {
-            let found = match self.window_s {
+            let given = match self.window_s {
                 Some(window_s) => format!("{} s beside windows of {window_s} s", self.tail_s.unwrap_or(0.0)),
                 None => "no `window_s` beside it".to_owned(),
             };
             let expected = "the shortest last window, no longer than `window_s`";
-            return Err(Invalid::new("`tail_s`", found, expected, "correct it or remove it"));
+            return Err(Invalid::new("`tail_s`", given, expected, "correct it or remove it"));
         }
         self.check_speed_names()
     }
@@ -189,8 +188,8 @@ impl IngestFile {
             ));
         }
         if self.maneuver.is_some() && self.maneuver_from_file.is_some() {
-            let found = "`maneuver_from_file` beside it";
-            return Err(Invalid::new("`maneuver`", found, "one of the two", "remove one"));
+            let given = "`maneuver_from_file` beside it";
+            return Err(Invalid::new("`maneuver`", given, "one of the two", "remove one"));
         }
         let wrong = |s: &&Interval| !(s.from_s.is_finite() && s.to_s.is_finite() && s.from_s < s.to_s);
         match self.segment.iter().find(wrong) {
@@ -239,9 +238,9 @@ fn check_file(file: &FileSpec) -> Result<(), Invalid> {
         return Err(Invalid::new("`separator`", format!("`{}`", c.escape_default()), expected, "correct it"));
     }
     if !['.', ','].contains(&file.decimal) || file.decimal == c {
-        let found = format!("`{}` beside the separator `{c}`", file.decimal);
+        let given = format!("`{}` beside the separator `{c}`", file.decimal);
         let expected = "`.` or `,`, and another separator";
-        return Err(Invalid::new("`decimal`", found, expected, "correct one of them"));
+        return Err(Invalid::new("`decimal`", given, expected, "correct one of them"));
     }
     match (file.header, file.columns) {
         (true, None) | (false, Some(1..)) => {}
@@ -278,9 +277,9 @@ fn check_talkers(file: &FileSpec) -> Result<(), Invalid> {
     let other = file.pattern.iter().find(|pattern| file.format_of(pattern) != Format::Nmea);
     match (keys.iter().find(|(_, is_set)| *is_set), other) {
         (Some((key, _)), Some(pattern)) => {
-            let found = format!("`{key}` of files `{pattern}`");
+            let given = format!("`{key}` of files `{pattern}`");
             let remedy = "remove it, or set `format = \"nmea\"`";
-            Err(Invalid::new(format!("`{key}`"), found, "it for files of NMEA 0183", remedy))
+            Err(Invalid::new(format!("`{key}`"), given, "it for files of NMEA 0183", remedy))
         }
         _ => Ok(()),
     }
@@ -291,19 +290,19 @@ fn check_kinds(file: &FileSpec) -> Result<(), Invalid> {
     for pattern in &file.pattern {
         let format = file.format_of(pattern);
         if format.is_bag() != file.topic.is_some() {
-            let found = if file.topic.is_some() { "it for" } else { "none for" };
+            let given = if file.topic.is_some() { "it for" } else { "none for" };
             let expected = "one for every group of bags, and for no other files";
             return Err(Invalid::new(
                 "`topic`",
-                format!("{found} `{pattern}`"),
+                format!("{given} `{pattern}`"),
                 expected,
                 "add or remove it, or set the `format` where names do not end with one",
             ));
         }
         check_clock(file, pattern, format)?;
         if file.publisher.is_some() && !format.is_bag() {
-            let found = format!("it for `{pattern}`");
-            return Err(Invalid::new("`publisher`", found, "it for the topic of a bag", "remove it"));
+            let given = format!("it for `{pattern}`");
+            return Err(Invalid::new("`publisher`", given, "it for the topic of a bag", "remove it"));
         }
         let others =
             [file.label_column.is_some(), file.time.nanoseconds.is_some(), !file.quaternion.is_empty()];
@@ -315,9 +314,9 @@ fn check_kinds(file: &FileSpec) -> Result<(), Invalid> {
             Format::Csv | Format::Parquet => false,
         };
         if lacks {
-            let found = "`label_column`, `nanoseconds`, `quaternion`, or a time as text";
+            let given = "`label_column`, `nanoseconds`, `quaternion`, or a time as text";
             let expected = "channels that are numbers: sentences have no more, bags quaternions too";
-            return Err(Invalid::new(format!("files `{pattern}`"), found, expected, "remove it"));
+            return Err(Invalid::new(format!("files `{pattern}`"), given, expected, "remove it"));
         }
     }
     Ok(())
@@ -355,8 +354,8 @@ fn check_time(file: &FileSpec) -> Result<(), Invalid> {
     if tells_itself(file) == Some(true) {
         return match time.unit.is_some() || time.format.is_some() || time.zone.is_some() {
             true => {
-                let found = format!("`unit` of `{}`, or its `format` or `zone`", time.column);
-                Err(Invalid::new("`time`", found, "none: it is known", "remove it"))
+                let given = format!("`unit` of `{}`, or its `format` or `zone`", time.column);
+                Err(Invalid::new("`time`", given, "none: it is known", "remove it"))
             }
             false => Ok(()),
         };
@@ -364,17 +363,17 @@ fn check_time(file: &FileSpec) -> Result<(), Invalid> {
     let has_stamps = |format: Format| format.is_bag() && format != Format::Ulg;
     let is_stamped = file.pattern.iter().all(|pattern| has_stamps(file.format_of(pattern)));
     if time.unit.is_some() == time.format.is_some() && !is_stamped {
-        let found = if time.unit.is_some() { "both `unit` and `format`" } else { "no `unit`" };
+        let given = if time.unit.is_some() { "both `unit` and `format`" } else { "no `unit`" };
         let expected = "a `unit`, or the `format` of times that are text";
-        return Err(Invalid::new("`time`", found, expected, "name one of the two"));
+        return Err(Invalid::new("`time`", given, expected, "name one of the two"));
     }
     if time.zone.is_some() && !time.is_text() {
-        let found = "`zone` of a time that is a number";
-        return Err(Invalid::new("`time`", found, "it for times that are text", "remove `zone`"));
+        let given = "`zone` of a time that is a number";
+        return Err(Invalid::new("`time`", given, "it for times that are text", "remove `zone`"));
     }
     if time.nanoseconds.is_some() && time.unit != Some(TimeUnit::S) {
-        let found = "`nanoseconds` beside another unit than seconds";
-        return Err(Invalid::new("`time`", found, "whole seconds in `column`", "set `unit = \"s\"`"));
+        let given = "`nanoseconds` beside another unit than seconds";
+        return Err(Invalid::new("`time`", given, "whole seconds in `column`", "set `unit = \"s\"`"));
     }
     Ok(())
 }

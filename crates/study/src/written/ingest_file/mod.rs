@@ -311,9 +311,9 @@ fn table(TableSpec { speed, pitch, force, forces }: TableSpec) -> Result<ForceTa
         (Some(row), None) if pitch.is_none() => vec![row],
         (None, Some(rows)) if pitch.is_some() => rows,
         _ => {
-            let found = "neither or both, or the wrong one, of `force` and `forces`";
+            let given = "neither or both, or the wrong one, of `force` and `forces`";
             let expected = "`force`, or with pitches `forces`";
-            return Err(Invalid::new("`table` of a thruster", found, expected, "correct it"));
+            return Err(Invalid::new("`table` of a thruster", given, expected, "correct it"));
         }
     };
     ForceTable::new(speed, pitch, forces)
@@ -356,10 +356,10 @@ pub fn simulated_label(
             Some(_) => "the log as it was simulated",
             None => "one of the logs that were simulated together",
         };
-        let found = if listed.is_some() { "another digest" } else { "a log that is not listed" };
+        let given = if listed.is_some() { "another digest" } else { "a log that is not listed" };
         let remedy = "simulate the logs again into an empty folder, or keep other logs elsewhere";
         let expected = format!("{expected}, as {} says", path.display());
-        return Err(crate::refuse(&log, "simulated log", found, &expected, remedy));
+        return Err(crate::refuse(&log, "simulated log", given, &expected, remedy));
     }
     provenance.made("simulated", &path, loaded.digest, &loaded.provenance)?;
     Ok(Some(loaded.data.label))

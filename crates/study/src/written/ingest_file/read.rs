@@ -128,8 +128,8 @@ pub fn check_format(path: &Path, format: Format, is_from_top: bool) -> Result<()
     open(path)?.take(most).read_to_end(&mut head).map_err(unreadable)?;
     if path.extension().is_some_and(|end| end == "gz") && !head.is_empty() {
         if !head.starts_with(&[0x1F, 0x8B]) {
-            let found = "bytes that gzip did not write, in a file called .gz";
-            let plain = Invalid::new("format", found, "a file compressed with gzip", "rename it without .gz");
+            let given = "bytes that gzip did not write, in a file called .gz";
+            let plain = Invalid::new("format", given, "a file compressed with gzip", "rename it without .gz");
             return Err(crate::invalid(path, &foreign_format(&head, format, is_from_top).unwrap_or(plain)));
         }
         let mut text = Vec::new();
@@ -207,10 +207,10 @@ pub fn database(path: &Path) -> Result<DatabaseFile, Error> {
         let beside = Path::new(&beside);
         if is_file(beside) && beside.metadata().is_ok_and(|changes| changes.len() > 0) {
             let beside = beside.file_name().unwrap_or_default().to_string_lossy();
-            let found = format!("changes in `{}` that are not in the file", foreign(&beside));
+            let given = format!("changes in `{}` that are not in the file", foreign(&beside));
             let remedy =
                 "the recorder did not end: `sqlite3 FILE 'PRAGMA wal_checkpoint(TRUNCATE)'` writes them";
-            let invalid = Invalid::new("database", found, "a bag that is closed", remedy);
+            let invalid = Invalid::new("database", given, "a bag that is closed", remedy);
             return Err(crate::invalid(path, &invalid));
         }
     }
@@ -229,8 +229,8 @@ fn is_damage(error: &std::io::Error) -> bool {
 
 fn damaged(error: &std::io::Error) -> Invalid {
     let cut = error.kind() == ErrorKind::UnexpectedEof;
-    let found = if cut { "an end within the compressed data".to_owned() } else { error.to_string() };
-    Invalid::new("file", found, "a whole gzip file", "the file is truncated or damaged: copy it again")
+    let given = if cut { "an end within the compressed data".to_owned() } else { error.to_string() };
+    Invalid::new("file", given, "a whole gzip file", "the file is truncated or damaged: copy it again")
 }
 
 // Logs in Parquet: the requested columns, and times by their types.
@@ -315,9 +315,9 @@ impl TypedTime<'_> {
             || spec.nanoseconds.is_some()
             || ![Some(unit), Some(TimeUnit::Iso8601)].contains(&spec.unit)
         {
-            let found = format!("times that are no text, in {unit:?} by their type").to_lowercase();
+            let given = format!("times that are no text, in {unit:?} by their type").to_lowercase();
             let remedy = "set `unit = \"iso8601\"` in its `time`: the type says the rest";
-            return refuse(&found, "the time's `unit` or `format` as it is stated", remedy);
+            return refuse(&given, "the time's `unit` or `format` as it is stated", remedy);
         }
         let (mut seconds, mut wrong) = (Samples::new(store), None);
         // If a unit is stated, times are expected in it.

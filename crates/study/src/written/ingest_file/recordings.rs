@@ -25,14 +25,14 @@ pub fn find(
     for spec in &config.file {
         let mut group = Vec::new();
         for pattern in &spec.pattern {
-            let found = matching(folder, pattern)?;
-            if found.is_empty() && !spec.optional {
+            let names = matching(folder, pattern)?;
+            if names.is_empty() && !spec.optional {
                 return Err(invalid(config_path, &no_file(folder, pattern)));
             }
             if spec.format_of(pattern).is_bag() {
-                check_parts(folder, &found)?;
+                check_parts(folder, &names)?;
             }
-            group.extend(found);
+            group.extend(names);
         }
         files.push(group);
     }
@@ -41,13 +41,13 @@ pub fn find(
 
 /// The files below `folder` that match `pattern`, sorted.
 fn matching(folder: &Path, pattern: &str) -> Result<Vec<String>, Error> {
-    let mut found = vec![String::new()];
+    let mut names = vec![String::new()];
     let steps: Vec<&str> = pattern.split('/').filter(|step| !step.is_empty() && *step != ".").collect();
     for (i, step) in steps.iter().enumerate() {
         let last = i + 1 == steps.len();
         let glob = Pattern::new(step);
         let mut next = Vec::new();
-        for before in &found {
+        for before in &names {
             observe_names(&folder.join(before), step);
             for Entry { name, is_text, is_folder } in entries(&folder.join(before))? {
                 if is_folder == last || !glob.fits(&name) {
@@ -59,10 +59,10 @@ fn matching(folder: &Path, pattern: &str) -> Result<Vec<String>, Error> {
                 next.push(if before.is_empty() { name } else { format!("{before}/{name}") });
             }
         }
-        found = next;
+        names = next;
     }
-    found.sort();
-    Ok(if steps.is_empty() { Vec::new() } else { found })
+    names.sort();
+    Ok(if steps.is_empty() { Vec::new() } else { names })
 }
 
 /// An entry of a folder.
@@ -145,9 +145,9 @@ fn check_parts(folder: &Path, files: &[String]) -> Result<(), Error> {
             files.contains(&name)
         });
         if let Some(part) = parts.iter().find(|part| is_own && !here.join(part).exists()) {
-            let found = format!("no file `{}` beside it", foreign(part));
+            let given = format!("no file `{}` beside it", foreign(part));
             let remedy = "copy this part too, or remove it from the list";
-            return Err(invalid(&path, &Invalid::new("parts", found, "all parts that it lists", remedy)));
+            return Err(invalid(&path, &Invalid::new("parts", given, "all parts that it lists", remedy)));
         }
     }
     Ok(())
