@@ -169,7 +169,7 @@ impl Folder {
             let mut from = inspected.provenance.clone();
             from.inputs.retain(|_, digest| !self.names.contains_key(digest));
             from.origins.retain(|_, digest| !self.names.contains_key(digest));
-            if let Err(error) = provenance.made(role_of(&name), path, found.digest, &from) {
+            if let Err(error) = provenance.made(role_of(&name), path, inspected.digest, &from) {
                 self.faults.push(error.to_string());
             }
         }

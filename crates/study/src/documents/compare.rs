@@ -239,22 +239,17 @@ pub struct SlopesAt {
 impl MeritDocument {
     /// Of the figures of `vessel`, whose runs are draws of its parameters or recorded.
     pub fn new(vessel: &str, length_m: f64, of_parameters: bool, maneuvers: Vec<ManeuverMerit>) -> Self {
-        let words = |maneuver_merit: &ManeuverMerit| {
-            let figures = maneuver_merit
-                .figures
-                .iter()
-                .map(|figure| format!("{}: {}", maneuver_merit.name, figure.words()));
-            let without = maneuver_merit.lacking().zip(maneuver_merit.reason.as_ref());
-            let without = without
-                .map(|(lacking, reason)| format!("{}: {lacking}, such as {reason}", maneuver_merit.name));
-            let unsloped = maneuver_merit.figures.iter().filter_map(|figure| {
+        let words = |merit: &ManeuverMerit| {
+            let figures = merit.figures.iter().map(|figure| format!("{}: {}", merit.name, figure.words()));
+            let without = merit.lacking().zip(merit.reason.as_ref());
+            let without =
+                without.map(|(lacking, reason)| format!("{}: {lacking}, such as {reason}", merit.name));
+            let unsloped = merit.figures.iter().filter_map(|figure| {
                 let why = figure.without_slopes.as_ref()?;
-                Some(format!("{}: no slopes of {}: {why}", maneuver_merit.name, figure.what))
+                Some(format!("{}: no slopes of {}: {why}", merit.name, figure.what))
             });
-            let sailed =
-                maneuver_merit.sailed.iter().map(|sailed| format!("{}: {sailed}", maneuver_merit.name));
-            let remarks =
-                maneuver_merit.remarks.iter().map(|remark| format!("{}: {remark}", maneuver_merit.name));
+            let sailed = merit.sailed.iter().map(|sailed| format!("{}: {sailed}", merit.name));
+            let remarks = merit.remarks.iter().map(|remark| format!("{}: {remark}", merit.name));
             sailed.chain(remarks).chain(figures).chain(without).chain(unsloped).collect::<Vec<_>>()
         };
         Self {

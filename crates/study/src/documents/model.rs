@@ -158,10 +158,8 @@ impl ModelDocument {
             errors.iter().map(|error| Some(*error).filter(|error| !error.is_nan())).collect();
         let model = Self::of(vessel, (found.estimator, removal), delivered, &errors);
         let sources: Vec<&str> = model.recordings.iter().map(|recording| recording.source.as_str()).collect();
-        let statement = format!(
-            "estimated from run {} alone; what its structure lacks was not tried",
-            sources.join(", ")
-        );
+        let sources = sources.join(", ");
+        let statement = format!("estimated from run {sources} alone; what its structure lacks was not tried");
         Self { statements: vec![statement], ..model }
     }
 
@@ -227,10 +225,10 @@ impl ModelDocument {
             unit: variable.unit.clone(),
             simulated: model.simulated.get(&place).copied(),
         };
-        let derived = |derived_channel: &DerivedChannel| DerivedSpec {
-            name: model.variables[derived_channel.variable].name.clone(),
-            unit: model.variables[derived_channel.variable].unit.clone(),
-            formula: derived_channel.text.clone(),
+        let derived = |channel: &DerivedChannel| DerivedSpec {
+            name: model.variables[channel.variable].name.clone(),
+            unit: model.variables[channel.variable].unit.clone(),
+            formula: channel.text.clone(),
         };
         // In the order of the file, not of computation.
         let mut written: Vec<&DerivedChannel> = model.derived.iter().collect();
@@ -247,18 +245,13 @@ impl ModelDocument {
     pub fn known(&self) -> Option<PriorInformation> {
         match &self.forces {
             Some(forces) => {
-                let of = |name: &str| {
-                    forces.parameters.iter().find(|parameter| parameter.name == name)?.prior_deviation
-                };
-                let names = forces.parameters.iter().map(|parameter| parameter.name.as_str());
+                let of = |name: &str| forces.parameters.iter().find(|p| p.name == name)?.prior_deviation;
+                let names = forces.parameters.iter().map(|p| p.name.as_str());
                 PriorInformation::new(names, Some(&forces.covariance), of)
             }
             None => {
-                let names = self
-                    .degrees
-                    .iter()
-                    .flat_map(|degree| &degree.parameters)
-                    .map(|parameter| parameter.name.as_str());
+                let parameters = self.degrees.iter().flat_map(|degree| &degree.parameters);
+                let names = parameters.map(|p| p.name.as_str());
                 PriorInformation::new(names, Some(self.covariance.as_ref()?), |_| None)
             }
         }
@@ -289,10 +282,7 @@ impl ModelDocument {
             }
         }
         let states = DegreeOfFreedom::ALL.map(|degree| range(degree.state()));
-        vessel.motion = match states {
-            [Some(u), Some(v), Some(r)] => Some([u, v, r]),
-            _ => None,
-        };
+        vessel.motion = if let [Some(u), Some(v), Some(r)] = states { Some([u, v, r]) } else { None };
         vessel
     }
 
@@ -411,16 +401,16 @@ impl ModelDegree {
     /// With standard errors of all parameters: surge, sway, yaw.
     fn new(vessel: &Vessel, delivered: &Delivered, errors: &[Option<f64>], degree: DegreeOfFreedom) -> Self {
         let d = degree as usize;
-        let terms = vessel.model.layout().terms(d);
-        let (terms, units) = (&vessel.model.degrees[d], vessel.model.parameter_units());
+        let first = vessel.model.layout().terms(d).start;
+        let (equation, units) = (&vessel.model.degrees[d], vessel.model.parameter_units());
         let least_squares = delivered.least_squares.as_ref();
         let estimated = |place: usize| {
-            let i = place - terms.start;
+            let i = place - first;
             let value = delivered.theta[place];
-            let at_bound = terms.at_bound(i, value);
+            let at_bound = equation.at_bound(i, value);
             ModelParameter {
-                name: terms.parameters[i].clone(),
-                term: terms.terms[i].text.clone(),
+                name: equation.parameters[i].clone(),
+                term: equation.terms[i].text.clone(),
                 unit: units[place].clone(),
                 value,
                 standard_error: errors.get(place).copied().flatten().filter(|_| !at_bound),

@@ -69,11 +69,11 @@ fn read_so_far(path: &Path, inputs: &[&str], provenance: &mut Provenance) -> Res
         return Err(crate::invalid(path, &foreign));
     }
     let mut source = Digesting::new(open(path)?);
-    let positions =
-        read_positions(BufReader::new(&mut source), format, inputs).map_err(|error| match error {
-            LogError::Unreadable(error) => unreadable(error),
-            LogError::Invalid(invalid) => crate::invalid(path, &invalid),
-        })?;
+    let positions = read_positions(BufReader::new(&mut source), format, inputs);
+    let positions = positions.map_err(|error| match error {
+        LogError::Unreadable(error) => unreadable(error),
+        LogError::Invalid(invalid) => crate::invalid(path, &invalid),
+    })?;
     provenance.written("positions", path, source.digest().map_err(unreadable)?)?;
     Ok(positions)
 }
@@ -105,14 +105,14 @@ impl Clock {
 
     /// Positions on `plane`, timed after the departure.
     fn placed(&self, logged: &LoggedPositions, plane: &Plane) -> Vec<ShipPosition> {
-        let place = |logged_position: &logs::LoggedPosition| ShipPosition {
-            line: logged_position.line,
-            at_s: self.origin_s + logged_position.at_s,
-            place: plane.to_plane(logged_position.longitude_deg, logged_position.latitude_deg),
-            heading_deg: logged_position.heading_deg,
-            speed_m_s: logged_position.speed_m_s,
+        let placed = |row: &logs::LoggedPosition| ShipPosition {
+            line: row.line,
+            at_s: self.origin_s + row.at_s,
+            place: plane.to_plane(row.longitude_deg, row.latitude_deg),
+            heading_deg: row.heading_deg,
+            speed_m_s: row.speed_m_s,
         };
-        logged.rows.iter().map(place).collect()
+        logged.rows.iter().map(placed).collect()
     }
 }
 
@@ -128,16 +128,15 @@ impl FollowedPlan {
         brief: &mut Brief,
         provenance: &mut Provenance,
     ) -> Result<Self, FollowError> {
-        let names: Vec<&str> =
-            brief.vessel.model.input_variables().iter().map(|input| input.name.as_str()).collect();
-        let logged = read_so_far(files.positions, &names, provenance)?;
+        let names = brief.vessel.model.input_variables().iter().map(|input| input.name.as_str());
+        let logged = read_so_far(files.positions, &names.collect::<Vec<_>>(), provenance)?;
         let (plane, _) = brief.sight()?;
         let (points, inputs) = planned_points(files.plan, &brief.vessel, &plane)?;
         check_order(&logged, &points, &plane).map_err(|e| Error::invalid(files.positions, e))?;
         // A plan with a track has a voyage.
         let voyage = plan.voyage.as_ref().ok_or_else(|| no_voyage(files.plan))?;
-        let track = PlannedTrack::new(points, &voyage.legs, &voyage.primitives, &brief.task);
-        let track = track.within(files.within_m);
+        let track =
+            PlannedTrack::new(points, &voyage.legs, &voyage.primitives, &brief.task).within(files.within_m);
         let clock = Clock::of(&logged, voyage);
         let positions = clock.placed(&logged, &plane);
         let limits = FollowLimits::of(&brief.task, &track, files.max_gap_s);
@@ -161,11 +160,10 @@ impl FollowedPlan {
                 None => rest,
             };
         }
-        let left_out = (followed.spikes + logged.left_out) as u64;
         let document = FollowDocument {
             statement: statement(plan, &followed, &information, status),
             doubts: doubts(plan, &followed),
-            left_out,
+            left_out: (followed.spikes + logged.left_out) as u64,
             status,
             departure: clock.words(0.0),
             at: clock.words(followed.at_s),
@@ -355,20 +353,17 @@ fn goes_on([longitude_deg, latitude_deg]: [f64; 2], followed: &Followed, voyage:
 }
 
 fn states(voyage: &Voyage, track: &PlannedTrack, followed: &Followed) -> Vec<FollowedStep> {
-    let all = voyage
-        .legs
-        .iter()
-        .zip(&track.steps)
-        .zip(followed.states.iter().zip(followed.deviations_m.iter().zip(&followed.why)));
-    all.map(|((leg, step), (state, (deviation_m, why)))| FollowedStep {
+    let steps = voyage.legs.iter().zip(&track.steps);
+    let results = followed.states.iter().zip(followed.deviations_m.iter().zip(&followed.why));
+    let step = |((leg, step), (state, (deviation_m, why)))| FollowedStep {
         action: step.name.clone(),
         informative: leg.informative,
         state: *state,
         deviation_m: *deviation_m,
         within_m: step.within_m,
         why: why.clone(),
-    })
-    .collect()
+    };
+    steps.zip(results).map(step).collect()
 }
 
 /// `follow.json` in words.
@@ -379,42 +374,34 @@ fn statement(
     status: FollowStatus,
 ) -> String {
     let step = &plan.steps[followed.step];
-    let number = followed.step + 1;
+    let (number, count) = (followed.step + 1, plan.steps.len());
     let mut said = match status {
         FollowStatus::Finished => "The plan is done.".to_owned(),
         FollowStatus::ManeuversDone => {
             format!(
-                "All maneuvers are done; the ship is at step {number} of {}. Sail the plan to its end.",
-                plan.steps.len()
+                "All maneuvers are done; the ship is at step {number} of {count}. Sail the plan to its end."
             )
         }
         FollowStatus::UnderWay if followed.finished => {
             "The ship is at the end of the plan, with maneuvers left to do.".to_owned()
         }
         FollowStatus::UnderWay => {
-            let counts = if followed.in_maneuver {
-                ", whose maneuver is under way and counts as not done"
-            } else {
-                ""
-            };
-            format!("The ship is at step {number} of {}, `{}`{counts}.", plan.steps.len(), step.action)
+            let unfinished = ", whose maneuver is under way and counts as not done";
+            let unfinished = if followed.in_maneuver { unfinished } else { "" };
+            format!("The ship is at step {number} of {count}, `{}`{unfinished}.", step.action)
         }
     };
     let late = if followed.delay_s < 0.0 { "early" } else { "late" };
-    said += &format!(
-        " She is {:.0} m off the plan, and {:.0} s {late}.",
-        followed.deviation_m,
-        followed.delay_s.abs()
-    );
-    if let Some(share) = information.share {
-        let percent = 100.0 * share;
+    let (deviation_m, delay_s) = (followed.deviation_m, followed.delay_s.abs());
+    said += &format!(" She is {deviation_m:.0} m off the plan, and {delay_s:.0} s {late}.");
+    if let Some(percent) = information.share.map(|share| 100.0 * share) {
         said += &format!(" What is done has {percent:.0} % of the planned information (D-criterion).");
     }
     let missed = |(k, (step, state)): (usize, (&PlanStep, &StepState))| {
         (*state == StepState::Missed).then(|| format!("{} (`{}`)", k + 1, step.action))
     };
-    let missed: Vec<String> =
-        plan.steps.iter().zip(&followed.states).enumerate().filter_map(missed).collect();
+    let steps = plan.steps.iter().zip(&followed.states).enumerate();
+    let missed: Vec<String> = steps.filter_map(missed).collect();
     if !missed.is_empty() {
         said += &format!(" She did not come along all of step {}.", missed.join(", "));
     }
