@@ -4,6 +4,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod compared_model;
 pub mod documents;
 pub mod figure_goals;
 pub mod folder;
@@ -12,15 +13,14 @@ pub mod parts;
 pub mod plan;
 pub mod pooled_set;
 mod tables;
-mod tried;
 mod written;
 
+pub use compared_model::Tried;
 pub use notes::{Doubtful, LoggedHelm, at_rate, note_divided, note_reached};
 pub use refusals::{invalid, refuse};
 pub use tables::estimates::{note_seed, seed};
 pub use tables::scores::{recommendations, validated};
 pub use tables::{estimates, moments_table, resamples, scores, selection, track, trajectories};
-pub use tried::Tried;
 pub use written::files::{TermLists, beside, beyond, check_kind, role_of};
 pub use written::{campaign_file, design_files, files, ingest_file, logs_file, sequential, ship_file};
 

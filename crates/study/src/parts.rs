@@ -94,7 +94,7 @@ impl Keep {
 
 /// Tables that are kept, and their rows.
 #[derive(Default)]
-pub struct Kept {
+pub struct KeptTables {
     scores: Option<(TableWriter, Vec<RunScore>)>,
     estimates: Option<(TableWriter, Vec<RunEstimate>)>,
     runs: Option<(TableWriter, Layout)>,
@@ -102,7 +102,7 @@ pub struct Kept {
     first: usize,
 }
 
-impl Kept {
+impl KeptTables {
     /// Empty tables; trajectories of the `first` runs per design, or of all, with the columns of what reacts.
     ///
     /// # Errors

@@ -85,7 +85,7 @@ impl CellReader<'_> {
         let files: Vec<CellFile> = files.filter(|file| !is_same(&file.path, path)).cloned().collect();
         let before = self.bytes;
         self.account(path, &files)?;
-        let base = Found::read(path)?;
+        let base = ReadCell::read(path)?;
         let others = files.iter().map(other).collect::<Result<Vec<_>, _>>()?;
         let named = CellFile::at(path, &root);
         let bytes = [(&named, &base)].into_iter().chain(files.iter().zip(&others));
@@ -140,7 +140,7 @@ impl CellReader<'_> {
     }
 
     /// Checks all files of a cell against the catalogue of their set, and returns the result and what was left out.
-    fn check(&self, root: &Path, stem: &str, files: &[(&CellFile, &Found)]) -> Result<Vec<String>, Error> {
+    fn check(&self, root: &Path, stem: &str, files: &[(&CellFile, &ReadCell)]) -> Result<Vec<String>, Error> {
         let Some((set, catalogue)) = self.sets.get(root) else { return Ok(Vec::new()) };
         let closed = (set.closed > 0).then(|| format!("{} folders not looked into", set.closed));
         let agree = match catalogue {
@@ -174,9 +174,9 @@ fn datum_of(code: u8) -> String {
 }
 
 /// Reads another file of a cell, without following links.
-fn other(file: &CellFile) -> Result<Found, Error> {
+fn other(file: &CellFile) -> Result<ReadCell, Error> {
     if !file.special {
-        return Found::read(&file.path);
+        return ReadCell::read(&file.path);
     }
     let (found, remedy) = ("a link, a pipe or a device", "copy the file itself there, or take it away");
     Err(Error::refuse(&file.path, "update", found, "a file", remedy))
@@ -218,13 +218,13 @@ pub(super) fn of_objects(
 // Selects the updates of a cell, each once, checked against a catalogue.
 
 /// A file of a cell, with its own identification.
-pub(super) struct Found {
+pub(super) struct ReadCell {
     pub path: PathBuf,
     pub bytes: Vec<u8>,
     identity: Identity,
 }
 
-impl Found {
+impl ReadCell {
     pub(super) fn read(path: &Path) -> Result<Self, Error> {
         let bytes = files::read(path)?;
         let identity = identify(&bytes).map_err(|e| Error::invalid(path, e))?;
@@ -257,7 +257,7 @@ fn age(identity: &Identity) -> Age {
 /// The updates of a cell in their order, and notes on its other files.
 #[derive(Default)]
 struct Updates {
-    pub files: BTreeMap<u32, Found>,
+    pub files: BTreeMap<u32, ReadCell>,
     pub notes: Vec<String>,
     /// The number of files of other editions.
     others: BTreeMap<String, u32>,
@@ -268,7 +268,7 @@ impl Updates {
     ///
     /// # Errors
     /// A newer edition of the cell; two different files with the same identification.
-    pub(super) fn of(base: &Found, others: Vec<Found>) -> Result<Self, Error> {
+    pub(super) fn of(base: &ReadCell, others: Vec<ReadCell>) -> Result<Self, Error> {
         let mut updates = Self::default();
         for file in others.into_iter().filter(|file| file.bytes != base.bytes) {
             match file.identity.purpose {
@@ -288,8 +288,8 @@ impl Updates {
         Ok(updates)
     }
 
-    fn other_base(&mut self, base: &Found, other: &Found) -> Result<(), Error> {
-        let name = |file: &Found| {
+    fn other_base(&mut self, base: &ReadCell, other: &ReadCell) -> Result<(), Error> {
+        let name = |file: &ReadCell| {
             format!("edition {}, update {}", foreign(&file.identity.edition), file.identity.update)
         };
         let same = (&other.identity.edition, other.identity.update)
@@ -304,7 +304,7 @@ impl Updates {
         Ok(())
     }
 
-    fn update(&mut self, base: &Found, file: Found) -> Result<(), Error> {
+    fn update(&mut self, base: &ReadCell, file: ReadCell) -> Result<(), Error> {
         let edition = &file.identity.edition;
         // Edition 0 cancels the cell.
         if *edition != base.identity.edition && edition != "0" {
@@ -336,7 +336,7 @@ impl Catalogue {
     }
 
     /// Refuses files of a cell that are missing or changed since the catalogue was made, and reports how many agree.
-    pub(super) fn check(&self, stem: &str, files: &[(&CellFile, &Found)]) -> Result<String, Error> {
+    pub(super) fn check(&self, stem: &str, files: &[(&CellFile, &ReadCell)]) -> Result<String, Error> {
         let of_cell = |entry: &&Listed| entry.name().strip_prefix(stem).is_some_and(is_number);
         let of_cell: Vec<&Listed> = self.listed.iter().filter(of_cell).collect();
         let places: BTreeSet<&[String]> = of_cell.iter().map(|entry| &entry.place[..]).collect();
@@ -352,7 +352,7 @@ impl Catalogue {
             return Err(Error::refuse(&self.file, "exchange set", given, "all files of the cell", remedy));
         }
         let mut agree = 0;
-        for (file, Found { bytes, .. }) in files {
+        for (file, ReadCell { bytes, .. }) in files {
             let listed: Vec<&&Listed> = of_cell.iter().filter(|entry| stands_for(file, entry)).collect();
             if !listed.is_empty() && !listed.iter().any(|entry| entry.agrees(bytes)) {
                 let given = format!("CRC-32 {:08X}", chart::enc::crc(bytes));

@@ -30,7 +30,7 @@ const FLOATS: [(&str, &str); 9] = [
 
 /// One sample of the planned trajectory. The last row is the end of the trial.
 #[derive(Clone)]
-struct Row {
+struct TrackRow {
     /// Number of the leg's step in the plan.
     step: i32,
     /// Name of its maneuver.
@@ -43,7 +43,7 @@ struct Row {
     inputs: Vec<Option<f64>>,
 }
 
-impl Row {
+impl TrackRow {
     fn blank(vessel: &Vessel) -> Self {
         Self {
             step: 0,
@@ -55,8 +55,8 @@ impl Row {
     }
 }
 
-fn columns(vessel: &Vessel) -> Columns<Row> {
-    let mut columns = Columns::<Row>::new(TRACK, TRACK_VERSION)
+fn columns(vessel: &Vessel) -> Columns<TrackRow> {
+    let mut columns = Columns::<TrackRow>::new(TRACK, TRACK_VERSION)
         .integer("step", "1", |r| r.step, |r, step| r.step = step)
         .text("maneuver", |r| &r.maneuver, |r, maneuver| r.maneuver = maneuver.to_owned())
         .integer("informative", "1", |r| i32::from(r.informative), |r, yes| r.informative = yes == 1);
@@ -64,7 +64,8 @@ fn columns(vessel: &Vessel) -> Columns<Row> {
         columns = columns.number(name, unit, move |r| r.floats[i], move |r, value| r.floats[i] = value);
     }
     for (i, input) in vessel.model.input_variables().iter().enumerate() {
-        let (get, set) = (move |r: &Row| r.inputs[i], move |r: &mut Row, value| r.inputs[i] = value);
+        let (get, set) =
+            (move |r: &TrackRow| r.inputs[i], move |r: &mut TrackRow, value| r.inputs[i] = value);
         columns = columns.optional(&input.name, &input.unit, get, set);
     }
     columns
@@ -85,19 +86,19 @@ pub fn stage_track(
     let row = |k: usize, leg: usize, pose: Pose, [u, v, r]: [f64; 3]| {
         let (longitude, latitude) = plane.to_geographic([pose.y, pose.x]);
         let t = k as f64 / vessel.sample_rate_hz;
-        Row {
+        TrackRow {
             step: leg as i32,
             maneuver: names[leg].clone(),
             floats: [t, pose.x, pose.y, pose.psi, u, v, r, longitude, latitude],
-            ..Row::blank(vessel)
+            ..TrackRow::blank(vessel)
         }
     };
-    let sample = |(k, s): (usize, &Sample)| Row {
+    let sample = |(k, s): (usize, &Sample)| TrackRow {
         informative: s.informative,
         inputs: s.inputs.iter().copied().map(Some).collect(),
         ..row(k, s.leg, s.pose, s.state)
     };
-    let mut rows: Vec<Row> = sailed.samples.iter().enumerate().map(sample).collect();
+    let mut rows: Vec<TrackRow> = sailed.samples.iter().enumerate().map(sample).collect();
     let (pose, state) = sailed.ends.last().copied().unwrap_or_default();
     rows.push(row(rows.len(), sailed.samples.last().map_or(0, |s| s.leg), pose, state));
     let columns = columns(vessel);
@@ -107,7 +108,7 @@ pub fn stage_track(
 }
 
 /// A planned trajectory, as read.
-pub struct Track {
+pub struct TrackTable {
     /// N × inputs, row-major.
     pub inputs: Vec<f64>,
     /// First sample and name of every informative maneuver and of every section between two.
@@ -121,7 +122,7 @@ pub struct Track {
 /// # Errors
 /// A plan of a lattice problem, which has no track; a track that was not written with the plan; those of
 /// [`read_track`].
-pub fn read_planned(plan: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Track, Error> {
+pub fn read_planned(plan: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<TrackTable, Error> {
     let (document, path) = track_of(plan)?;
     provenance.made("plan", plan, document.digest, &document.provenance)?;
     read_track(&path, vessel, provenance)
@@ -157,9 +158,9 @@ pub fn planned_points(
 ) -> Result<(Vec<TrackPoint>, Inputs), Error> {
     let (document, path) = track_of(plan)?;
     let reader = TableReader::open(&path, TRACK, TRACK_VERSION)?;
-    let rows = columns(vessel).read(&reader, &Row::blank(vessel))?;
+    let rows = columns(vessel).read(&reader, &TrackRow::blank(vessel))?;
     let steps = document.data.steps.len();
-    let point = |row: &Row| {
+    let point = |row: &TrackRow| {
         let step = usize::try_from(row.step).ok().filter(|step| *step < steps);
         let [at_s, _, _, psi, u, v, _, longitude, latitude] = row.floats;
         let place = plane.to_plane(longitude, latitude);
@@ -188,16 +189,16 @@ pub fn planned_points(
 ///
 /// # Errors
 /// A file that is not a track of this vessel.
-pub fn read_track(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Track, Error> {
+pub fn read_track(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<TrackTable, Error> {
     let reader = TableReader::open(path, TRACK, TRACK_VERSION)?;
-    let rows = columns(vessel).read(&reader, &Row::blank(vessel))?;
+    let rows = columns(vessel).read(&reader, &TrackRow::blank(vessel))?;
     provenance.made("track", path, reader.digest(), reader.provenance())?;
     let samples = rows.split_last().map_or(&[][..], |(_, samples)| samples);
     let Some(first) = samples.first() else {
         return Err(Error::refuse(path, "rows", "none", "at least one sample", "plan again"));
     };
     let [_, _, _, _, u, v, r, ..] = first.floats;
-    let mut track = Track { inputs: Vec::new(), stretches: Vec::new(), initial: [u, v, r] };
+    let mut track = TrackTable { inputs: Vec::new(), stretches: Vec::new(), initial: [u, v, r] };
     let mut key = None;
     for (k, row) in samples.iter().enumerate() {
         let now = row.informative.then_some(row.step);

@@ -369,10 +369,10 @@ pub struct TermLists {
 // JSON Schemas of the hand-written files of a study, from the types that read them.
 
 /// A kind of file, and what writes its schema.
-type Kind = (&'static str, fn() -> Value);
+type HandWrittenKind = (&'static str, fn() -> Value);
 
 /// All of them.
-const HAND_WRITTEN: [Kind; 9] = [
+const HAND_WRITTEN: [HandWrittenKind; 9] = [
     ("vessel", schema::<VesselFile>),
     ("dictionary", schema::<DictionaryFile>),
     ("campaign", schema::<CampaignFile>),

@@ -17,7 +17,7 @@ pub const FILE: &str = "covariances.parquet";
 
 /// The covariance of the estimate of one run by one estimator.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct CovarianceRow {
     /// The run's design.
     pub design: String,
     /// The run's number.
@@ -28,7 +28,7 @@ pub struct Row {
     pub covariance: EstimateCovariance,
 }
 
-impl Row {
+impl CovarianceRow {
     /// That of `estimate`.
     pub fn of(estimate: &RunEstimate, covariance: EstimateCovariance) -> Self {
         let finite = |entries: &Vec<f64>| entries.iter().all(|entry| entry.is_finite());
@@ -43,13 +43,13 @@ impl Row {
 
 /// Bytes of memory of a row.
 pub fn row_bytes(vessel: &Vessel) -> f64 {
-    (size_of::<Row>() + size_of::<f64>() * vessel.model.parameters().pow(2) + 32) as f64
+    (size_of::<CovarianceRow>() + size_of::<f64>() * vessel.model.parameters().pow(2) + 32) as f64
 }
 
 /// The columns for `vessel`: those that say which estimate it is, then every pair of parameters, the first no later than
 /// the second, in the order of the model. Other pairs are their mirror images.
-pub fn columns(vessel: &Vessel) -> Columns<Row> {
-    let mut columns = Columns::<Row>::new(ID, VERSION)
+pub fn columns(vessel: &Vessel) -> Columns<CovarianceRow> {
+    let mut columns = Columns::<CovarianceRow>::new(ID, VERSION)
         .text("design", |r| &r.design, |r, design| r.design = design.to_owned())
         .integer("run", "1", |r| r.run, |r, run| r.run = run)
         .choice("estimator", |r| r.estimator, |r, estimator| r.estimator = estimator);
@@ -78,8 +78,8 @@ pub fn columns(vessel: &Vessel) -> Columns<Row> {
 ///
 /// # Errors
 /// Missing columns; damaged blocks.
-pub fn rows(reader: &TableReader, vessel: &Vessel, i: usize) -> Result<Vec<Row>, Error> {
-    let blank = Row { design: String::new(), run: 0, estimator: Estimator::Iv, covariance: None };
+pub fn rows(reader: &TableReader, vessel: &Vessel, i: usize) -> Result<Vec<CovarianceRow>, Error> {
+    let blank = CovarianceRow { design: String::new(), run: 0, estimator: Estimator::Iv, covariance: None };
     columns(vessel).read_block(reader, i, &blank)
 }
 
@@ -89,7 +89,7 @@ const BLOCK: usize = 1 << 14;
 /// Covariances that are kept while blocks of runs are estimated in any order.
 pub struct Covariances {
     path: PathBuf,
-    kept: Mutex<BTreeMap<usize, Vec<Row>>>,
+    kept: Mutex<BTreeMap<usize, Vec<CovarianceRow>>>,
 }
 
 impl Covariances {
@@ -100,8 +100,9 @@ impl Covariances {
 
     /// Keeps the covariances of block `i`, and returns its estimates.
     pub fn keep(&self, i: usize, found: Vec<(RunEstimate, EstimateCovariance)>) -> Vec<RunEstimate> {
-        let split =
-            found.into_iter().map(|(estimate, covariance)| (Row::of(&estimate, covariance), estimate));
+        let split = found
+            .into_iter()
+            .map(|(estimate, covariance)| (CovarianceRow::of(&estimate, covariance), estimate));
         let (rows, estimates) = split.unzip();
         self.kept.lock().unwrap_or_else(PoisonError::into_inner).insert(i, rows);
         estimates
@@ -114,7 +115,7 @@ impl Covariances {
     pub fn staged(self, vessel: &Vessel, document: &Path, provenance: &Provenance) -> Result<Staged, Error> {
         let columns = columns(vessel);
         let kept = self.kept.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let rows: Vec<Row> = kept.into_values().flatten().collect();
+        let rows: Vec<CovarianceRow> = kept.into_values().flatten().collect();
         let mut writer =
             TableWriter::create(&self.path, columns.schema(), provenance)?.with_document(document);
         for rows in rows.chunks(BLOCK) {

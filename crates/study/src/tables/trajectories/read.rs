@@ -193,7 +193,7 @@ impl TrajectoryReader {
     pub fn runs(&self, i: usize) -> Result<Vec<Run>, Error> {
         let names: Vec<&str> = self.columns.iter().map(String::as_str).collect();
         let table = self.table.read_block(i, &names)?;
-        let block = Block::new(&table, self)?;
+        let block = TableBlock::new(&table, self)?;
         let first_row: usize = (0..i).map(|b| self.table.block_rows(b)).sum();
         let mut runs = Vec::new();
         let mut start = 0;
@@ -215,7 +215,7 @@ pub fn refuse_shard(file: &Path, shard: &Shard) -> Error {
 }
 
 /// The columns of a block.
-struct Block<'a> {
+struct TableBlock<'a> {
     reader: &'a TrajectoryReader,
     design: &'a Column,
     run: &'a [i32],
@@ -228,7 +228,7 @@ struct Block<'a> {
     instruments: Vec<&'a [f64]>,
 }
 
-impl<'a> Block<'a> {
+impl<'a> TableBlock<'a> {
     fn new(table: &'a Table, reader: &'a TrajectoryReader) -> Result<Self, Error> {
         let columns = &table.columns;
         for (name, column) in [("design", &columns[0]), ("maneuver", &columns[3])] {
@@ -399,7 +399,7 @@ impl<'a> Block<'a> {
     }
 }
 
-impl Block<'_> {
+impl TableBlock<'_> {
     /// What instruments of a run with these `recorded` inputs and disturbances are simulated with; empty if that are its own.
     fn instrument_rows(&self, start: usize, recorded: &[f64]) -> Vec<f64> {
         if self.instruments.is_empty() {

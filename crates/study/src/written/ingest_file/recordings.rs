@@ -49,7 +49,7 @@ fn matching(folder: &Path, pattern: &str) -> Result<Vec<String>, Error> {
         let mut next = Vec::new();
         for before in &names {
             observe_names(&folder.join(before), step);
-            for Entry { name, is_text, is_folder } in entries(&folder.join(before))? {
+            for FolderEntry { name, is_text, is_folder } in entries(&folder.join(before))? {
                 if is_folder == last || !glob.fits(&name) {
                     continue;
                 }
@@ -66,7 +66,7 @@ fn matching(folder: &Path, pattern: &str) -> Result<Vec<String>, Error> {
 }
 
 /// An entry of a folder.
-struct Entry {
+struct FolderEntry {
     /// Its name, lossily converted to text.
     name: String,
     /// Whether the name is valid text.
@@ -80,7 +80,7 @@ fn no_text(name: &str) -> Invalid {
 }
 
 /// The entries of `folder`; empty if it does not exist.
-fn entries(folder: &Path) -> Result<Vec<Entry>, Error> {
+fn entries(folder: &Path) -> Result<Vec<FolderEntry>, Error> {
     let unreadable = |e: std::io::Error| Error::io(folder, "read", e);
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let listed = match std::fs::read_dir(folder) {
@@ -92,7 +92,7 @@ fn entries(folder: &Path) -> Result<Vec<Entry>, Error> {
     for entry in listed {
         let entry = entry.map_err(unreadable)?;
         let name = entry.file_name();
-        names.push(Entry {
+        names.push(FolderEntry {
             name: name.to_string_lossy().into_owned(),
             is_text: name.to_str().is_some(),
             is_folder: entry.path().is_dir(),
