@@ -319,20 +319,17 @@ pub(crate) fn captive_statements(sailed: Option<&SailedSums>, parameters: &[Fitt
     let sums = sailed.filter(|sailed| !sailed.sums.is_empty()).map(|sailed| {
         let one = |sum: &SailedSum| {
             let order = ["", "linear", "quadratic", "cubic"][sum.order.min(3) as usize];
-            let captive =
-                sum.captive.map_or(String::new(), |captive| format!(" (captive {})", three(captive.value)));
+            let captive = sum.captive.map_or(String::new(), |c| format!(" (captive {})", three(c.value)));
             let [value, error] = [sum.value, sum.standard_error].map(three);
             format!("{} {order} {value} ± {error}{captive}", sum.degree)
         };
         let all: Vec<String> = sailed.sums.iter().map(one).collect();
         format!("sums along v = {:.2} r L: {}", sailed.drift, all.join(", "))
     });
-    let compared: Vec<&FittedParameter> =
-        parameters.iter().filter(|parameter| parameter.captive.is_some()).collect();
+    let compared: Vec<&FittedParameter> = parameters.iter().filter(|p| p.captive.is_some()).collect();
     let of = |within: bool| {
-        let all = compared
-            .iter()
-            .filter(move |parameter| parameter.captive.is_some_and(|value| value.within == Some(within)));
+        let all =
+            compared.iter().filter(move |p| p.captive.is_some_and(|value| value.within == Some(within)));
         all.map(|parameter| format!("`{}`", parameter.name)).collect::<Vec<_>>()
     };
     let captive = (!compared.is_empty()).then(|| {

@@ -94,8 +94,7 @@ impl ForceSearch<'_> {
             return Err(SearchError::NoWindow.into());
         }
         let held = runs.are_inputs_held();
-        let sources: Vec<Recorded> =
-            recordings.iter().map(|recording| (recording.name.clone(), recording.whole.clone())).collect();
+        let sources: Vec<Recorded> = recordings.iter().map(|r| (r.name.clone(), r.whole.clone())).collect();
         // Fails at once where the ship cannot be fitted.
         let base = self.physical(self.vessel, true).fitted_model(runs, (&sources, held))?;
         let without = |fold| {
@@ -160,8 +159,7 @@ impl ForceSearch<'_> {
             (_, Ok(grown)) => fitted(&grown.vessel),
             (_, Err(error)) => Err(error.into()),
         };
-        let failed =
-            [&base, &search].into_iter().find_map(|ship| ship.as_ref().err()).map(ToString::to_string);
+        let failed = [&base, &search].into_iter().find_map(|s| s.as_ref().err()).map(ToString::to_string);
         let ships = ShipsWithoutFold { search: search.ok(), base: base.ok() };
         (ships, ForcesWithoutFold { fold: fold as u64, tried, ended, failed })
     }
@@ -220,9 +218,7 @@ impl ForceSearch<'_> {
         let cost = |model: &ModelDocument| model.forces.as_ref().map_or(f64::NAN, |forces| forces.cost);
         SearchedForces {
             delivered,
-            found: added(&grown.tried)
-                .filter_map(|force| found_force(force, numbers(with?), &without))
-                .collect(),
+            found: added(&grown.tried).filter_map(|f| found_force(f, numbers(with?), &without)).collect(),
             tried: grown.tried.clone(),
             ended: grown.ended.clone(),
             most_added: self.most_added as u64,

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use estimation::fitting::{AbsentTerm, Channels, Criticism, Fit, Problem, Recording, Settings, Unfit};
+use estimation::fitting::{AbsentTerm, Channels, Criticism, Fit, LEVEL, Problem, Recording, Settings, Unfit};
 use refusal::Invalid;
 use regression::pooled::Part;
 use ship::forces::{Channel, Description, Forces, Parameter, TermSpec};
@@ -158,10 +158,7 @@ fn most_likely(criticism: &Criticism) -> Result<&AbsentTerm, String> {
     if criticism.has_wrong_sign() {
         return Err("no force is added while a sign is wrong".to_owned());
     }
-    let late = criticism
-        .late
-        .first()
-        .filter(|input| criticism.rejects() && input.p_value < estimation::fitting::LEVEL);
+    let late = criticism.late.first().filter(|late| criticism.rejects() && late.p_value < LEVEL);
     let first = criticism.terms.first().filter(|term| term.candidate);
     match (first, late) {
         (Some(first), Some(late)) if late.share > first.share => Err(format!(
@@ -224,8 +221,7 @@ fn richer(
     all.terms_mut()[absent.degree].push(spec);
     let promised = (absent.value / absent.prime.unwrap_or(1.0)).abs();
     // What is usual holds for motion alone.
-    let driven =
-        absent.term.split(' ').any(|part| channels.iter().any(|channel| channel.name == plain(part)));
+    let driven = absent.term.split(' ').any(|p| channels.iter().any(|channel| channel.name == plain(p)));
     let usual = (!driven).then(|| usual(&all, parameter, channels)).flatten();
     all.with_priors(&[(parameter.to_owned(), usual.unwrap_or(promised))], channels)
 }
@@ -298,15 +294,13 @@ pub fn former(vessel: &Vessel, model: &ModelDocument) -> Result<Vec<f64>, Invali
     let forces: &Forces = &moved.forces;
     let theirs = fitted.description()?;
     check_alike(forces.description(), &theirs)?;
-    let sizes = [forces.description(), &theirs]
-        .map(|description| (description.ship.length_m, description.ship.draught_m));
+    let sizes = [forces.description(), &theirs].map(|d| (d.ship.length_m, d.ship.draught_m));
     let same = sizes[0] == sizes[1];
     let mean = |parameter: &Parameter| {
-        let estimate =
-            fitted.parameters.iter().find(|estimate| estimate.name == parameter.name).ok_or_else(|| {
-                let (thing, found) = (format!("parameter `{}`", parameter.name), "a number that was known");
-                Invalid::new(thing, found, "one that was estimated", "fix it in this vessel, too")
-            })?;
+        let estimate = fitted.parameters.iter().find(|e| e.name == parameter.name).ok_or_else(|| {
+            let (thing, found) = (format!("parameter `{}`", parameter.name), "a number that was known");
+            Invalid::new(thing, found, "one that was estimated", "fix it in this vessel, too")
+        })?;
         scaled(parameter, estimate, same)
     };
     forces.parameters().iter().map(mean).collect()
@@ -351,19 +345,9 @@ fn parts(of: &Description) -> Vec<String> {
         let part = |term: &TermSpec| format!("`{}` {} in {degree}", term.parameter, term.term);
         all.extend(terms.iter().map(part));
     }
-    all.extend(
-        of.propeller
-            .iter()
-            .map(|propeller| format!("propeller `{}` of input `{}`", propeller.name, propeller.input)),
-    );
-    all.extend(
-        of.rudder.iter().map(|rudder| format!("rudder `{}` of input `{}`", rudder.name, rudder.input)),
-    );
-    all.extend(
-        of.thruster
-            .iter()
-            .map(|thruster| format!("thruster `{}` of input `{}`", thruster.name, thruster.input)),
-    );
+    all.extend(of.propeller.iter().map(|p| format!("propeller `{}` of input `{}`", p.name, p.input)));
+    all.extend(of.rudder.iter().map(|r| format!("rudder `{}` of input `{}`", r.name, r.input)));
+    all.extend(of.thruster.iter().map(|t| format!("thruster `{}` of input `{}`", t.name, t.input)));
     let harmonics = |wind: &ship::forces::WindSpec| [wind.surge.len(), wind.sway.len(), wind.yaw.len()];
     all.extend(of.wind.iter().map(|wind| format!("wind `{}` of {:?} harmonics", wind.name, harmonics(wind))));
     all.extend(of.crossflow.iter().map(|crossflow| format!("crossflow `{}`", crossflow.name)));

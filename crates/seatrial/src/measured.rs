@@ -313,8 +313,7 @@ impl<'a> Comparison<'a> {
         let known: Option<Vec<Known>> = tried.iter().map(|model| model.known()).collect();
         let known = known.unwrap_or_default();
         let fitted = tried.iter().rev().max_by_key(|model| model.vessel().model.exogenous());
-        let (covered, magnitudes) =
-            fitted.map_or((&[][..], None), |fitted| (fitted.covered(), fitted.magnitudes()));
+        let (covered, magnitudes) = fitted.map_or((&[][..], None), |f| (f.covered(), f.magnitudes()));
         let (window, rate_hz) = (self.window, lead.sample_rate_hz);
         let options = CompareOptions { window, known: &known, covered, magnitudes, rate_hz };
         let mut compared = compare(&contestants, runs, &options)?;

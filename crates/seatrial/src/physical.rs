@@ -189,8 +189,7 @@ impl Physical<'_> {
         (fit, estimates): (&Fit, &Estimates),
         sources: &[Recorded],
     ) -> Option<SailedSums> {
-        let states =
-            sources.iter().flat_map(|(_, parts)| parts).flat_map(|part| part.measured.as_chunks::<3>().0);
+        let states = sources.iter().flat_map(|(_, p)| p).flat_map(|part| part.measured.as_chunks::<3>().0);
         let drift = criticism::drift(states, forces.description().ship.length_m)?;
         let priors = self.priors(forces);
         criticism::sailed(forces, (&fit.theta, estimates), &priors, &self.captive(), drift)

@@ -280,8 +280,7 @@ impl AveragedSearch<'_> {
         done: &(dyn Fn(usize) + Sync),
     ) -> OfForces {
         let held = dealt.are_inputs_held;
-        let all: Vec<Recorded> =
-            recordings.iter().map(|recording| (recording.name.clone(), recording.whole.clone())).collect();
+        let all: Vec<Recorded> = recordings.iter().map(|r| (r.name.clone(), r.whole.clone())).collect();
         let ship = |theta: Vec<f64>| FittedShip { model: self.vessel.model.clone(), theta };
         let fold = |fold: usize| {
             let kept = all.iter().zip(dealt.folds).filter(|(_, other)| **other != fold);

@@ -75,8 +75,7 @@ impl<'a> Updating<'a> {
             Some(errors.iter().zip(scales.as_ref()?).map(|(error, square)| error / square.sqrt()).collect())
         };
         let norm = |errors: &[f64]| Some(relative(errors)?.iter().map(|e| e * e).sum::<f64>().sqrt());
-        let parameter_error =
-            norm(&before).zip(norm(&now)).map(|(before, now)| UpdatedError::of(before, now));
+        let parameter_error = norm(&before).zip(norm(&now)).map(|(before, n)| UpdatedError::of(before, n));
         let largest = relative(&now).map(|all| all.into_iter().fold(0.0, f64::max));
         let figures = self.figures(&estimate);
         let duration_s = estimate.samples / self.moments.sample_rate_hz;
@@ -279,12 +278,7 @@ impl Estimate {
         if samples < 1.0 {
             return refuse("`data.samples`", "0".to_owned(), "those of a trial".to_owned());
         }
-        Ok(Self {
-            values: values.iter().map(|parameter| parameter.value).collect(),
-            variances,
-            covariance,
-            samples,
-        })
+        Ok(Self { values: values.iter().map(|p| p.value).collect(), variances, covariance, samples })
     }
 }
 
@@ -348,8 +342,7 @@ fn said(found: &DesignUpdateDocument) -> String {
         ),
         false => format!("; {} was wanted ({}), and is reached", accuracy.wanted, accuracy.of),
     });
-    let another =
-        found.after_another.map(|error| format!("; another trial of this length leaves {error:.3}"));
+    let another = found.after_another.map(|e| format!("; another trial of this length leaves {e:.3}"));
     let left = left.or(another).unwrap_or_default();
     format!("After {:.1} s {errors}{left}.", found.duration_s)
 }

@@ -203,10 +203,8 @@ impl FigureGoals {
             return Ok(places);
         }
         let mut known: Vec<&str> = Vec::new();
-        for goal in self
-            .goals
-            .iter()
-            .filter(|goal| !name.text().contains('/') || name.text().contains(&goal.maneuver))
+        for goal in
+            self.goals.iter().filter(|g| !name.text().contains('/') || name.text().contains(&g.maneuver))
         {
             if !known.contains(&goal.name.as_str()) {
                 known.push(&goal.name);

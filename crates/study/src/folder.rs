@@ -46,8 +46,7 @@ impl Folder {
         folder.compare(root, &known);
         // The record of `run` knows more than the documents.
         if let Some(study) = study.filter(|_| !root.join("run.json").is_file()) {
-            let inspected =
-                folder.files.iter().filter_map(|(path, inspected)| Some((path, inspected.as_ref().ok()?)));
+            let inspected = folder.files.iter().filter_map(|(path, file)| Some((path, file.as_ref().ok()?)));
             let outdated: Vec<String> =
                 inspected.flat_map(|(path, inspected)| outdated(path, inspected, study)).collect();
             folder.faults.extend(outdated);
@@ -94,8 +93,7 @@ impl Folder {
         paths.sort();
         self.look_for_leftovers(folder, &paths);
         paths.retain(|path| !is_unfinished(path));
-        let (folders, files): (Vec<PathBuf>, Vec<PathBuf>) =
-            paths.into_iter().partition(|path| path.is_dir());
+        let (folders, files): (Vec<PathBuf>, Vec<PathBuf>) = paths.into_iter().partition(|p| p.is_dir());
         for path in files {
             self.files.extend(inspect(&path).transpose().map(|inspected| (path, inspected)));
         }
@@ -121,10 +119,8 @@ impl Folder {
 
     /// Checks that files written together are together, without reading inspected files again.
     fn check_sets(&mut self) {
-        let digests = self
-            .files
-            .iter()
-            .filter_map(|(path, inspected)| Some((path.clone(), inspected.as_ref().ok()?.digest)));
+        let digests =
+            self.files.iter().filter_map(|(path, file)| Some((path.clone(), file.as_ref().ok()?.digest)));
         let known: BTreeMap<PathBuf, Digest> = digests.collect();
         for (path, state) in &mut self.files {
             let Ok(inspected) = &*state else { continue };
@@ -156,8 +152,7 @@ impl Folder {
             };
             let folder = path.parent().unwrap_or(root);
             let above = || {
-                let nearest =
-                    folder.ancestors().skip(1).find_map(|above| known.get(above)).unwrap_or(written);
+                let nearest = folder.ancestors().skip(1).find_map(|a| known.get(a)).unwrap_or(written);
                 let mut provenance = nearest.clone();
                 provenance.forget(&["estimates", "validation"]);
                 provenance
@@ -236,9 +231,7 @@ fn outdated(path: &Path, found: &Inspected, study: &Path) -> Vec<String> {
     };
     // Tables of a dictionary have names relative to the study; what is not there is elsewhere.
     let tables = made.inputs.keys().filter_map(|role| Some((role, role.strip_prefix("inputs:")?)));
-    now.extend(
-        tables.filter_map(|(role, name)| Some((role.clone(), Digest::of_file(study.join(name)).ok()?))),
-    );
+    now.extend(tables.filter_map(|(role, n)| Some((role.clone(), Digest::of_file(study.join(n)).ok()?))));
     // With values that were replaced on the command line, the digest is of what was read instead.
     let is_changed = |role: &str| made.settings.contains_key("set") && ["plan", "config"].contains(&role);
     let kinds = ["chart:", "tide", "log:"];

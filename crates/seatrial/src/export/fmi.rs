@@ -65,9 +65,7 @@ impl Portable {
     pub(crate) fn unit(&self, library: Option<Vec<u8>>) -> Result<Vec<u8>, Invalid> {
         let mut files = vec![("modelDescription.xml".to_owned(), self.description().into_bytes())];
         let built = PLATFORM.zip(library);
-        files.extend(
-            built.map(|(platform, bytes)| (format!("binaries/{platform}/{}.{LIBRARY}", self.base), bytes)),
-        );
+        files.extend(built.map(|(platform, b)| (format!("binaries/{platform}/{}.{LIBRARY}", self.base), b)));
         let sources = self.unit_sources().into_iter();
         files.extend(sources.map(|(name, text)| (format!("sources/{name}"), text.into_bytes())));
         packed(&files).map_err(|e| {
@@ -140,8 +138,7 @@ impl Portable {
 
     fn units(&self) -> String {
         let channels = self.given().iter().map(|channel| &channel.unit);
-        let all: BTreeSet<&String> =
-            channels.chain(self.parameters.iter().map(|parameter| &parameter.unit)).collect();
+        let all: BTreeSet<&String> = channels.chain(self.parameters.iter().map(|p| &p.unit)).collect();
         all.into_iter().map(|unit| format!("    <Unit name=\"{}\"/>\n", attribute(unit))).collect()
     }
 

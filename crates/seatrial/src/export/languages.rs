@@ -130,9 +130,7 @@ impl Portable {
 }
 
 fn names(channels: &[Channel]) -> String {
-    lines(channels, |channel| {
-        format!("    \"{}\",  # {}\n", channel.identifier, said(&channel.unit, &channel.meaning))
-    })
+    lines(channels, |c| format!("    \"{}\",  # {}\n", c.identifier, said(&c.unit, &c.meaning)))
 }
 
 // The model as a function file for MATLAB and Octave.
@@ -286,8 +284,7 @@ impl Portable {
         let step = if weights.is_some() { "static void own_step" } else { "void {{base}}_step" };
         let step = ("step", step.replace("{{base}}", &self.base));
         let values = [names.to_vec(), vec![("unpack", unpack), step], self.gains(&C99).to_vec()].concat();
-        let paced =
-            weights.map(|entry| fill(include_str!("templates/paced.c"), &[&names[..], &[entry]].concat()));
+        let paced = weights.map(|e| fill(include_str!("templates/paced.c"), &[&names[..], &[e]].concat()));
         fill(include_str!("templates/terms.c"), &values) + &paced.unwrap_or_default()
     }
 
@@ -307,9 +304,7 @@ impl Portable {
         if self.ranges.is_empty() {
             return "    {0, 0.0, 0.0},\n".to_owned();
         }
-        lines(&self.ranges, |range| {
-            format!("    {{{}, {}, {}}},\n", range.channel, number(range.low), number(range.high))
-        })
+        lines(&self.ranges, |r| format!("    {{{}, {}, {}}},\n", r.channel, number(r.low), number(r.high)))
     }
 
     /// Assigns channels to their names within a step.

@@ -271,8 +271,7 @@ impl Portable {
     /// The names in code that differ from the file's, with the latter.
     pub fn renamed(&self) -> BTreeMap<String, String> {
         let channels = self.channels.iter().map(|channel| (&channel.name, &channel.identifier));
-        let all =
-            channels.chain(self.parameters.iter().map(|parameter| (&parameter.name, &parameter.identifier)));
+        let all = channels.chain(self.parameters.iter().map(|p| (&p.name, &p.identifier)));
         let others = all.filter(|(name, identifier)| name != identifier);
         others.map(|(name, identifier)| (identifier.clone(), name.clone())).collect()
     }
@@ -340,8 +339,7 @@ fn channels(vessel: &Vessel, names: &mut Identifiers) -> Vec<Channel> {
         1 => "speed along y, to starboard".to_owned(),
         2 => "yaw rate, bow to starboard".to_owned(),
         _ => match vessel.couplings.get(place - 3) {
-            None => derived(place)
-                .map_or("measured disturbance".to_owned(), |derived| format!("= {}", derived.text)),
+            None => derived(place).map_or("measured disturbance".to_owned(), |d| format!("= {}", d.text)),
             Some(None) => "input".to_owned(),
             Some(Some((other, factor))) => {
                 let other = &model.input_variables()[*other].name;

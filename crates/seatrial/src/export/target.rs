@@ -115,8 +115,7 @@ impl Syntax {
     /// The increment of degree of freedom `d` of `model` in a step. Products and sums are in the order of
     /// [`ship::engine::Compiled::step`].
     pub fn gain(&self, model: &Portable, d: usize) -> String {
-        let summands: Vec<String> =
-            model.equations[d].iter().map(|summand| self.summand(model, summand)).collect();
+        let summands: Vec<String> = model.equations[d].iter().map(|s| self.summand(model, s)).collect();
         summands.join(self.between)
     }
 
@@ -128,8 +127,7 @@ impl Syntax {
                 format!("{parameter} * {}", self.product(model, factors, None))
             }
             products => {
-                let each =
-                    products.iter().map(|(factors, coefficient)| self.product(model, factors, *coefficient));
+                let each = products.iter().map(|(factors, c)| self.product(model, factors, *c));
                 format!("{parameter} * ({})", each.collect::<Vec<_>>().join(" + "))
             }
         }

@@ -101,11 +101,8 @@ impl AverageDocument {
 
     /// The average of `models`, whose mean trajectory has `output_rmse` over the recordings that they were fitted to.
     pub fn of(vessel: &Vessel, models: Vec<ModelDocument>, output_rmse: Option<[f64; 3]>) -> Self {
-        let [output_rmse_u, output_rmse_v, output_rmse_r] =
-            output_rmse.map_or([None; 3], |rmse| rmse.map(Some));
-        let found_on = |model: &ModelDocument| {
-            model.recordings.iter().map(|recording| recording.source.clone()).collect()
-        };
+        let [output_rmse_u, output_rmse_v, output_rmse_r] = output_rmse.map_or([None; 3], |r| r.map(Some));
+        let found_on = |model: &ModelDocument| model.recordings.iter().map(|r| r.source.clone()).collect();
         let members =
             models.into_iter().map(|model| AverageMember { found_on: found_on(&model), model }).collect();
         Self { vessel: vessel.name.clone(), output_rmse_u, output_rmse_v, output_rmse_r, members }
@@ -223,8 +220,7 @@ impl ModelDocument {
         for degree in &mut model.degrees {
             degree.parameters = resampled(std::mem::take(&mut degree.parameters), found);
             // Parameters that others are tied to are still estimated.
-            let targets: Vec<String> =
-                degree.parameters.iter().filter_map(|parameter| parameter.tied_to.clone()).collect();
+            let targets: Vec<String> = degree.parameters.iter().filter_map(|p| p.tied_to.clone()).collect();
             let combined = |parameter: &&mut ModelParameter| {
                 found.combined.contains(&parameter.name)
                     && parameter.tied_to.is_none()
@@ -268,8 +264,7 @@ pub(super) fn resampled(mut parameters: Vec<ModelParameter>, found: &Searched) -
 /// Whether left-out recordings reject the model: it diverges on them, is no better than their mean, or is worse than
 /// the structure that the search began with.
 fn rejected(nested: &NestedScore) -> bool {
-    let useless =
-        nested.search.as_ref().is_none_or(|errors| errors.fits().iter().flatten().any(|fit| *fit <= 0.0));
+    let useless = nested.search.as_ref().is_none_or(|e| e.fits().iter().flatten().any(|fit| *fit <= 0.0));
     let worse = nested.margin.as_ref().and_then(|margin| margin.interval[1]).is_some_and(|high| high < 0.0);
     useless || worse
 }

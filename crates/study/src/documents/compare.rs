@@ -268,28 +268,20 @@ impl MeritDocument {
         if self.statements.len() <= FEW {
             return self.statements.join("; ");
         }
-        let all = || {
-            self.maneuvers
-                .iter()
-                .flat_map(|maneuver| maneuver.figures.iter().map(move |figure| (maneuver, figure)))
-        };
+        let all = || self.maneuvers.iter().flat_map(|m| m.figures.iter().map(move |figure| (m, figure)));
         let judged = all().filter(|(_, figure)| figure.most.is_some()).count();
         let met = all().filter(|(_, figure)| figure.passes == Some(true)).count();
         let missed = all().filter(|(_, figure)| figure.most.is_some() && figure.passes != Some(true));
         let missed = missed.map(|(maneuver, figure)| format!("{}: {}", maneuver.name, figure.words()));
         let without = self.maneuvers.iter();
-        let without =
-            without.filter_map(|maneuver| Some(format!("{}: {}", maneuver.name, maneuver.lacking()?)));
+        let without = without.filter_map(|m| Some(format!("{}: {}", m.name, m.lacking()?)));
         let (figures, maneuvers) = (all().count(), self.maneuvers.len());
         let judged = match judged {
             0 => "no criterion of IMO MSC.137(76) applies".to_owned(),
             _ => format!("{met} of {judged} criteria of IMO MSC.137(76) pass"),
         };
         let head = format!("{figures} figures of {maneuvers} maneuvers; {judged}");
-        let remarks = self
-            .maneuvers
-            .iter()
-            .flat_map(|maneuver| maneuver.remarks.iter().map(move |remark| (maneuver, remark)));
+        let remarks = self.maneuvers.iter().flat_map(|m| m.remarks.iter().map(move |remark| (m, remark)));
         let remarks = remarks.map(|(maneuver, remark)| format!("{}: {remark}", maneuver.name));
         std::iter::once(head).chain(missed).chain(without).chain(remarks).collect::<Vec<_>>().join("; ")
     }

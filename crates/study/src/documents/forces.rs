@@ -160,11 +160,7 @@ impl FittedForces {
     /// The ship as a file, with the estimates as her nominal values.
     pub(super) fn file(&self) -> Result<VesselFile, Invalid> {
         Ok(VesselFile {
-            nominal: self
-                .parameters
-                .iter()
-                .map(|parameter| (parameter.name.clone(), parameter.value))
-                .collect(),
+            nominal: self.parameters.iter().map(|p| (p.name.clone(), p.value)).collect(),
             ..VesselFile::of_forces(self.description()?)
         })
     }

@@ -295,21 +295,14 @@ impl MapDocument {
     /// All lines and rings.
     fn lines(&self) -> impl Iterator<Item = &MapLine> {
         let rings = self.areas.iter().flat_map(|area| &area.rings);
-        let lines = self
-            .contours
-            .iter()
-            .map(|contour| &contour.line)
-            .chain(self.tracks.iter().map(|track| &track.line));
+        let lines = self.contours.iter().map(|c| &c.line).chain(self.tracks.iter().map(|track| &track.line));
         let others = self.corridors.iter().chain(&self.edge).chain(&self.speed_limits).chain(&self.hulls);
         rings.chain(lines).chain(others)
     }
 
     /// All sets of cells with their rasters.
     fn masks(&self) -> impl Iterator<Item = (&MapRaster, &MapRuns)> {
-        let cells = self
-            .cells
-            .iter()
-            .flat_map(|cells| cells.classes.iter().map(|class| (&cells.raster, &class.runs)));
+        let cells = self.cells.iter().flat_map(|c| c.classes.iter().map(|class| (&c.raster, &class.runs)));
         let margins = self.margins.iter().map(|margin| (&margin.raster, &margin.runs));
         cells.chain(margins).chain(self.swept.iter().map(|swept| (&swept.raster, &swept.runs)))
     }
@@ -332,8 +325,7 @@ impl Document for MapDocument {
     fn check(&self) -> Result<(), Invalid> {
         let remedy = "run `plan` again";
         if let Some(line) = self.lines().find(|line| line.east_m.len() != line.north_m.len()) {
-            let [found, expected] =
-                [&line.north_m, &line.east_m].map(|places| format!("{} places", places.len()));
+            let [found, expected] = [&line.north_m, &line.east_m].map(|p| format!("{} places", p.len()));
             return Err(Invalid::new("`north_m`", found, format!("{expected}, as of `east_m`"), remedy));
         }
         let filled = |(raster, runs): &(&MapRaster, &MapRuns)| {

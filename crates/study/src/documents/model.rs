@@ -154,8 +154,7 @@ impl ModelDocument {
     /// The model in `delivered`, from the estimate `found` of one run.
     pub fn of_run(vessel: &Vessel, removal: MeanRemoval, found: &RunEstimate, delivered: &Delivered) -> Self {
         let errors = found.estimate.as_ref().map_or(&[][..], |(_, errors)| errors);
-        let errors: Vec<Option<f64>> =
-            errors.iter().map(|error| Some(*error).filter(|error| !error.is_nan())).collect();
+        let errors: Vec<Option<f64>> = errors.iter().map(|e| Some(*e).filter(|e| !e.is_nan())).collect();
         let model = Self::of(vessel, (found.estimator, removal), delivered, &errors);
         let sources: Vec<&str> = model.recordings.iter().map(|recording| recording.source.as_str()).collect();
         let sources = sources.join(", ");

@@ -92,8 +92,7 @@ pub struct RefinedLimit {
 impl RefinedDocument {
     /// What to print of it, with its promise.
     pub fn summary(&self) -> String {
-        let promise =
-            self.promise.as_ref().map_or(String::new(), |promise| format!(" {}", promise.statement));
+        let promise = self.promise.as_ref().map_or(String::new(), |p| format!(" {}", p.statement));
         format!("{}{promise}", self.statement)
     }
 }

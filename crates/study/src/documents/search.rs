@@ -184,9 +184,8 @@ fn terms(vessel: &Vessel, degree: DegreeOfFreedom, found: &Searched) -> Vec<Sear
     let d = degree as usize;
     let known = vessel.written(degree).len();
     let all = resampled(parameters(vessel, d, &found.model, &found.delivered), found).into_iter().enumerate();
-    let chosen = |name: &str| {
-        found.resampled.as_ref().map(|resampled| resampled.parameters.get(name).map_or(0, |p| p.chosen))
-    };
+    let chosen =
+        |name: &str| found.resampled.as_ref().map(|r| r.parameters.get(name).map_or(0, |p| p.chosen));
     all.map(|(i, p)| SearchTerm {
         degree: degree.name().to_owned(),
         base: i < known,

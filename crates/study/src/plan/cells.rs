@@ -281,8 +281,7 @@ impl Updates {
             updates.notes.push(format!("{count} updates of edition {edition} not applied to edition {of}"));
         }
         if updates.files.is_empty() {
-            let name =
-                base.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+            let name = base.path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
             updates.notes.push(format!("no updates found beside {}", foreign(&name)));
         }
         Ok(updates)
@@ -344,9 +343,7 @@ impl Catalogue {
         let stands_for = |file: &CellFile, entry: &Listed| {
             file.place == entry.place || (file.name() == entry.name() && !places.contains(&file.place[..]))
         };
-        if let Some(missing) =
-            of_cell.iter().find(|entry| !files.iter().any(|(file, _)| stands_for(file, entry)))
-        {
+        if let Some(missing) = of_cell.iter().find(|e| !files.iter().any(|(file, _)| stands_for(file, e))) {
             let given = format!("no file {}, which it lists", foreign(&missing.place.join("/")));
             let remedy = "copy the exchange set again, as a whole";
             return Err(Error::refuse(&self.file, "exchange set", given, "all files of the cell", remedy));
@@ -373,7 +370,5 @@ impl Catalogue {
 
 /// Whether the rest of a name is the number of a cell's file.
 fn is_number(suffix: &str) -> bool {
-    suffix
-        .strip_prefix('.')
-        .is_some_and(|number| number.len() == 3 && number.bytes().all(|b| b.is_ascii_digit()))
+    suffix.strip_prefix('.').is_some_and(|n| n.len() == 3 && n.bytes().all(|b| b.is_ascii_digit()))
 }

@@ -143,8 +143,7 @@ impl Charts {
             let grid = format.read(path, &spec.grid(path)?, &reading, provenance)?;
             let grid = grid.map_err(|e| self.unread(path, e, means))?;
             self.grid_bytes += grid.bytes();
-            self.summaries
-                .extend(grid.measured.as_ref().map(|measured| PlanChart::measured(name(path), measured)));
+            self.summaries.extend(grid.measured.as_ref().map(|m| PlanChart::measured(name(path), m)));
             self.layers.push(Layer::Grid(grid));
             return Ok(());
         }

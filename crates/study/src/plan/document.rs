@@ -183,10 +183,7 @@ pub fn map_of(planned: &SailedPlan, plan: &PlanDocument, voyage: &Voyage) -> Map
         contours: chart
             .contours()
             .iter()
-            .map(|contour| MapContour {
-                depth_m: contour.depth_m,
-                line: contour.line.iter().copied().collect(),
-            })
+            .map(|c| MapContour { depth_m: c.depth_m, line: c.line.iter().copied().collect() })
             .collect(),
         margins: margins(planned),
         spots: chart.spots().iter().map(spot).collect(),

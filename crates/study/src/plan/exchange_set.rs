@@ -84,8 +84,7 @@ pub(super) fn existing(path: PathBuf) -> PathBuf {
     let Some(folder) = path.parent() else { return path };
     observe_names(folder, &path.file_name().unwrap_or_default().to_string_lossy());
     let entries = fs::read_dir(here(folder)).into_iter().flatten().take(MOST_ENTRIES).flatten();
-    let mut same =
-        entries.map(|entry| entry.file_name()).filter(|name| capitals(Path::new(name)) == capitals(&path));
+    let mut same = entries.map(|e| e.file_name()).filter(|name| capitals(Path::new(name)) == capitals(&path));
     match (same.next(), same.next()) {
         (Some(name), None) => folder.join(name),
         _ => path,
@@ -159,8 +158,7 @@ impl ExchangeSet {
             return Ok(root.to_path_buf());
         }
         // Folders of updates and editions are in one named as the cell.
-        let numbered =
-            folder.ancestors().take_while(|ancestor| is_number(&capitals(ancestor))).take(2).count();
+        let numbered = folder.ancestors().take_while(|a| is_number(&capitals(a))).take(2).count();
         let above = folder.ancestors().nth(numbered).filter(|ancestor| is_stem(&capitals(ancestor), cell));
         let highest = folder.ancestors().nth(numbered.saturating_sub(1));
         Ok(above.or(highest).unwrap_or(&folder).to_path_buf())

@@ -355,15 +355,16 @@ fn goes_on([longitude_deg, latitude_deg]: [f64; 2], followed: &Followed, voyage:
 fn states(voyage: &Voyage, track: &PlannedTrack, followed: &Followed) -> Vec<FollowedStep> {
     let steps = voyage.legs.iter().zip(&track.steps);
     let results = followed.states.iter().zip(followed.deviations_m.iter().zip(&followed.why));
-    let step = |((leg, step), (state, (deviation_m, why)))| FollowedStep {
+    let all = steps.zip(results);
+    all.map(|((leg, step), (state, (deviation_m, why)))| FollowedStep {
         action: step.name.clone(),
         informative: leg.informative,
         state: *state,
         deviation_m: *deviation_m,
         within_m: step.within_m,
         why: why.clone(),
-    };
-    steps.zip(results).map(step).collect()
+    })
+    .collect()
 }
 
 /// `follow.json` in words.
@@ -483,8 +484,7 @@ fn rest_of<'a>(
     done: impl IntoIterator<Item = &'a PlanStep>,
     from: Place,
 ) -> Option<Task> {
-    let mut left: BTreeMap<&str, u64> =
-        plan.counts.iter().map(|(name, count)| (name.as_str(), *count)).collect();
+    let mut left: BTreeMap<&str, u64> = plan.counts.iter().map(|(name, c)| (name.as_str(), *c)).collect();
     for step in done {
         if let Some(count) = left.get_mut(step.action.as_str()) {
             *count = count.saturating_sub(1);

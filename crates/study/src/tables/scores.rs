@@ -155,11 +155,7 @@ fn recommendation(design: &str, rows: &[&Row], estimators: &[Estimator]) -> Esti
         most_without_estimate: MOST_WITHOUT_ESTIMATE,
         estimator: recommendation.as_ref().and_then(Recommendation::estimator),
         candidates: recommendation.as_ref().map_or(Vec::new(), Recommendation::candidates),
-        others: recommendation
-            .iter()
-            .flat_map(|recommendation| &recommendation.others)
-            .map(PairedDifference::from)
-            .collect(),
+        others: recommendation.iter().flat_map(|r| &r.others).map(PairedDifference::from).collect(),
         statement: statement(recommendation.as_ref(), design, error, runs),
     }
 }

@@ -145,8 +145,7 @@ pub fn counts(
     available: &BTreeMap<String, u64>,
 ) -> Result<BTreeMap<String, u64>, String> {
     let mut counts = BTreeMap::new();
-    let is_count =
-        |text: &str| text.split_once('=').is_some_and(|(_, count)| count.trim().parse::<u64>().is_ok());
+    let is_count = |text: &str| text.split_once('=').is_some_and(|(_, c)| c.trim().parse::<u64>().is_ok());
     for text in written.iter().flat_map(|text| names_in(text, is_count)) {
         let pair =
             text.rsplit_once('=').and_then(|(name, n)| Some((name.trim(), n.trim().parse::<u64>().ok()?)));

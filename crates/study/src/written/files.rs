@@ -299,8 +299,7 @@ const KINDS: [&str; 33] = [
 /// # Errors
 /// Names `out` and the ending that it needs.
 pub fn check_kind(out: &Path, usual: &str) -> Result<(), Invalid> {
-    let end =
-        |path: &Path| path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+    let end = |path: &Path| path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     match (end(out), end(Path::new(usual))) {
         (Some(found), Some(wanted)) if found != wanted && KINDS.contains(&found.as_str()) => {
             let expected = format!("a name that ends in .{wanted}, as {usual} does");

@@ -103,8 +103,7 @@ impl LogsFile {
 
     /// Rows of all logs of those `maneuvers` that are on a day, including the time before logging.
     pub fn rows(&self, maneuvers: &[&str], rate_hz: f64) -> f64 {
-        let on_a_day =
-            |name: &&&str| self.day.iter().any(|day| day.maneuvers.iter().any(|other| other == **name));
+        let on_a_day = |name: &&&str| self.day.iter().any(|day| day.maneuvers.iter().any(|m| m == **name));
         let settle = |name: &&str| self.settle_s.get(*name).map_or(0.0, |s| s * rate_hz);
         let rows = |name: &&str| f64::from(self.repeats) * (settle(name) + f64::from(self.samples) + 2.0);
         maneuvers.iter().filter(on_a_day).map(rows).sum()

@@ -297,9 +297,7 @@ impl Routine {
     pub fn has_parameters(&self) -> bool {
         let mut takes_any = false;
         self.visit(&mut |value| takes_any |= matches!(value, Expression::Quantity(_)));
-        self.lines
-            .iter()
-            .for_each(|line| takes_any |= matches!(line, Line::Results { parameters: true, .. }));
+        self.lines.iter().for_each(|l| takes_any |= matches!(l, Line::Results { parameters: true, .. }));
         takes_any
     }
 

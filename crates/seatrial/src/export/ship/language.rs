@@ -181,8 +181,7 @@ impl Language {
                 }
             }
             Line::Results { name, routine, arguments, count, parameters } => {
-                let mut all: Vec<String> =
-                    arguments.iter().map(|argument| self.value(argument, names)).collect();
+                let mut all: Vec<String> = arguments.iter().map(|a| self.value(a, names)).collect();
                 if *parameters {
                     all.insert(0, "p".to_owned());
                 }

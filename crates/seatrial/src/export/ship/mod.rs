@@ -169,8 +169,7 @@ impl Ship {
 /// The degree of freedom and the text of the term whose parameter has this name.
 pub(crate) fn term(description: &Description, name: &str) -> Option<String> {
     let degrees = [("surge", &description.surge), ("sway", &description.sway), ("yaw", &description.yaw)];
-    let mut all =
-        degrees.into_iter().flat_map(|(degree, terms)| terms.iter().map(move |term| (degree, term)));
+    let mut all = degrees.into_iter().flat_map(|(degree, t)| t.iter().map(move |term| (degree, term)));
     let (degree, term) = all.find(|(_, term)| term.parameter == name)?;
     Some(format!("{degree}: {}", term.term))
 }

@@ -100,9 +100,7 @@ impl Covariances {
 
     /// Keeps the covariances of block `i`, and returns its estimates.
     pub fn keep(&self, i: usize, found: Vec<(RunEstimate, EstimateCovariance)>) -> Vec<RunEstimate> {
-        let split = found
-            .into_iter()
-            .map(|(estimate, covariance)| (CovarianceRow::of(&estimate, covariance), estimate));
+        let split = found.into_iter().map(|(estimate, c)| (CovarianceRow::of(&estimate, c), estimate));
         let (rows, estimates) = split.unzip();
         self.kept.lock().unwrap_or_else(PoisonError::into_inner).insert(i, rows);
         estimates

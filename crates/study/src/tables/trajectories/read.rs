@@ -50,8 +50,7 @@ impl TrajectoryReader {
             |derived_channel: &DerivedChannel| there(&layout.exogenous[derived_channel.variable - 3].0);
         let derived: Vec<(DerivedChannel, bool)> =
             layout.derived.iter().map(|channel| (channel.clone(), with_column(channel))).collect();
-        let absent =
-            |place: usize| derived.iter().any(|(channel, there)| !there && channel.variable - 3 == place);
+        let absent = |place: usize| derived.iter().any(|(channel, t)| !t && channel.variable - 3 == place);
         let places: Vec<usize> = (0..layout.exogenous.len()).filter(|place| !absent(*place)).collect();
         let wanted = layout.required().into_iter().enumerate();
         let wanted = wanted.filter(|(i, _)| *i < 6 || !absent(i - 6));
@@ -316,8 +315,7 @@ impl<'a> TableBlock<'a> {
     /// Refuses numbers whose powers and sums overflow.
     fn check_magnitudes(&self, start: usize, end: usize, row: &dyn Fn(usize) -> String) -> Result<(), Error> {
         const MOST: f64 = 1e30;
-        let exogenous =
-            self.exogenous.iter().filter_map(Column::as_f64).map(|column| &column[start..end - 1]);
+        let exogenous = self.exogenous.iter().filter_map(Column::as_f64).map(|c| &c[start..end - 1]);
         let states = self.states.iter().map(|column| &column[start..end]);
         let instruments = self.instruments.iter().map(|column| &column[start..end - 1]);
         for (i, column) in exogenous.chain(states).chain(instruments).enumerate() {

@@ -75,10 +75,8 @@ impl IngestFile {
         check_ranges(self.antenna_m.map(|place| ("antenna_m", place, metres.clone(), "m")))?;
         let classes = self.speed_classes_m_s.iter();
         check_ranges(classes.map(|bound| ("speed_classes_m_s", *bound, 0.0..=1000.0, "m/s")))?;
-        let times = self
-            .segment
-            .iter()
-            .flat_map(|segment| [("segment.from_s", segment.from_s), ("segment.to_s", segment.to_s)]);
+        let times =
+            self.segment.iter().flat_map(|s| [("segment.from_s", s.from_s), ("segment.to_s", s.to_s)]);
         check_ranges(times.map(|(key, time)| (key, time, -1e9..=1e9, "s")))?;
         self.thruster.iter().try_for_each(check_thruster)
     }
@@ -89,8 +87,7 @@ impl IngestFile {
             [("design", &self.design)].into_iter().chain(self.maneuver.iter().map(|m| ("maneuver", m)));
         let classes = self.speed_class_names.iter().flatten().map(|name| ("speed_class_names", name));
         let segments = self.segment.iter().map(|segment| ("segment.maneuver", &segment.maneuver));
-        let channels =
-            self.file.iter().flat_map(|file| &file.channel).map(|channel| ("channel", &channel.channel));
+        let channels = self.file.iter().flat_map(|f| &f.channel).map(|channel| ("channel", &channel.channel));
         let derived = self.derived.iter().map(|channel| ("derived.channel", &channel.channel));
         let all = designs.chain(classes).chain(segments).chain(channels).chain(derived);
         all.into_iter().try_for_each(|(key, name)| check_name(format!("`{key}`"), name))
@@ -254,9 +251,7 @@ fn check_file(file: &FileSpec) -> Result<(), Invalid> {
         }
     }
     let share = file.max_wrong_checksums;
-    check_numbers([("max_wrong_checksums", share)], "a share from 0 to 1", |share| {
-        (0.0..=1.0).contains(&share)
-    })?;
+    check_numbers([("max_wrong_checksums", share)], "a share from 0 to 1", |s| (0.0..=1.0).contains(&s))?;
     check_talkers(file)?;
     check_kinds(file)?;
     check_time(file)
