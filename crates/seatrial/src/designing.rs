@@ -1,3 +1,5 @@
+//! Designs by any criterion, the ships and the figures of merit that they are for.
+
 use std::path::Path;
 
 use design::{

@@ -279,8 +279,6 @@ pub(crate) fn statements(grown: &GrownShip) -> Vec<String> {
     tried.chain(grown.ended.clone()).collect()
 }
 
-// What a former fit says of a ship's numbers.
-
 /// The estimates of a former fit of the same ship, or of a sister of another size by the prime system, for each free
 /// number of `vessel`.
 ///

@@ -1,4 +1,4 @@
-//! Measured logs to runs.
+//! Measured logs to runs, runs to one model, and models on recordings that they were not fitted to.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -153,8 +153,6 @@ impl Ingested {
     }
 }
 
-// Several runs to one model.
-
 /// Options of a model from several runs.
 #[derive(Clone)]
 pub struct Pooling<'a> {
@@ -233,8 +231,6 @@ impl<'a> Pooling<'a> {
         Ok(set)
     }
 }
-
-// A model on recordings that it was not fitted to.
 
 /// Compares a model with least squares of the same data, the mean of the recordings, and another model.
 pub struct Comparison<'a> {

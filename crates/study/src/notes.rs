@@ -1,5 +1,5 @@
-//! Recordings of logs that are inconsistent, or of which much was left out: they are not used for estimates by
-//! default.
+//! What files note of how their runs came about: doubtful recordings, helms that follow logged sensors, other rates, what
+//! maneuvers reached.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,7 +15,7 @@ use trial::campaign::{Maneuvers, Reached, Refusal};
 use crate::documents::RecordingSummary;
 use crate::tables::trajectories::{REACHED, Reacting};
 
-/// Name of the setting with them.
+/// The setting with recordings that are inconsistent, or of which much was left out: estimates do not use them by default.
 const DOUBTFUL: &str = "doubtful";
 
 /// The numbers of their runs, by the recordings' names. They are in the settings of trajectories and of the results
@@ -126,8 +126,6 @@ impl LoggedHelm {
         ))
     }
 }
-
-// Vessels at another sampling rate than their own.
 
 /// The vessel at `path` at the rate that was requested \[Hz\], if one was; notes both.
 ///

@@ -1,4 +1,4 @@
-//! Documents made in shards.
+//! Documents made in shards, and the tables that are kept beside a tally.
 
 use std::path::{Path, PathBuf};
 
@@ -44,8 +44,6 @@ pub fn moments(shards: &[PathBuf], mut given: Provenance) -> Result<(Provenance,
     Ok((Provenance { shard: None, ..provenance }, whole))
 }
 
-// Tallies of shards, merged.
-
 /// The usual name of the tally.
 pub const MAIN: &str = "tally.json";
 
@@ -68,8 +66,6 @@ pub fn merged(shards: &[PathBuf]) -> Result<(Provenance, TallyDocument), Error> 
     let provenance = Provenance { shard: None, ..provenance };
     Ok((provenance, TallyDocument::new(tally, bounds, realizations, samples, seed)))
 }
-
-// The tables of realizations that are kept in addition to their tally.
 
 refusal::choices! {
     /// What is kept beside a tally.
@@ -120,10 +116,8 @@ impl KeptTables {
                 return Ok::<_, Error>(None);
             }
             let writer = TableWriter::create(beside(out, MAIN, name), schema, provenance)?;
-            Ok(Some(match document {
-                Some(document) => writer.with_document(&beside(out, MAIN, document)),
-                None => writer,
-            }))
+            let document = document.map(|document| beside(out, MAIN, document));
+            Ok(Some(document.iter().fold(writer, |writer, document| writer.with_document(document))))
         };
         let columns = estimates::columns(vessel);
         let scored =
@@ -191,18 +185,18 @@ impl KeptTables {
     ) -> Result<Vec<Staged>, Error> {
         let mut files = Vec::new();
         if let Some((vessel, (writer, rows))) = self.vessel.zip(self.estimates) {
-            let table = writer.finish()?;
-            let document = estimates::summarize(table.path(), provenance, &vessel, &rows)?;
+            let table = [writer.finish()?];
+            let document = estimates::summarize(table[0].path(), provenance, &vessel, &rows)?;
             let path = beside(out, MAIN, "estimate.json");
-            files.push(stage_set_document(path, provenance, &document, std::slice::from_ref(&table))?);
-            files.push(table);
+            files.push(stage_set_document(path, provenance, &document, &table)?);
+            files.extend(table);
         }
         if let Some((writer, rows)) = self.scores {
-            let table = writer.finish()?;
+            let table = [writer.finish()?];
             let document = validated(&rows, bounds, samples, provenance);
             let path = beside(out, MAIN, "validation.json");
-            files.push(stage_set_document(path, provenance, &document, std::slice::from_ref(&table))?);
-            files.push(table);
+            files.push(stage_set_document(path, provenance, &document, &table)?);
+            files.extend(table);
         }
         if let Some((writer, _)) = self.runs {
             files.push(writer.finish()?);

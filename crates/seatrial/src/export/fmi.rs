@@ -12,8 +12,6 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 use crate::export::portable::Portable;
 use crate::export::text::{comment, fill, number, quoted};
 
-// The unit's C sources, and how they are compiled.
-
 /// The standard's name of this platform, if it has one.
 pub const PLATFORM: Option<&str> = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
     Some("linux64")
@@ -58,8 +56,6 @@ impl Portable {
     }
 }
 
-// The unit as one file: a ZIP archive with the same bytes for the same contents.
-
 impl Portable {
     /// The unit, with the `library` built from its sources, if there is one.
     pub(crate) fn unit(&self, library: Option<Vec<u8>>) -> Result<Vec<u8>, Invalid> {
@@ -88,8 +84,6 @@ fn packed(files: &[(String, Vec<u8>)]) -> zip::result::ZipResult<Vec<u8>> {
     }
     Ok(archive.finish()?.into_inner())
 }
-
-// `modelDescription.xml`.
 
 /// A variable of the unit.
 struct ScalarVariable<'a> {

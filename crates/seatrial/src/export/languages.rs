@@ -39,8 +39,6 @@ impl Portable {
     }
 }
 
-// Python.
-
 const PYTHON: Syntax =
     Syntax { modulus: "abs", parameter: |_, name| format!("p[\"{name}\"]"), between: "\n        + " };
 
@@ -133,8 +131,6 @@ fn names(channels: &[Channel]) -> String {
     lines(channels, |c| format!("    \"{}\",  # {}\n", c.identifier, said(&c.unit, &c.meaning)))
 }
 
-// The model as a function file for MATLAB and Octave.
-
 const MATLAB: Syntax =
     Syntax { modulus: "abs", parameter: |_, name| format!("p.{name}"), between: " ...\n    + " };
 
@@ -208,8 +204,6 @@ impl Portable {
         states.into_iter().chain(inputs).chain(derived).collect()
     }
 }
-
-// The model as C99.
 
 const C99: Syntax = Syntax {
     modulus: "fabs",

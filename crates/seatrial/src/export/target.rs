@@ -74,8 +74,6 @@ impl Portable {
     }
 }
 
-// The right-hand sides of the model as expressions.
-
 /// Where the expressions of a language differ from the others'.
 pub struct Syntax {
     /// The function for the modulus.
@@ -142,8 +140,6 @@ impl Syntax {
         written.collect::<Vec<_>>().join(" * ")
     }
 }
-
-// The comment at the top of the code, in every language.
 
 /// Characters in a line of a comment.
 const WIDTH: usize = 110;

@@ -47,8 +47,6 @@ pub fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-// Text templates.
-
 /// `template` with every `{{key}}` replaced by its value. Inserted values are not expanded again.
 pub fn fill(template: &str, values: &[(&str, String)]) -> String {
     let mut parts = template.split("{{");

@@ -211,8 +211,6 @@ fn terms(vessel: &Vessel, degree: DegreeOfFreedom, found: &Averaged) -> Vec<Aver
     terms
 }
 
-// Models from a search for their structure.
-
 impl ModelDocument {
     /// The model that a search found for `vessel`, whose terms are the base structure.
     pub fn searched(vessel: &Vessel, found: &Searched) -> Self {

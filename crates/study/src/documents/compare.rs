@@ -1,3 +1,5 @@
+//! Models on recordings or maneuvers that they were not fitted to: `compare.json`, `crossval.json`, `merit.json`.
+
 use std::collections::BTreeMap;
 
 use estimation::pooled::Pool;

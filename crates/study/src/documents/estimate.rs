@@ -1,3 +1,5 @@
+//! Estimates: `estimate.json` and `trust.json`.
+
 use estimation::Estimator;
 use estimation::criticism::Criticism;
 use estimation::pooled::{Added, DegreeTrust, ParameterTrust, Pool, Pooled, SourceErrors};

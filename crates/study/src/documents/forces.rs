@@ -1,3 +1,5 @@
+//! Forces that were fitted, criticised and searched for, within `model.json` and `search.json`.
+
 use estimation::pooled::Covariance;
 use refusal::Invalid;
 use schemars::JsonSchema;

@@ -1,3 +1,5 @@
+//! Measured and simulated logs: `ingest.json` and `simulated.json`.
+
 use std::collections::BTreeMap;
 
 use files::{Digest, Document, Units};

@@ -1,3 +1,5 @@
+//! A plan on the chart, and where a ship is in it: `map.json` and `follow.json`.
+
 use std::collections::BTreeMap;
 
 use files::{Document, Units};

@@ -383,8 +383,6 @@ impl Document for PlanDocument {
     ];
 }
 
-// Unit and datum of the depths of a chart.
-
 /// What the depths, or heights, of a chart are measured in, and from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -1,3 +1,5 @@
+//! What becomes of a design: refined inputs, and its promise after a trial.
+
 use std::collections::BTreeMap;
 
 use design::{AccuracyOf, CriterionName};

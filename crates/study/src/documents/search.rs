@@ -101,64 +101,62 @@ pub struct SearchTerm {
 impl SearchDocument {
     /// The result for `vessel`, whose terms are the base structure, of a search with `options`.
     pub fn new(vessel: &Vessel, options: &SearchOptions, found: &Searched) -> Self {
-        let seconds = |samples: usize| samples as f64 / vessel.sample_rate_hz;
-        let [std_u, std_v, std_r] = found.std;
-        let (cut, seed) = (options.cut, options.average.map(|average| average.seed));
+        let (std, counts) = (found.std, [found.windows, found.samples]);
+        let average = found.average.as_ref().zip(options.average.map(|average| average.seed));
         Self {
-            vessel: vessel.name.clone(),
-            fitted_window_s: seconds(cut.window),
-            every_s: seconds(cut.every),
-            window_s: cut.scored.map(seconds),
-            windows: found.windows,
-            samples: found.samples,
-            folds: options.folds as u64,
-            std_u,
-            std_v,
-            std_r,
             ridge: Some(found.candidates[found.chosen].ridge),
             candidates: found.candidates.clone(),
             sizes: found.sizes.clone(),
-            nested: found.nested.clone(),
             resamples: found.resampled.as_ref().zip(options.bootstrap).map(|(resampled, wanted)| Resamples {
                 seed: wanted.seed,
                 searches: resampled.searches,
                 failed: resampled.failed,
             }),
             terms: DegreeOfFreedom::ALL.into_iter().flat_map(|d| terms(vessel, d, found)).collect(),
-            average: found
-                .average
-                .as_ref()
-                .zip(seed)
-                .map(|(average, seed)| AverageSummary::new(vessel, seed, average)),
-            forces: None,
-            beside: None,
+            average: average.map(|(average, seed)| AverageSummary::new(vessel, seed, average)),
             statements: found.statements.clone(),
+            ..Self::by_options(vessel, options, std, counts, found.nested.clone())
         }
     }
 
     /// That of a search for `vessel` over recordings with so many `windows` and `samples` that found none; `nested` scores nothing.
-    pub fn unfound(
+    pub fn unfound(vessel: &Vessel, options: &SearchOptions, counts: [u64; 2], nested: NestedScore) -> Self {
+        Self::by_options(vessel, options, [0.0; 3], counts, nested)
+    }
+
+    /// The scores of a search with `options`, without what it found.
+    fn by_options(
         vessel: &Vessel,
         options: &SearchOptions,
+        std: [f64; 3],
         [windows, samples]: [u64; 2],
         nested: NestedScore,
     ) -> Self {
         let seconds = |samples: usize| samples as f64 / vessel.sample_rate_hz;
+        let (cut, folds) = (options.cut, options.folds as u64);
+        let (fitted_window_s, window_s) = (seconds(cut.window), cut.scored.map(seconds));
+        let scores = ForceScores { fitted_window_s, window_s, windows, samples, folds, std, nested };
+        Self { every_s: seconds(cut.every), ..Self::scored(vessel, scores) }
+    }
+
+    /// The scores of a search, without what it found.
+    fn scored(vessel: &Vessel, scores: ForceScores) -> Self {
+        let [std_u, std_v, std_r] = scores.std;
         Self {
             vessel: vessel.name.clone(),
-            fitted_window_s: seconds(options.cut.window),
-            every_s: seconds(options.cut.every),
-            window_s: options.cut.scored.map(seconds),
-            windows,
-            samples,
-            folds: options.folds as u64,
-            std_u: 0.0,
-            std_v: 0.0,
-            std_r: 0.0,
+            fitted_window_s: scores.fitted_window_s,
+            every_s: scores.fitted_window_s,
+            window_s: scores.window_s,
+            windows: scores.windows,
+            samples: scores.samples,
+            folds: scores.folds,
+            std_u,
+            std_v,
+            std_r,
             ridge: None,
             candidates: Vec::new(),
             sizes: Vec::new(),
-            nested,
+            nested: scores.nested,
             resamples: None,
             terms: Vec::new(),
             average: None,
@@ -267,8 +265,6 @@ impl DeliveredKind {
     }
 }
 
-// Documents of a search for forces that a ship lacks.
-
 /// How a search for forces was made and scored.
 #[derive(Clone, Debug)]
 pub struct ForceScores {
@@ -297,29 +293,8 @@ impl SearchDocument {
         (delivered, numbers): (&Vessel, &[FittedParameter]),
         statements: Vec<String>,
     ) -> Self {
-        let [std_u, std_v, std_r] = scores.std;
-        Self {
-            vessel: vessel.name.clone(),
-            fitted_window_s: scores.fitted_window_s,
-            every_s: scores.fitted_window_s,
-            window_s: scores.window_s,
-            windows: scores.windows,
-            samples: scores.samples,
-            folds: scores.folds,
-            std_u,
-            std_v,
-            std_r,
-            ridge: None,
-            candidates: Vec::new(),
-            sizes: Vec::new(),
-            nested: scores.nested,
-            resamples: None,
-            terms: force_terms(delivered, numbers, &forces.found),
-            average: None,
-            forces: Some(forces),
-            beside: None,
-            statements,
-        }
+        let terms = force_terms(delivered, numbers, &forces.found);
+        Self { terms, forces: Some(forces), statements, ..Self::scored(vessel, scores) }
     }
 }
 

@@ -1,3 +1,5 @@
+//! Scores of estimates: `validation.json`, `tally.json`, and `selection.json`.
+
 use std::collections::BTreeMap;
 
 use estimation::{Estimator, PairedDifference, Quantiles, Share};

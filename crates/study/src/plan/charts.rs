@@ -228,8 +228,6 @@ fn text_of<'t>(text: &'t str, tag: &str) -> Option<&'t str> {
     rest.split_once(&format!("</{tag}>")).map(|(inner, _)| inner.trim())
 }
 
-// Charts that are text, in any encoding.
-
 /// Byte order marks: UTF-32 before UTF-16, whose mark is its prefix.
 const UTF_32: [&[u8]; 2] = [&[0xff, 0xfe, 0, 0], &[0, 0, 0xfe, 0xff]];
 
@@ -272,8 +270,6 @@ fn refuse(found: String) -> Invalid {
     let expected = "text in UTF-8, or in UTF-16 with a byte order mark";
     Invalid::new("file", found, expected, "export it again, or convert it with `iconv -t UTF-8`")
 }
-
-// Charts that are grids, which are only read near the area.
 
 /// The format of a grid.
 #[derive(Clone, Copy)]

@@ -1,4 +1,4 @@
-//! `plan.json` of a plan.
+//! The files of a plan: `plan.json`, `map.json`, and its tracks and routes in other formats.
 
 use std::collections::BTreeMap;
 
@@ -150,8 +150,6 @@ fn dropped(prepared: &Prepared) -> Vec<DroppedMove> {
     });
     dropped.collect()
 }
-
-// `map.json` of a plan.
 
 /// The map of a trial with its `plan` and the simulated `voyage`.
 pub fn map_of(planned: &SailedPlan, plan: &PlanDocument, voyage: &Voyage) -> MapDocument {
@@ -308,8 +306,6 @@ impl FromIterator<bool> for MapRuns {
         Self(runs)
     }
 }
-
-// The plan in other formats: tracks, and routes for bridges and ground stations.
 
 /// A file's name and content.
 pub type NamedFile = (&'static str, Vec<u8>);

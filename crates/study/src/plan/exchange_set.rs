@@ -194,8 +194,6 @@ fn catalogue_in(folder: &Path) -> Option<PathBuf> {
     entries.map(|path| path.path()).find(|path| is_catalogue(path) && path.is_file())
 }
 
-// Reads files of charts, and notes their digests.
-
 /// Reads a chart's file, and notes its digest.
 pub(super) fn bytes(path: &Path, provenance: &mut Provenance) -> Result<Vec<u8>, Error> {
     let bytes = files::read(path)?;

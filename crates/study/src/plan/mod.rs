@@ -31,8 +31,6 @@ pub use follow::{
 };
 pub use task::{in_tide, programs, second, uncertain};
 
-// Why there is no plan: the refusals of the planner, with the file at fault and the flag that helps.
-
 /// Why there is no plan, in one line.
 #[derive(Debug)]
 pub enum Unplanned {

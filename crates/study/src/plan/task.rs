@@ -225,8 +225,6 @@ fn no_table(error: csv::Error) -> Invalid {
     Invalid::new("table", error.to_string(), "rows of as many cells as the first line", "export it again")
 }
 
-// The time slot of a trial in `plan.toml`.
-
 impl PlanFile {
     /// The end of the slot for a trial that begins at `departure` \[s since 1970, UTC\], if `[slot]` has one.
     ///
@@ -362,8 +360,6 @@ fn by_priors(path: &Path, vessel: &Vessel, errors: f64) -> Result<Deviations, Er
     });
     Ok(Deviations::independent(&deviations.collect::<Result<Vec<f64>, _>>()?, errors))
 }
-
-// The maneuvers of a plan that react to the ship.
 
 /// The commands of the maneuvers that `brief` names and that depend on the ship's motion, by name, as `dictionary.toml` at `path`
 /// states them; none without that file.

@@ -1,4 +1,4 @@
-//! The hand-written files of a study, read and checked.
+//! The hand-written files of a study, read and checked, and their schemas.
 
 use std::path::{Path, PathBuf};
 
@@ -318,8 +318,6 @@ pub fn is_average(path: &Path) -> bool {
     inspect(path).ok().flatten().is_some_and(|inspected| average(&inspected.schema))
 }
 
-// Warnings about simulations that leave the range of the data that the model was fitted on.
-
 /// Warnings about the runs in `out` that the model in the file `model` simulated, at its own rate or at `rate_hz`; empty for a
 /// vessel.toml.
 ///
@@ -364,8 +362,6 @@ pub struct TermLists {
     #[serde(default)]
     pub yaw: Vec<String>,
 }
-
-// JSON Schemas of the hand-written files of a study, from the types that read them.
 
 /// A kind of file, and what writes its schema.
 type HandWrittenKind = (&'static str, fn() -> Value);

@@ -153,8 +153,6 @@ fn incomplete(file: &Path, row: usize) -> Error {
     crate::refuse(file, &format!("row {row}"), "an absent parameter", &expected, "run `estimate` again")
 }
 
-// Publishing a table of estimates with its document and the files beside it.
-
 /// Publishes `table`, the files `beside` it that there are, and the `document` that vouches for all of them. Those of an
 /// earlier estimate that there are not now are removed. A shard is published alone.
 ///
@@ -186,8 +184,6 @@ pub fn publish(
     }
     Ok(())
 }
-
-// The message if no run has an estimate.
 
 /// Why none of the runs has an estimate: the reason for the first of measured runs; else the number of failed
 /// searches, or the parameter that no run excites. `None` if some have one.

@@ -331,8 +331,6 @@ fn template(key: &str, text: &str, part: &str) -> Result<Template, Invalid> {
     })
 }
 
-// Simulated logs, sealed and labelled by `simulated.json` next to them.
-
 /// The label of the logs in `folder` if they are simulated: then each of `sources` must be unchanged, and its digest
 /// is noted.
 ///
