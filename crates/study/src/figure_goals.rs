@@ -147,12 +147,8 @@ impl FigureGoals {
             self.left_out.push(said);
         }
         if self.goals.iter().all(|goal| goal.figure.weight == 0.0) {
-            return Err(Invalid::new(
-                "--weight",
-                "0 for every figure",
-                "one above 0",
-                "leave one of them out",
-            ));
+            let remedy = "leave one of them out";
+            return Err(Invalid::new("--weight", "0 for every figure", "one above 0", remedy));
         }
         Ok(())
     }

@@ -307,12 +307,8 @@ impl Portable {
 fn check_dead_time(vessel: &Vessel, theta: &[f64]) -> Result<(), Invalid> {
     if vessel.model.forces.as_ref().is_some_and(|moved| moved.forces.has_dead_time(theta)) {
         let (found, expected) = ("a dead time above 0 s", "none: exported models take inputs as they act");
-        return Err(Invalid::new(
-            "`dead_time_s`",
-            found,
-            expected,
-            "remove it for this stage, and delay the input",
-        ));
+        let remedy = "remove it for this stage, and delay the input";
+        return Err(Invalid::new("`dead_time_s`", found, expected, remedy));
     }
     Ok(())
 }

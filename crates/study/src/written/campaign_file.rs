@@ -142,20 +142,14 @@ impl CampaignFile {
     /// Disturbances without such predictions: wind, a correlated current, a velocity without noise.
     pub fn predictable_noise(&self) -> Result<Noise, Invalid> {
         let Some(noise) = self.noise().filter(|_| self.wind.is_none()) else {
-            return Err(Invalid::new(
-                "disturbances",
-                "wind or a lasting current",
-                "no current or a white one, which errors are predicted for",
-                "take a campaign without wind and lasting currents",
-            ));
+            let expected = "no current or a white one, which errors are predicted for";
+            let remedy = "take a campaign without wind and lasting currents";
+            return Err(Invalid::new("disturbances", "wind or a lasting current", expected, remedy));
         };
         if noise.measurement.contains(&0.0) {
-            return Err(Invalid::new(
-                "`measurement`",
-                "a standard deviation of 0",
-                "noise in u, v and r, which errors are predicted from",
-                "state what the sensors have",
-            ));
+            let expected = "noise in u, v and r, which errors are predicted from";
+            let remedy = "state what the sensors have";
+            return Err(Invalid::new("`measurement`", "a standard deviation of 0", expected, remedy));
         }
         Ok(noise)
     }

@@ -132,13 +132,8 @@ const MOST: f64 = 1e150;
 /// Refuses a row of `file` with `value`, which no stage writes.
 pub(crate) fn implausible(file: &Path, row: usize, value: f64) -> Error {
     let expected = format!("magnitudes up to {MOST:e}, and errors from 0");
-    crate::refuse(
-        file,
-        &format!("row {row}"),
-        &format!("{value:e}"),
-        &expected,
-        "run the stage that writes it again",
-    )
+    let remedy = "run the stage that writes it again";
+    crate::refuse(file, &format!("row {row}"), &format!("{value:e}"), &expected, remedy)
 }
 
 /// Whether an error or a score is valid.

@@ -39,12 +39,9 @@ impl IngestFile {
         self.check_ranges()?;
         let rising = self.speed_classes_m_s.windows(2).all(|pair| pair[0] < pair[1]);
         if !rising || self.speed_classes_m_s.iter().any(|bound| !(bound.is_finite() && *bound > 0.0)) {
-            return Err(Invalid::new(
-                "`speed_classes_m_s`",
-                format!("{:?}", self.speed_classes_m_s),
-                "speeds above 0 m/s that increase",
-                "put them in order",
-            ));
+            let given = format!("{:?}", self.speed_classes_m_s);
+            let expected = "speeds above 0 m/s that increase";
+            return Err(Invalid::new("`speed_classes_m_s`", given, expected, "put them in order"));
         }
         if self.tail_s.is_some() && self.tail_s > Some(self.window_s.unwrap_or(0.0)) {
             let given = match self.window_s {
@@ -100,12 +97,9 @@ impl IngestFile {
             return Ok(());
         }
         if self.window_s.is_none() {
-            return Err(Invalid::new(
-                "`speed_classes_m_s`",
-                "no `window_s` beside it",
-                "speed classes of windows",
-                "add `window_s` or remove the speed classes",
-            ));
+            let expected = "speed classes of windows";
+            let remedy = "add `window_s` or remove the speed classes";
+            return Err(Invalid::new("`speed_classes_m_s`", "no `window_s` beside it", expected, remedy));
         }
         match named {
             None if expected <= 3 => Ok(()),
@@ -177,12 +171,9 @@ impl IngestFile {
         let labels = self.file.iter().filter(|file| file.label_column.is_some()).count();
         let ways = [!self.segment.is_empty(), self.window_s.is_some(), labels > 0];
         if ways.iter().filter(|way| **way).count() > 1 || labels > 1 {
-            return Err(Invalid::new(
-                "sub-experiments",
-                "more than one of [[segment]], `window_s` and a `label_column`",
-                "one of them, or none for whole recordings",
-                "remove the others",
-            ));
+            let given = "more than one of [[segment]], `window_s` and a `label_column`";
+            let expected = "one of them, or none for whole recordings";
+            return Err(Invalid::new("sub-experiments", given, expected, "remove the others"));
         }
         if self.maneuver.is_some() && self.maneuver_from_file.is_some() {
             let given = "`maneuver_from_file` beside it";
@@ -287,12 +278,8 @@ fn check_kinds(file: &FileSpec) -> Result<(), Invalid> {
         if format.is_bag() != file.topic.is_some() {
             let given = if file.topic.is_some() { "it for" } else { "none for" };
             let expected = "one for every group of bags, and for no other files";
-            return Err(Invalid::new(
-                "`topic`",
-                format!("{given} `{pattern}`"),
-                expected,
-                "add or remove it, or set the `format` where names do not end with one",
-            ));
+            let remedy = "add or remove it, or set the `format` where names do not end with one";
+            return Err(Invalid::new("`topic`", format!("{given} `{pattern}`"), expected, remedy));
         }
         check_clock(file, pattern, format)?;
         if file.publisher.is_some() && !format.is_bag() {

@@ -322,12 +322,8 @@ fn table(TableSpec { speed, pitch, force, forces }: TableSpec) -> Result<ForceTa
 /// The template under `key`, with the placeholder `part`.
 fn template(key: &str, text: &str, part: &str) -> Result<Template, Invalid> {
     Template::new(text, part).ok_or_else(|| {
-        Invalid::new(
-            format!("`{key}`"),
-            format!("`{text}`"),
-            format!("a template such as `{{{part}}}_*.csv`"),
-            format!("say where `{{{part}}}` is"),
-        )
+        let expected = format!("a template such as `{{{part}}}_*.csv`");
+        Invalid::new(format!("`{key}`"), format!("`{text}`"), expected, format!("say where `{{{part}}}` is"))
     })
 }
 

@@ -107,12 +107,9 @@ fn no_file(folder: &Path, pattern: &str) -> Invalid {
     let names = entries(&folder.join(parent)).unwrap_or_default();
     let near = nearest(name, names.iter().map(|entry| entry.name.as_str()));
     let meant = near.map_or(String::new(), |near| format!(" (did you mean `{parent}{near}`?)"));
-    Invalid::new(
-        format!("pattern `{pattern}`"),
-        "no file",
-        format!("at least one file in {}", folder.display()),
-        format!("correct the pattern or name the folder with --logs{meant}"),
-    )
+    let expected = format!("at least one file in {}", folder.display());
+    let remedy = format!("correct the pattern or name the folder with --logs{meant}");
+    Invalid::new(format!("pattern `{pattern}`"), "no file", expected, remedy)
 }
 
 // Parts of a bag of ROS 2, which its recorder lists in `metadata.yaml` beside them.
