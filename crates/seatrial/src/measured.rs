@@ -317,12 +317,8 @@ impl<'a> Comparison<'a> {
         compared.statements.extend(unknown.filter(|_| !self.averaged.is_empty()).map(|place| {
             format!("no bands: the errors of model {} of the average are not known", place + 1)
         }));
-        let short: Vec<String> = runs
-            .windows(window)
-            .into_iter()
-            .filter(|(_, windows)| windows.is_empty())
-            .map(|(name, _)| name)
-            .collect();
+        let short = runs.windows(window).into_iter().filter(|(_, windows)| windows.is_empty());
+        let short: Vec<String> = short.map(|(name, _)| name).collect();
         if !short.is_empty() {
             compared.statements.push(format!("shorter than a window and not compared: {}", listed(&short)));
         }

@@ -328,21 +328,20 @@ fn statements(estimates: &Estimates) -> Vec<String> {
         names.map(|parameter| format!("`{}`", parameter.name)).collect()
     };
     let mut all = Vec::new();
-    let entangled = named(&is_collinear);
-    if !entangled.is_empty() {
+    let collinear = named(&is_collinear);
+    if !collinear.is_empty() {
         let index = match estimates.condition {
             index if index.is_finite() => format!("condition index {index:.0}"),
             _ => "the runs leave a direction open".to_owned(),
         };
-        all.push(format!("{index}: the runs know sums of terms, not {} alone", entangled.join(", ")));
+        all.push(format!("{index}: the runs know sums of terms, not {} alone", collinear.join(", ")));
     }
     let prior = named(&|parameter| parameter.prior_share > 0.5);
-    if !prior.is_empty() {
-        all.push(format!("more than half the prior's: {}", prior.join(", ")));
-    }
-    let held = named(&|parameter| parameter.standard_error.is_none());
-    if !held.is_empty() {
-        all.push(format!("at a bound: {}", held.join(", ")));
+    let at_bound = named(&|parameter| parameter.standard_error.is_none());
+    for (what, names) in [("more than half the prior's", prior), ("at a bound", at_bound)] {
+        if !names.is_empty() {
+            all.push(format!("{what}: {}", names.join(", ")));
+        }
     }
     all
 }

@@ -173,14 +173,6 @@ pub struct AveragedSearch<'a> {
     pub settings: Settings,
 }
 
-/// Her forces, as fitted.
-struct OfForces {
-    /// Without each fold, in the way that the other folds choose.
-    without: Vec<Option<FittedShip>>,
-    tried: Vec<TriedFit>,
-    model: Result<ModelDocument, String>,
-}
-
 /// What is delivered of both, and why not the other.
 struct DeliveredModels {
     kind: DeliveredKind,
@@ -214,10 +206,10 @@ impl AveragedSearch<'_> {
         };
         let dealt = folds(&recordings.iter().collect::<Vec<_>>(), self.options.folds);
         let dealt = Dealt { folds: &dealt, are_inputs_held: of_forces.are_inputs_held() };
-        let forces = self.forces(of_forces, &physical, dealt, done);
+        let (without_forces, tried, forces) = self.forces(of_forces, &physical, dealt, done);
         let none = vec![None; self.options.folds];
         let without = searched.as_ref().map_or(&none, |searched| &searched.without);
-        let kinds = [(&recordings, without), (&physical, &forces.without)]
+        let kinds = [(&recordings, without), (&physical, &without_forces)]
             .map(|(recordings, without)| Kind { recordings, without });
         let mut document = match &searched {
             Ok(searched) => SearchDocument::new(begun, self.options, searched),
@@ -227,25 +219,22 @@ impl AveragedSearch<'_> {
         document.nested = nested;
         let terms = searched.map(|searched| self.search.model(runs, &searched));
         let lost = terms.as_ref().err().cloned();
-        let models = [terms.map_err(|e| e.to_string()), forces.model];
+        let models = [terms.map_err(|e| e.to_string()), forces];
         let inside = [document.nested.search.as_ref(), alone.errors.as_ref()];
         let Some(choice) =
             chosen(&models, inside.map(|errors| errors.and_then(mean_fit)), [&recordings, &physical], dealt)
         else {
             return Err(lost.unwrap_or(SearchError::NoAverage));
         };
-        document.statements = statements(&choice, &document.nested, alone, &forces.tried)
+        document.statements = statements(&choice, &document.nested, alone, &tried)
             .into_iter()
             .chain(document.statements)
             .collect();
         let (errors, overlapping) = (alone.errors, alone.overlapping);
-        document.beside =
-            Some(BesideForces { delivered: choice.kind, tried: forces.tried, errors, overlapping });
-        let members: Vec<ModelDocument> = models
-            .into_iter()
-            .zip(choice.kind.members())
-            .filter_map(|(model, is)| model.ok().filter(|_| is))
-            .collect();
+        document.beside = Some(BesideForces { delivered: choice.kind, tried, errors, overlapping });
+        let members = models.into_iter();
+        let members: Vec<ModelDocument> =
+            members.zip(choice.kind.members()).filter_map(|(model, is)| model.ok().filter(|_| is)).collect();
         let mut model = members.last().cloned().ok_or(SearchError::NoAverage)?;
         model.statements.insert(0, document.statements[0].clone());
         let average = Some(AverageDocument::of(begun, members, choice.output_rmse));
@@ -271,14 +260,15 @@ impl AveragedSearch<'_> {
         Physical { vessel, settings, former: None, reference: None, criticise, most_added: 0 }
     }
 
-    /// Fits the forces without each fold in both ways, each from what the one before found, and all of `runs` in the better way.
+    /// Fits the forces without each fold in both ways, each from what the one before found, and all of `runs` in the better way:
+    /// the ships without each fold, in the way that the other folds choose, what was tried, and the model.
     fn forces(
         &self,
         runs: &PooledRuns,
         recordings: &[Recording],
         dealt: Dealt,
         done: &(dyn Fn(usize) + Sync),
-    ) -> OfForces {
+    ) -> (Vec<Option<FittedShip>>, Vec<TriedFit>, Result<ModelDocument, String>) {
         let held = dealt.are_inputs_held;
         let all: Vec<Recorded> = recordings.iter().map(|r| (r.name.clone(), r.whole.clone())).collect();
         let ship = |theta: Vec<f64>| FittedShip { model: self.vessel.model.clone(), theta };
@@ -311,7 +301,7 @@ impl AveragedSearch<'_> {
             chosen: way == chosen,
         });
         let model = self.physical(self.ways()[chosen], true).fitted_model(runs, (&all, held));
-        OfForces { without, tried: tried.collect(), model: model.map_err(|e| e.to_string()) }
+        (without, tried.collect(), model.map_err(|e| e.to_string()))
     }
 }
 

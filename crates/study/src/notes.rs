@@ -54,12 +54,8 @@ impl Doubtful {
     /// # Errors
     /// Names the recording.
     pub fn check(&self, file: &Path, used: impl Fn(i32) -> bool) -> Result<(), Error> {
-        let doubtful: Vec<&str> = self
-            .0
-            .iter()
-            .filter(|(_, runs)| runs.iter().any(|run| used(*run)))
-            .map(|(name, _)| name.as_str())
-            .collect();
+        let doubtful = self.0.iter().filter(|(_, runs)| runs.iter().any(|run| used(*run)));
+        let doubtful: Vec<&str> = doubtful.map(|(name, _)| name.as_str()).collect();
         let Some(first) = doubtful.first() else { return Ok(()) };
         let more =
             if doubtful.len() > 1 { format!(", as in {} more", doubtful.len() - 1) } else { String::new() };

@@ -188,7 +188,7 @@ impl Arguments {
             |i| joined(i, reader.blocks(), block),
         )?;
         if self.sharding.shard.is_none()
-            && let Some(why) = estimates(&estimators, &reader, &made.rows)?
+            && let Some(why) = estimates::unidentified(&estimators, &reader, &made.rows)?
         {
             return Err(Failure::NoAnswer(format!("{}: {why}", file.display())));
         }

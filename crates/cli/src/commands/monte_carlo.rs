@@ -18,8 +18,7 @@ use study::campaign_file::CampaignFile;
 use study::documents::TallyDocument;
 use study::estimates::{self, distinct};
 use study::files::{generator, read_any_simulated};
-use study::parts::MAIN;
-use study::parts::{Keep, KeptTables as Kept};
+use study::parts::{Keep, KeptTables as Kept, MAIN};
 use study::trajectories::Layout;
 use trial::campaign::Settings;
 
