@@ -236,7 +236,7 @@ impl ModelDocument {
     }
 
     /// The model with the structure `model`, as `delivered` after a fit to `samples` samples.
-    pub(super) fn of_search(vessel: &Vessel, model: &Model, delivered: &Delivered, samples: u64) -> Self {
+    fn of_search(vessel: &Vessel, model: &Model, delivered: &Delivered, samples: u64) -> Self {
         let made = (Estimator::OutputError, MeanRemoval::Complete);
         let document = Self::with_degrees(vessel, made, delivered, |d| degree(vessel, d, model, delivered));
         Self { samples, ..document }

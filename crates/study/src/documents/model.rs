@@ -202,7 +202,7 @@ impl ModelDocument {
     }
 
     /// The same with the channels of `vessel`.
-    pub(super) fn with_channels(self, vessel: &Vessel) -> Self {
+    fn with_channels(self, vessel: &Vessel) -> Self {
         let model = &vessel.model;
         let input = |(i, variable): (usize, &Variable)| {
             let coupling = vessel.couplings[i];

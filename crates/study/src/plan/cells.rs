@@ -218,7 +218,7 @@ pub(super) fn of_objects(
 // Selects the updates of a cell, each once, checked against a catalogue.
 
 /// A file of a cell, with its own identification.
-pub(super) struct ReadCell {
+struct ReadCell {
     pub path: PathBuf,
     pub bytes: Vec<u8>,
     identity: Identity,
@@ -322,7 +322,7 @@ impl Updates {
 }
 
 /// The catalogue of an exchange set; empty if there is none.
-pub(super) struct Catalogue {
+struct Catalogue {
     file: PathBuf,
     listed: Vec<Listed>,
 }

@@ -55,52 +55,11 @@ pub struct Notes {
 const WIDTH: usize = 118;
 
 /// Keys in the order in which they are read; others follow by name.
-const ORDER: [&str; 44] = [
-    "name",
-    "parameter",
-    "term",
-    "input",
-    "unit",
-    "behind",
-    "nominal",
-    "prime",
-    "value",
-    "prior",
-    "bounds",
-    "fixed",
-    "tied_to",
-    "factor",
-    "follows",
-    "range",
-    "lag_s",
-    "rate_per_s",
-    "length_m",
-    "draught_m",
-    "speed_m_s",
-    "area",
-    "mass_kg",
-    "x_g_m",
-    "gyration_m",
-    "inertia_kg_m2",
-    "coriolis",
-    "diameter_m",
-    "thrust",
-    "wake",
-    "wake_change",
-    "wake_ratio",
-    "area_m2",
-    "height_m",
-    "lift_slope",
-    "epsilon",
-    "kappa",
-    "gamma",
-    "ell",
-    "deduction",
-    "interaction",
-    "interaction_x_m",
-    "x_m",
-    "y_m",
-];
+const ORDER: &str = "\
+    name parameter term input unit behind nominal prime value prior bounds fixed tied_to factor follows \
+    range lag_s rate_per_s length_m draught_m speed_m_s area mass_kg x_g_m gyration_m inertia_kg_m2 \
+    coriolis diameter_m thrust wake wake_change wake_ratio area_m2 height_m lift_slope epsilon kappa \
+    gamma ell deduction interaction interaction_x_m x_m y_m";
 
 /// The text of `file`, a complete ship with forces.
 ///
@@ -198,7 +157,7 @@ fn note(notes: &Notes, names: &[String]) -> String {
 /// The entries of a table in their order.
 fn sorted(table: &Table) -> Vec<(&String, &Value)> {
     let mut all: Vec<_> = table.iter().collect();
-    all.sort_by_key(|(key, _)| ORDER.iter().position(|known| known == key).unwrap_or(ORDER.len()));
+    all.sort_by_key(|(key, _)| ORDER.split(' ').position(|known| known == *key).unwrap_or(usize::MAX));
     all
 }
 

@@ -17,7 +17,7 @@ pub fn rows_per_block(samples: usize) -> usize {
 
 /// Collects simulated runs into one block of the table.
 pub struct BlockBuilder {
-    rows: MeasuredRows,
+    rows: RequiredColumns,
     /// True states, position and heading.
     truth: [Vec<f64>; 6],
     /// The inputs that instruments are simulated with; no column if runs have no others than their own.
@@ -35,7 +35,7 @@ impl BlockBuilder {
         let instruments = if reacting.tracks { vec![Vec::new(); inputs] } else { Vec::new() };
         let commands = reacting.followed.iter().map(|i| (*i, Vec::new())).collect();
         let truth = [const { Vec::new() }; 6];
-        Self { rows: MeasuredRows::new(layout, rate_hz), truth, instruments, commands, inputs }
+        Self { rows: RequiredColumns::new(layout, rate_hz), truth, instruments, commands, inputs }
     }
 
     /// Appends a run.
@@ -184,7 +184,7 @@ fn chunks<T>(mut values: impl Iterator<Item = T>) -> impl Iterator<Item = Vec<T>
 }
 
 /// The columns of [`Layout::required`], built run by run.
-struct MeasuredRows {
+struct RequiredColumns {
     rate_hz: f64,
     design: Labels,
     /// Run, segment, sample.
@@ -197,7 +197,7 @@ struct MeasuredRows {
     measured: [Vec<f64>; 3],
 }
 
-impl MeasuredRows {
+impl RequiredColumns {
     /// No rows yet of runs at `rate_hz`.
     pub(super) fn new(layout: &Layout, rate_hz: f64) -> Self {
         Self {
