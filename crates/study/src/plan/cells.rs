@@ -219,13 +219,13 @@ pub(super) fn of_objects(
 
 /// A file of a cell, with its own identification.
 struct ReadCell {
-    pub path: PathBuf,
-    pub bytes: Vec<u8>,
+    path: PathBuf,
+    bytes: Vec<u8>,
     identity: Identity,
 }
 
 impl ReadCell {
-    pub(super) fn read(path: &Path) -> Result<Self, Error> {
+    fn read(path: &Path) -> Result<Self, Error> {
         let bytes = files::read(path)?;
         let identity = identify(&bytes).map_err(|e| Error::invalid(path, e))?;
         Ok(Self { path: path.to_path_buf(), bytes, identity })
@@ -257,8 +257,8 @@ fn age(identity: &Identity) -> Age {
 /// The updates of a cell in their order, and notes on its other files.
 #[derive(Default)]
 struct Updates {
-    pub files: BTreeMap<u32, ReadCell>,
-    pub notes: Vec<String>,
+    files: BTreeMap<u32, ReadCell>,
+    notes: Vec<String>,
     /// The number of files of other editions.
     others: BTreeMap<String, u32>,
 }
@@ -268,7 +268,7 @@ impl Updates {
     ///
     /// # Errors
     /// A newer edition of the cell; two different files with the same identification.
-    pub(super) fn of(base: &ReadCell, others: Vec<ReadCell>) -> Result<Self, Error> {
+    fn of(base: &ReadCell, others: Vec<ReadCell>) -> Result<Self, Error> {
         let mut updates = Self::default();
         for file in others.into_iter().filter(|file| file.bytes != base.bytes) {
             match file.identity.purpose {
@@ -322,20 +322,20 @@ impl Updates {
 }
 
 /// The catalogue of an exchange set; empty if there is none.
-struct Catalogue {
+pub(super) struct Catalogue {
     file: PathBuf,
     listed: Vec<Listed>,
 }
 
 impl Catalogue {
-    pub(super) fn of(set: &ExchangeSet, provenance: &mut Provenance) -> Result<Option<Self>, Error> {
+    fn of(set: &ExchangeSet, provenance: &mut Provenance) -> Result<Option<Self>, Error> {
         let Some(file) = set.catalogue.clone() else { return Ok(None) };
         let listed = listed(&bytes(&file, provenance)?).map_err(|e| Error::invalid(&file, e))?;
         Ok(Some(Self { file, listed }))
     }
 
     /// Refuses files of a cell that are missing or changed since the catalogue was made, and reports how many agree.
-    pub(super) fn check(&self, stem: &str, files: &[(&CellFile, &ReadCell)]) -> Result<String, Error> {
+    fn check(&self, stem: &str, files: &[(&CellFile, &ReadCell)]) -> Result<String, Error> {
         let of_cell = |entry: &&Listed| entry.name().strip_prefix(stem).is_some_and(is_number);
         let of_cell: Vec<&Listed> = self.listed.iter().filter(of_cell).collect();
         let places: BTreeSet<&[String]> = of_cell.iter().map(|entry| &entry.place[..]).collect();
