@@ -5,7 +5,7 @@ use std::ops::Range;
 use estimation::Estimator;
 use numerics::LANES;
 use seatrial::{MonteCarlo, Realized, StudyError};
-use study::kept::Kept;
+use study::parts::KeptTables as Kept;
 use validation::tally::{Bounds, Tally};
 
 use crate::failure::Failure;

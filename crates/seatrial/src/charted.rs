@@ -134,8 +134,8 @@ impl ChartedTrial {
 fn name_of(file: &Path) -> String {
     let folder = std::path::absolute(file).ok();
     let folder = folder.as_deref().and_then(Path::parent).and_then(Path::file_name);
-    let own = file.file_stem().filter(|file_stem| *file_stem != "plan");
-    let names = folder.into_iter().chain(own).map(|name| name.to_string_lossy());
+    let stem = file.file_stem().filter(|file_stem| *file_stem != "plan");
+    let names = folder.into_iter().chain(stem).map(|name| name.to_string_lossy());
     let name = names.collect::<Vec<_>>().join(" ");
     if refusal::check_name("name", &name).is_ok() { name } else { "route".to_owned() }
 }

@@ -56,12 +56,6 @@ pub enum ForceSearchError {
     Physical(#[from] PhysicalError),
 }
 
-/// The search without a fold.
-struct WithoutFold {
-    ships: ShipsWithoutFold,
-    said: ForcesWithoutFold,
-}
-
 impl ForceSearch<'_> {
     /// The number of products that are tried; refuses lists that have none.
     ///
@@ -71,10 +65,10 @@ impl ForceSearch<'_> {
         let physical = self.physical(self.vessel, false);
         let forces = physical.forces()?;
         let (all, inputs) = (channels(self.vessel), self.vessel.model.inputs);
-        let found = Channels { all: &all, inputs, listed: self.listed }.lacking(forces);
-        match found.map_err(|e| e.invalid())? {
+        let lacking = Channels { all: &all, inputs, listed: self.listed }.lacking(forces);
+        match lacking.map_err(|e| e.invalid())? {
             0 => Err(Invalid::new("the lists", "no term that the ship lacks", "one at least", "list others")),
-            found => Ok(found),
+            count => Ok(count),
         }
     }
 
@@ -96,30 +90,24 @@ impl ForceSearch<'_> {
     ) -> Result<FoundStructure, ForceSearchError> {
         let recordings = Recording::all(runs, self.cut());
         let dealt = self.dealt(&recordings)?;
-        if recordings.iter().all(|own| own.windows() == 0) {
+        if recordings.iter().all(|recording| recording.windows() == 0) {
             return Err(SearchError::NoWindow.into());
         }
         let held = runs.are_inputs_held();
-        let sources: Vec<Recorded> =
-            recordings.iter().map(|recording| (recording.name.clone(), recording.whole.clone())).collect();
+        let sources: Vec<Recorded> = recordings.iter().map(|r| (r.name.clone(), r.whole.clone())).collect();
         // Fails at once where the ship cannot be fitted.
         let base = self.physical(self.vessel, true).fitted_model(runs, (&sources, held))?;
-        let without: Vec<WithoutFold> = (0..self.folds)
-            .into_par_iter()
-            .map(|fold| {
-                let without = self.without(fold, &dealt, &sources, held);
-                done(1);
-                without
-            })
-            .collect();
-        let (ships, said): (Vec<_>, Vec<_>) = without.into_iter().map(|own| (own.ships, own.said)).unzip();
+        let without = |fold| {
+            let without = self.without(fold, &dealt, &sources, held);
+            done(1);
+            without
+        };
+        let (ships, said): (Vec<_>, Vec<_>) = (0..self.folds).into_par_iter().map(without).unzip();
         let judged = judged_ships(&recordings, &dealt, &ships, held);
-        let grown = self
-            .physical(self.vessel, false)
-            .grown((&sources, held), self.listed)
-            .map_err(PhysicalError::from)?;
+        let grown = self.physical(self.vessel, false).grown((&sources, held), self.listed);
+        let grown = grown.map_err(PhysicalError::from)?;
         done(1);
-        self.delivered(runs, (&sources, held), Outcome { base, grown, said, judged })
+        self.delivered(runs, (&sources, held), (base, grown), said, judged)
     }
 
     fn cut(&self) -> Cut {
@@ -139,7 +127,7 @@ impl ForceSearch<'_> {
             return Err(SearchError::FewRecordings { recordings: all, folds: count }.into());
         }
         let dealt = folds(&recordings.iter().collect::<Vec<_>>(), count);
-        let kept = |fold: usize| dealt.iter().filter(|own| **own != fold).count();
+        let kept = |fold: usize| dealt.iter().filter(|other| **other != fold).count();
         match (0..count).map(kept).min() {
             Some(left) if left < FEWEST => {
                 Err(ForceSearchError::FewLeft { left, least: FEWEST, folds: count })
@@ -148,10 +136,16 @@ impl ForceSearch<'_> {
         }
     }
 
-    /// The whole search without the recordings of `fold`.
-    fn without(&self, fold: usize, dealt: &[usize], sources: &[Recorded], held: bool) -> WithoutFold {
-        let kept = sources.iter().zip(dealt).filter(|(_, own)| **own != fold);
-        let kept: Vec<Recorded> = kept.map(|(own, _)| own.clone()).collect();
+    /// The whole search without the recordings of `fold`: its ships, and what is said of it.
+    fn without(
+        &self,
+        fold: usize,
+        dealt: &[usize],
+        sources: &[Recorded],
+        held: bool,
+    ) -> (ShipsWithoutFold, ForcesWithoutFold) {
+        let kept = sources.iter().zip(dealt).filter(|(_, other)| **other != fold);
+        let kept: Vec<Recorded> = kept.map(|(source, _)| source.clone()).collect();
         let fitted = |vessel: &Vessel| {
             let theta = self.physical(vessel, false).theta_of(&kept, held);
             theta.map(|theta| FittedShip { model: vessel.model.clone(), theta })
@@ -161,21 +155,23 @@ impl ForceSearch<'_> {
         let (tried, ended) =
             grown.as_ref().map_or((Vec::new(), None), |grown| (grown.tried.clone(), grown.ended.clone()));
         let search = match (&base, grown) {
-            (Ok(base), Ok(own)) if added(&own.tried).next().is_none() => Ok(base.clone()),
-            (_, Ok(own)) => fitted(&own.vessel),
+            (Ok(base), Ok(grown)) if added(&grown.tried).next().is_none() => Ok(base.clone()),
+            (_, Ok(grown)) => fitted(&grown.vessel),
             (_, Err(error)) => Err(error.into()),
         };
-        let failed = [&base, &search].into_iter().find_map(|own| own.as_ref().err()).map(ToString::to_string);
+        let failed = [&base, &search].into_iter().find_map(|s| s.as_ref().err()).map(ToString::to_string);
         let ships = ShipsWithoutFold { search: search.ok(), base: base.ok() };
-        WithoutFold { ships, said: ForcesWithoutFold { fold: fold as u64, tried, ended, failed } }
+        (ships, ForcesWithoutFold { fold: fold as u64, tried, ended, failed })
     }
 
-    /// The documents, and the ship that recordings left out speak for.
+    /// The documents, and the ship that recordings left out speak for: as she was (`base`), or `grown`, both fitted to all.
     fn delivered(
         &self,
         runs: &PooledRuns,
         recorded: (&[Recorded], bool),
-        Outcome { base, grown, said, judged }: Outcome,
+        (base, grown): (ModelDocument, GrownShip),
+        said: Vec<ForcesWithoutFold>,
+        judged: JudgedShips,
     ) -> Result<FoundStructure, ForceSearchError> {
         let confirmed = judged.nested.margin.as_ref().is_some_and(estimation::search::Margin::is_above);
         let any = added(&grown.tried).next().is_some();
@@ -193,21 +189,16 @@ impl ForceSearch<'_> {
             fitted.tried = grown.tried;
         }
         let numbers = numbers(&model).to_vec();
-        let search = SearchDocument::of_forces(
-            self.vessel,
-            self.scores(recorded.0, judged),
-            forces,
-            (ship, &numbers),
-            statements,
-        );
+        let scores = self.scores(recorded.0, judged);
+        let search = SearchDocument::of_forces(self.vessel, scores, forces, (ship, &numbers), statements);
         Ok(FoundStructure { search, model, average: None })
     }
 
     fn scores(&self, sources: &[Recorded], judged: JudgedShips) -> ForceScores {
-        let samples = sources.iter().flat_map(|(_, parts)| parts).map(|own| own.samples() as u64).sum();
+        let samples = sources.iter().flat_map(|(_, parts)| parts).map(|part| part.samples() as u64).sum();
         ForceScores {
             fitted_window_s: self.settings.window_s,
-            window_s: self.scored.map(|own| own as f64 * self.settings.sample_s),
+            window_s: self.scored.map(|window| window as f64 * self.settings.sample_s),
             windows: judged.windows,
             samples,
             folds: self.folds as u64,
@@ -224,11 +215,10 @@ impl ForceSearch<'_> {
         grown: &GrownShip,
         without: Vec<ForcesWithoutFold>,
     ) -> SearchedForces {
-        let cost = |model: &ModelDocument| model.forces.as_ref().map_or(f64::NAN, |own| own.cost);
-        let found = added(&grown.tried).filter_map(|own| found(own, numbers(with?), &without)).collect();
+        let cost = |model: &ModelDocument| model.forces.as_ref().map_or(f64::NAN, |forces| forces.cost);
         SearchedForces {
             delivered,
-            found,
+            found: added(&grown.tried).filter_map(|f| found_force(f, numbers(with?), &without)).collect(),
             tried: grown.tried.clone(),
             ended: grown.ended.clone(),
             most_added: self.most_added as u64,
@@ -241,36 +231,25 @@ impl ForceSearch<'_> {
     }
 }
 
-/// What became of all searches.
-struct Outcome {
-    /// The ship as she was, fitted to all recordings.
-    base: ModelDocument,
-    /// The search on all recordings.
-    grown: GrownShip,
-    said: Vec<ForcesWithoutFold>,
-    judged: JudgedShips,
-}
-
 fn added(tried: &[TriedForce]) -> impl Iterator<Item = &TriedForce> {
-    tried.iter().filter(|own| own.added)
+    tried.iter().filter(|force| force.added)
 }
 
 fn numbers(model: &ModelDocument) -> &[FittedParameter] {
-    model.forces.as_ref().map_or(&[], |own| &own.parameters)
+    model.forces.as_ref().map_or(&[], |forces| &forces.parameters)
 }
 
-fn found(
-    tried_force: &TriedForce,
+fn found_force(
+    force: &TriedForce,
     numbers: &[FittedParameter],
     without: &[ForcesWithoutFold],
 ) -> Option<FoundForce> {
-    let number = numbers.iter().find(|number| number.name == tried_force.parameter)?;
-    let too =
-        |fold: &&ForcesWithoutFold| added(&fold.tried).any(|other| other.parameter == tried_force.parameter);
+    let number = numbers.iter().find(|number| number.name == force.parameter)?;
+    let too = |fold: &&ForcesWithoutFold| added(&fold.tried).any(|other| other.parameter == force.parameter);
     Some(FoundForce {
-        degree: tried_force.degree.clone(),
-        term: tried_force.term.clone(),
-        parameter: tried_force.parameter.clone(),
+        degree: force.degree.clone(),
+        term: force.term.clone(),
+        parameter: force.parameter.clone(),
         unit: number.unit.clone(),
         value: number.value,
         standard_error: number.standard_error,
@@ -281,11 +260,8 @@ fn found(
 /// What was found, whether recordings left out confirm it, and what is delivered.
 fn statements(forces: &SearchedForces, judged: &JudgedShips, grown: &GrownShip) -> Vec<String> {
     let folds = forces.without.len();
-    let each = |found_force: &FoundForce| {
-        format!(
-            "`{}` in {} (in {} of {folds} folds too)",
-            found_force.term, found_force.degree, found_force.found_by_folds
-        )
+    let each = |force: &FoundForce| {
+        format!("`{}` in {} (in {} of {folds} folds too)", force.term, force.degree, force.found_by_folds)
     };
     let named: Vec<String> = forces.found.iter().map(each).collect();
     let (what, verdict) = match (named.is_empty(), forces.delivered) {
@@ -297,8 +273,8 @@ fn statements(forces: &SearchedForces, judged: &JudgedShips, grown: &GrownShip) 
              better",
         ),
     };
-    let failed = forces.without.iter().filter_map(|own| {
-        own.failed.as_ref().map(|why| format!("without fold {} there is no fit: {why}", own.fold + 1))
+    let failed = forces.without.iter().filter_map(|without| {
+        without.failed.as_ref().map(|why| format!("without fold {} there is no fit: {why}", without.fold + 1))
     });
     let begin = [what, verdict.to_owned()].into_iter();
     begin

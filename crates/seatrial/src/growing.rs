@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use estimation::fitting::{AbsentTerm, Channels, Criticism, Fit, Problem, Recording, Settings, Unfit};
+use estimation::fitting::{AbsentTerm, Channels, Criticism, Fit, LEVEL, Problem, Recording, Settings, Unfit};
 use refusal::Invalid;
 use regression::pooled::Part;
-use ship::forces::{Channel, Description, Forces, TermSpec};
+use ship::forces::{Channel, Description, Forces, Parameter, TermSpec};
 use ship::model::{ForceModel, Vessel};
-use study::documents::TriedForce;
+use study::documents::{FittedParameter, ModelDocument, TriedForce};
 
 use crate::criticism::{channels, degree};
 
@@ -23,9 +23,8 @@ pub(crate) type Recorded = (String, Vec<Part>);
 
 /// All parts of `sources`, as fits take them.
 pub(crate) fn recordings<'r>(sources: impl IntoIterator<Item = &'r Recorded>) -> Vec<Recording<'r>> {
-    let part =
-        |name: &'r str, own: &'r Part| Recording { name, inputs: &own.exogenous, measured: &own.measured };
-    sources.into_iter().flat_map(|(name, parts)| parts.iter().map(move |own| part(name, own))).collect()
+    let all = sources.into_iter().flat_map(|(name, parts)| parts.iter().map(move |part| (name, part)));
+    all.map(|(name, part)| Recording { name, inputs: &part.exogenous, measured: &part.measured }).collect()
 }
 
 /// A ship that forces are added to, and the recordings that say which.
@@ -50,48 +49,40 @@ impl ForwardSelection<'_> {
     /// # Errors
     /// No fit.
     pub(crate) fn grown(&self, vessel: &Vessel) -> Result<GrownShip, Unfit> {
-        let mut own = GrownShip { vessel: vessel.clone(), tried: Vec::new(), ended: None };
-        if self.most > 0 && self.sources.len() < FEWEST {
-            let count = self.sources.len();
-            own.ended =
-                Some(format!("no force was added: {count} recordings verify nothing, at least {FEWEST} do"));
-            return Ok(own);
-        }
-        while own.tried.len() < self.most {
-            let Some(forces) = &own.vessel.model.forces else { break };
-            let all: Vec<usize> = (0..self.sources.len()).collect();
-            let problem = self.problem(&forces.forces, &own.vessel, &all)?;
-            let fit = problem.fit_from(&own.vessel.nominal)?;
-            let channels = channels(&own.vessel);
-            let inputs = own.vessel.model.inputs;
-            let found = problem.criticise(&fit, Channels { all: &channels, inputs, listed: self.listed })?;
-            let absent = match most_likely(&found) {
-                Ok(absent) => absent,
-                Err(ended) => {
-                    own.ended = Some(ended);
-                    break;
-                }
-            };
-            let parameter = name(absent, &own.vessel);
-            let richer = match with(&own.vessel, (absent, &parameter), &channels) {
-                Ok(richer) => richer,
-                Err(invalid) => {
-                    own.ended = Some(format!("no further force is added: {invalid}"));
-                    break;
-                }
-            };
-            let tried = self.tried([&own.vessel, &richer], (absent, parameter), &fit);
-            let added = tried.added;
-            own.tried.push(tried);
-            if !added {
-                own.ended = Some(
-                    "no other force is tried after one that recordings left out do not confirm".to_owned(),
-                );
-                break;
+        let count = self.sources.len();
+        let few = (self.most > 0 && count < FEWEST)
+            .then(|| format!("no force was added: {count} recordings verify nothing, at least {FEWEST} do"));
+        let mut grown = GrownShip { vessel: vessel.clone(), tried: Vec::new(), ended: few };
+        while grown.ended.is_none() && grown.tried.len() < self.most && grown.vessel.model.forces.is_some() {
+            let next = self.next(&grown.vessel)?.and_then(|(richer, tried)| {
+                let added = tried.added;
+                grown.tried.push(tried);
+                let unconfirmed = "no other force is tried after one that recordings left out do not confirm";
+                added.then_some(richer).ok_or_else(|| unconfirmed.to_owned())
+            });
+            match next {
+                Ok(richer) => grown.vessel = richer,
+                Err(ended) => grown.ended = Some(ended),
             }
-            own.vessel = richer;
         }
-        Ok(own)
+        Ok(grown)
+    }
+
+    /// `vessel` with the force that is most likely missing, and how it was tried; or why no more is added.
+    fn next(&self, vessel: &Vessel) -> Result<Result<(Vessel, TriedForce), String>, Unfit> {
+        let forces = forces_of(vessel)?;
+        let all: Vec<usize> = (0..self.sources.len()).collect();
+        let problem = self.problem(forces, vessel, &all)?;
+        let fit = problem.fit_from(&vessel.nominal)?;
+        let (channels, inputs) = (channels(vessel), vessel.model.inputs);
+        let criticism = problem.criticise(&fit, Channels { all: &channels, inputs, listed: self.listed })?;
+        Ok(most_likely(&criticism).and_then(|absent| {
+            let parameter = name(absent, vessel);
+            let richer = with(vessel, (absent, &parameter), &channels)
+                .map_err(|invalid| format!("no further force is added: {invalid}"))?;
+            let tried = self.tried([vessel, &richer], (absent, parameter), &fit);
+            Ok((richer, tried))
+        }))
     }
 
     /// The recordings at `places`.
@@ -132,7 +123,7 @@ impl ForwardSelection<'_> {
         let (mut costs, mut gains) = (0.0, Vec::new());
         for fold in 0..folds {
             let of =
-                |ship| self.left_out(ship, (fold, folds), fit, vessel).ok().filter(|own| own.is_finite());
+                |ship| self.left_out(ship, (fold, folds), fit, vessel).ok().filter(|cost| cost.is_finite());
             let new = of(richer)?;
             let Some(old) = of(vessel) else { continue };
             costs += old;
@@ -153,22 +144,22 @@ impl ForwardSelection<'_> {
         fit: &Fit,
         of: &Vessel,
     ) -> Result<f64, Unfit> {
-        let (own, old) = (forces_of(ship)?, forces_of(of)?);
+        let (new, old) = (forces_of(ship)?, forces_of(of)?);
         let (out, kept): (Vec<usize>, Vec<usize>) = (0..self.sources.len()).partition(|i| i % folds == fold);
-        let begun = carried(own, old, &fit.theta);
-        let found = self.problem(own, ship, &kept)?.fit_from(&begun)?;
-        let none = vec![None; own.parameters().len()];
-        Ok(self.problem(own, ship, &out)?.with_priors(none).cost(&found.theta))
+        let begun = carried(new, old, &fit.theta);
+        let refit = self.problem(new, ship, &kept)?.fit_from(&begun)?;
+        let none = vec![None; new.parameters().len()];
+        Ok(self.problem(new, ship, &out)?.with_priors(none).cost(&refit.theta))
     }
 }
 
 /// What is most likely missing, or why nothing is added.
-fn most_likely(found: &Criticism) -> Result<&AbsentTerm, String> {
-    if found.has_wrong_sign() {
+fn most_likely(criticism: &Criticism) -> Result<&AbsentTerm, String> {
+    if criticism.has_wrong_sign() {
         return Err("no force is added while a sign is wrong".to_owned());
     }
-    let late = found.late.first().filter(|own| found.rejects() && own.p_value < estimation::fitting::LEVEL);
-    let first = found.terms.first().filter(|own| own.candidate);
+    let late = criticism.late.first().filter(|late| criticism.rejects() && late.p_value < LEVEL);
+    let first = criticism.terms.first().filter(|term| term.candidate);
     match (first, late) {
         (Some(first), Some(late)) if late.share > first.share => Err(format!(
             "no force is added while `{}` acts late by more than any force would explain",
@@ -180,7 +171,7 @@ fn most_likely(found: &Criticism) -> Result<&AbsentTerm, String> {
 }
 
 fn forces_of(vessel: &Vessel) -> Result<&Forces, Unfit> {
-    vessel.model.forces.as_ref().map(|own| &own.forces).ok_or(Unfit::NoParameter)
+    vessel.model.forces.as_ref().map(|moved| &moved.forces).ok_or(Unfit::NoParameter)
 }
 
 /// Numbers of the ship `old` for `new`, which has all of its own and others.
@@ -206,14 +197,14 @@ fn with(vessel: &Vessel, named: (&AbsentTerm, &str), channels: &[Channel]) -> Re
         old.iter().position(|known| known.name == parameter.name).and_then(|at| vessel.value[at])
     };
     let value = forces.parameters().iter().map(truth).collect();
-    let mut own = vessel.clone();
-    own.model.forces = Some(Arc::new(ForceModel { forces, sample_s: moved.sample_s }));
-    Ok(Vessel { nominal, value, ..own })
+    let mut ship = vessel.clone();
+    ship.model.forces = Some(Arc::new(ForceModel { forces, sample_s: moved.sample_s }));
+    Ok(Vessel { nominal, value, ..ship })
 }
 
 /// The ship with a term whose prior is the usual one of such terms, or as wide as the number that its score promises.
 fn richer(
-    own: &Description,
+    description: &Description,
     (absent, parameter): (&AbsentTerm, &str),
     channels: &[Channel],
 ) -> Result<Description, Invalid> {
@@ -226,11 +217,11 @@ fn richer(
         prime,
         ..TermSpec::default()
     };
-    let mut all = own.clone();
+    let mut all = description.clone();
     all.terms_mut()[absent.degree].push(spec);
     let promised = (absent.value / absent.prime.unwrap_or(1.0)).abs();
     // What is usual holds for motion alone.
-    let driven = absent.term.split(' ').any(|part| channels.iter().any(|own| own.name == plain(part)));
+    let driven = absent.term.split(' ').any(|p| channels.iter().any(|channel| channel.name == plain(p)));
     let usual = (!driven).then(|| usual(&all, parameter, channels)).flatten();
     all.with_priors(&[(parameter.to_owned(), usual.unwrap_or(promised))], channels)
 }
@@ -243,24 +234,21 @@ fn plain(factor: &str) -> &str {
 /// The usual deviation of the prior of a term alone, where there is one.
 fn usual(all: &Description, parameter: &str, channels: &[Channel]) -> Option<f64> {
     let (known, named) = all.with_usual_priors(channels).ok()?;
-    named.iter().any(|own| own == parameter).then_some(())?;
+    named.iter().any(|name| name == parameter).then_some(())?;
     let terms = [&known.surge, &known.sway, &known.yaw].into_iter().flatten();
-    terms.into_iter().find(|own| own.parameter == parameter)?.prior
+    terms.into_iter().find(|term| term.parameter == parameter)?.prior
 }
 
 /// `N_u_v` of `u v` in yaw, `Y_v_absr` of `v |r|` in sway; with `_more` where the ship has such a name.
 fn name(absent: &AbsentTerm, ship: &Vessel) -> String {
-    let part = |own: &str| match own.strip_prefix('|').and_then(|own| own.split_once('|')) {
+    let part = |factor: &str| match factor.strip_prefix('|').and_then(|factor| factor.split_once('|')) {
         Some((name, power)) => format!("abs{name}{power}"),
-        None => own.replace('/', "per"),
+        None => factor.replace('/', "per"),
     };
-    let parts: Vec<String> = absent
-        .term
-        .split_whitespace()
-        .map(|split_whitespace| part(split_whitespace).replace(['^', '*'], ""))
-        .collect();
+    let parts: Vec<String> =
+        absent.term.split_whitespace().map(|factor| part(factor).replace(['^', '*'], "")).collect();
     let mut name = format!("{}_{}", ["X", "Y", "N"][absent.degree], parts.join("_"));
-    while names(ship).any(|own| own == name) {
+    while names(ship).any(|other| other == name) {
         name.push_str("_more");
     }
     name
@@ -268,15 +256,15 @@ fn name(absent: &AbsentTerm, ship: &Vessel) -> String {
 
 /// Names of the numbers of all terms of `ship`.
 fn names(ship: &Vessel) -> impl Iterator<Item = &str> {
-    let own = ship.model.forces.iter().map(|own| own.forces.description());
-    own.flat_map(|own| own.terms()).flatten().map(|own| own.parameter.as_str())
+    let descriptions = ship.model.forces.iter().map(|moved| moved.forces.description());
+    descriptions.flat_map(|description| description.terms()).flatten().map(|term| term.parameter.as_str())
 }
 
 /// What was tried, in words.
-pub(crate) fn statements(own: &GrownShip) -> Vec<String> {
-    let tried = own.tried.iter().map(|own| {
-        let verb = if own.added { "added" } else { "not added" };
-        let gain = match own.share_left_out.zip(own.standard_error) {
+pub(crate) fn statements(grown: &GrownShip) -> Vec<String> {
+    let tried = grown.tried.iter().map(|force| {
+        let verb = if force.added { "added" } else { "not added" };
+        let gain = match force.share_left_out.zip(force.standard_error) {
             Some((share, error)) => {
                 let change = format!("{:+.1}", -100.0 * share).replace('-', "−");
                 format!("cost of recordings left out {change} ± {:.1} %", 100.0 * error)
@@ -285,8 +273,81 @@ pub(crate) fn statements(own: &GrownShip) -> Vec<String> {
         };
         format!(
             "{verb}: `{}` in {} (`{}`), {gain} in {} folds",
-            own.term, own.degree, own.parameter, own.folds
+            force.term, force.degree, force.parameter, force.folds
         )
     });
-    tried.chain(own.ended.clone()).collect()
+    tried.chain(grown.ended.clone()).collect()
+}
+
+/// The estimates of a former fit of the same ship, or of a sister of another size by the prime system, for each free
+/// number of `vessel`.
+///
+/// # Errors
+/// A model without forces, another description, or a number that the prime system does not scale.
+pub fn former(vessel: &Vessel, model: &ModelDocument) -> Result<Vec<f64>, Invalid> {
+    let (Some(moved), Some(fitted)) = (&vessel.model.forces, &model.forces) else {
+        let remedy = "name the model of a fit of forces";
+        return Err(Invalid::new("`data.forces`", "terms per sample", "forces", remedy));
+    };
+    let forces: &Forces = &moved.forces;
+    let theirs = fitted.description()?;
+    check_alike(forces.description(), &theirs)?;
+    let sizes = [forces.description(), &theirs].map(|d| (d.ship.length_m, d.ship.draught_m));
+    let same = sizes[0] == sizes[1];
+    let mean = |parameter: &Parameter| {
+        let estimate = fitted.parameters.iter().find(|e| e.name == parameter.name).ok_or_else(|| {
+            let (thing, found) = (format!("parameter `{}`", parameter.name), "a number that was known");
+            Invalid::new(thing, found, "one that was estimated", "fix it in this vessel, too")
+        })?;
+        scaled(parameter, estimate, same)
+    };
+    forces.parameters().iter().map(mean).collect()
+}
+
+/// A former estimate in the system of `own`.
+fn scaled(parameter: &Parameter, found: &FittedParameter, same: bool) -> Result<f64, Invalid> {
+    match (parameter.prime, found.prime_value) {
+        _ if same && parameter.unit == found.unit => Ok(found.value),
+        (Some(one), Some(prime)) => Ok(prime * one / parameter.scale),
+        _ if same => Ok(found.si_value / parameter.scale),
+        _ => {
+            let (thing, found) =
+                (format!("parameter `{}`", parameter.name), format!("a number in {}", parameter.si_unit));
+            let expected = "numbers of the prime system: the ships differ in size";
+            Err(Invalid::new(thing, found, expected, "fix it, or take a former fit of this ship"))
+        }
+    }
+}
+
+/// Refuses ships with other terms or components.
+fn check_alike(ours: &Description, theirs: &Description) -> Result<(), Invalid> {
+    let (ours, theirs) = (parts(ours), parts(theirs));
+    let count = ours.len().max(theirs.len());
+    let part = |of: &[String], i: usize| of.get(i).cloned().unwrap_or_else(|| "nothing".to_owned());
+    match (0..count).find(|i| ours.get(*i) != theirs.get(*i)) {
+        None => Ok(()),
+        Some(i) => {
+            let expected = format!("{}, as this vessel has", part(&ours, i));
+            let remedy = "take a former fit of the same terms and components";
+            Err(Invalid::new("`data.forces.description`", part(&theirs, i), expected, remedy))
+        }
+    }
+}
+
+/// What a ship's forces consist of, without numbers.
+fn parts(of: &Description) -> Vec<String> {
+    let area = of.ship.area.map_or("Ld", |area| area.name());
+    let coriolis = of.ship.coriolis.map_or("without-munk", |coriolis| coriolis.name());
+    let mut all = vec![format!("area `{area}`, coriolis `{coriolis}`")];
+    for (degree, terms) in [("surge", &of.surge), ("sway", &of.sway), ("yaw", &of.yaw)] {
+        let part = |term: &TermSpec| format!("`{}` {} in {degree}", term.parameter, term.term);
+        all.extend(terms.iter().map(part));
+    }
+    all.extend(of.propeller.iter().map(|p| format!("propeller `{}` of input `{}`", p.name, p.input)));
+    all.extend(of.rudder.iter().map(|r| format!("rudder `{}` of input `{}`", r.name, r.input)));
+    all.extend(of.thruster.iter().map(|t| format!("thruster `{}` of input `{}`", t.name, t.input)));
+    let harmonics = |wind: &ship::forces::WindSpec| [wind.surge.len(), wind.sway.len(), wind.yaw.len()];
+    all.extend(of.wind.iter().map(|wind| format!("wind `{}` of {:?} harmonics", wind.name, harmonics(wind))));
+    all.extend(of.crossflow.iter().map(|crossflow| format!("crossflow `{}`", crossflow.name)));
+    all
 }

@@ -18,42 +18,27 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-mod averaged_search;
 mod charted;
-mod comparison;
 mod criticism;
-mod derivatives;
 mod designing;
 pub mod export;
-pub mod exported;
 mod force_search;
-mod former;
 mod growing;
 mod measured;
-mod merit;
-mod monte_carlo;
 mod physical;
-mod pooling;
-mod sampling;
 mod simulation;
 mod structure;
 mod updating;
 
-pub use averaged_search::AveragedSearch;
 pub use charted::{ChartedTrial, PlanError, Planned};
-pub use comparison::{Comparison, ComparisonError, channels_within, widest};
-pub use derivatives::check_captive;
-pub use designing::{Designing, Wish};
+pub use criticism::check_captive;
+pub use designing::{Designing, Merits, Wish, sampled_ships};
 pub use force_search::{ForceSearch, ForceSearchError};
-pub use former::former;
-pub use measured::{Ingested, Logs};
-pub use merit::Merits;
-pub use monte_carlo::{MonteCarlo, Realized};
+pub use growing::former;
+pub use measured::{Comparison, ComparisonError, Ingested, Logs, Pooling, channels_within, widest};
 pub use physical::{Physical, PhysicalError};
-pub use pooling::Pooling;
-pub use sampling::sampled_ships;
-pub use simulation::{Optimum, Study, StudyError, undisturbed};
-pub use structure::{FoundStructure, StructureSearch, core_of};
+pub use simulation::{MonteCarlo, Optimum, Realized, Study, StudyError, undisturbed};
+pub use structure::{AveragedSearch, FoundStructure, StructureSearch, core_of};
 pub use updating::{UpdateError, Updating};
 pub use validation::merit::Unsimulated;
 

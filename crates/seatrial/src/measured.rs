@@ -1,21 +1,31 @@
-//! Measured logs to runs.
+//! Measured logs to runs, runs to one model, and models on recordings that they were not fitted to.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use estimation::Estimator;
+use estimation::pooled::{Grown, Judgement, Pool, PoolError, Resampling, grown, unstated};
+use estimation::runs::AdditionalUnknowns;
 use files::{Error, Provenance, Scratch};
 use logs::{BLOCK, Plan, Source, Totals, check_intervals};
 use rayon::prelude::*;
-use regression::pooled::PooledRuns;
-use ship::engine::Run;
-use ship::model::Vessel;
-use study::Doubtful;
-use study::documents::{IngestDocument, RecordingSummary};
+use refusal::{Invalid, listed};
+use regression::pooled::{NominalModel, NominalSource, PooledRuns, Recorded};
+use study::documents::{CompareDocument, IngestDocument, RecordingSummary};
 use study::files::read_ingest;
 use study::ingest_file::read::recorded;
 use study::ingest_file::recordings::find;
 use study::ingest_file::{IngestFile, simulated_label};
+use study::pooled_set::PooledSet;
 use study::trajectories::DataLabel;
+use study::{Doubtful, Tried};
+use validation::comparison::{
+    CompareOptions, Contestant, Known, Magnitudes, Ship, Standing, Traced, compare,
+};
+use validation::crossval::CrossError;
+
+use ship::engine::Run;
+use ship::model::Vessel;
 
 /// Logs as `ingest.toml` describes them.
 #[derive(Clone, Debug)]
@@ -140,5 +150,232 @@ impl Ingested {
     pub fn pooled(self) -> Result<PooledRuns, Error> {
         Doubtful::among(&self.document.recordings).check(Path::new("logs"), |_| true)?;
         Ok(PooledRuns::new(self.runs, &self.document.recordings_by_run()))
+    }
+}
+
+/// Options of a model from several runs.
+#[derive(Clone)]
+pub struct Pooling<'a> {
+    /// The vessel, the removal of means, the model of the instruments, the additional unknowns.
+    pub pool: Pool<'a>,
+    /// The source of the nominal model of instruments.
+    pub nominal: NominalSource,
+    /// Number of resamples of sub-experiments, and their seed.
+    pub judgement: Judgement,
+    /// Maximum number of missing terms that are added.
+    pub most_added: usize,
+}
+
+/// A remark if no estimator was requested.
+const NO_NOISE: &str = "estimated by `output-error`: no noise known here describes the errors, and filters for another one predict worse; \
+     --estimator takes others";
+
+impl<'a> Pooling<'a> {
+    /// Defaults for `vessel`: instruments by its nominal values, no added terms, no resamples.
+    pub fn new(vessel: &'a Vessel) -> Self {
+        let judgement = Judgement { replicates: 0, seed: 1 };
+        Self { pool: Pool::new(vessel), nominal: NominalSource::Given, judgement, most_added: 0 }
+    }
+
+    /// The same with instruments by least squares of the same data.
+    #[must_use]
+    pub fn by_least_squares(mut self) -> Self {
+        (self.pool.nominal, self.nominal) = (NominalModel::Fitted, NominalSource::LeastSquares);
+        self
+    }
+
+    /// The model of `runs`, by the requested estimator `asked`, or the default for measured logs.
+    ///
+    /// # Errors
+    /// Parameters that the runs do not determine; a failed search; runs that cannot be read again.
+    pub fn model<R: Recorded>(
+        &self,
+        runs: &PooledRuns<R>,
+        asked: Option<Estimator>,
+    ) -> Result<PooledSet, PoolError<R::Error>> {
+        if let Err(refused) = self.pool.vessel.check_terms("estimate pool") {
+            return Err(PoolError::NotIdentifiable(vec![refused.to_string()]));
+        }
+        let estimator = match asked.or_else(|| self.pool.usual(false)) {
+            Some(estimator) => estimator,
+            None => unstated(&self.pool, runs)?,
+        };
+        let grown = grown(&self.pool, runs, estimator, &self.judgement, self.most_added)?;
+        self.judged(grown, runs, (estimator, asked.is_none()), Resampling::Drawn(&|_| ()))
+    }
+
+    /// The model of `runs` with the terms of `grown`; and whether the estimator was the default.
+    ///
+    /// # Errors
+    /// See [`Pooling::model`].
+    pub fn judged<R: Recorded>(
+        &self,
+        grown: Grown,
+        runs: &PooledRuns<R>,
+        (estimator, is_usual): (Estimator, bool),
+        resampling: Resampling,
+    ) -> Result<PooledSet, PoolError<R::Error>> {
+        let Self { pool, judgement, .. } = self;
+        let mut judged = grown.judged(pool, runs, estimator, judgement, resampling)?;
+        if is_usual && estimator == Estimator::OutputError && pool.additional == AdditionalUnknowns::default()
+        {
+            judged.found.statements.insert(0, NO_NOISE.to_owned());
+        }
+        let fitted_pool = pool.of(&judged.vessel, pool.nominal.clone());
+        let made = (estimator, judgement.replicates);
+        let mut set = PooledSet::new(&fitted_pool, self.nominal, made, (&judged.found, &judged.added));
+        if let Some(model) = &mut set.model {
+            let Vessel { model: of, sample_rate_hz, .. } = pool.vessel;
+            model.magnitudes = Magnitudes::of(of, runs, *sample_rate_hz).map_err(PoolError::Unread)?;
+        }
+        Ok(set)
+    }
+}
+
+/// Compares a model with least squares of the same data, the mean of the recordings, and another model.
+pub struct Comparison<'a> {
+    /// The model, or several whose trajectories are averaged.
+    pub model: &'a Tried,
+    /// Single models whose trajectories are averaged with those of `model`, then a single one, too.
+    pub averaged: &'a [Tried],
+    /// Another model.
+    pub other: Option<&'a Vessel>,
+    /// Length of the simulated windows in samples; whole runs without it.
+    pub window: Option<usize>,
+}
+
+/// The vessel whose channels runs are read with: the first one with the most.
+pub fn widest<'a>(vessels: &[&'a Vessel]) -> Option<&'a Vessel> {
+    vessels.iter().rev().copied().max_by_key(|vessel| vessel.model.exogenous())
+}
+
+/// Where the inputs and measured disturbances of `vessel` stand in the rows of `widest`.
+///
+/// # Errors
+/// Another sampling rate; a channel that `widest` does not have, or computes otherwise.
+pub fn channels_within(vessel: &Vessel, widest: &Vessel) -> Result<Vec<usize>, Invalid> {
+    let rates = [vessel, widest].map(|vessel| vessel.sample_rate_hz);
+    if rates[0] != rates[1] {
+        let [found, expected] = rates.map(|rate| format!("{rate} Hz"));
+        return Err(Invalid::new("sampling rate", found, expected, "compare models of the same logs"));
+    }
+    let formula = |of: &Vessel, place: usize| {
+        of.model.derived.iter().find(|derived| derived.variable == place).map(|derived| derived.text.clone())
+    };
+    let all = &widest.model.variables;
+    let column = |place: usize| {
+        let channel = &vessel.model.variables[place];
+        let same = |i: &usize| {
+            let texts = (formula(vessel, place), formula(widest, *i));
+            let otherwise = matches!(texts, (Some(text), Some(other)) if text != other);
+            all[*i].name == channel.name && all[*i].unit == channel.unit && !otherwise
+        };
+        (3..all.len()).find(same).map(|i| i - 3).ok_or_else(|| {
+            let names: Vec<&str> = all[3..].iter().map(|variable| variable.name.as_str()).collect();
+            Invalid::new(
+                format!("channel `{}` in {}", channel.name, channel.unit),
+                "a channel of this model alone",
+                format!("those of the model with the most: {}", names.join(", ")),
+                "compare models of the same logs",
+            )
+        })
+    };
+    (3..vessel.model.variables.len()).map(column).collect()
+}
+
+impl<'a> Comparison<'a> {
+    /// Of `model` over whole runs, with nothing else that is averaged or compared.
+    pub fn of(model: &'a Tried) -> Self {
+        Self { model, averaged: &[], other: None, window: None }
+    }
+
+    /// All vessels that are simulated.
+    pub fn vessels(&self) -> Vec<&'a Vessel> {
+        let Self { model, averaged, other, .. } = *self;
+        model.vessels().iter().chain(averaged.iter().map(Tried::vessel)).chain(other).collect()
+    }
+
+    /// The verdict of `runs`, which have the channels of [`widest`], and the model's simulation of them sample by sample.
+    ///
+    /// # Errors
+    /// Channels that are not those of the runs; no run as long as a window.
+    pub fn over(&self, runs: &PooledRuns) -> Result<(CompareDocument, Vec<Traced>), ComparisonError> {
+        let vessels = self.vessels();
+        let lead = widest(&vessels).unwrap_or_else(|| self.model.vessel());
+        let columns =
+            vessels.iter().map(|vessel| channels_within(vessel, lead)).collect::<Result<Vec<_>, _>>()?;
+        let contestants = self.contestants(lead, &columns);
+        let tried: Vec<&Tried> = std::iter::once(self.model).chain(self.averaged).collect();
+        let known: Option<Vec<Known>> = tried.iter().map(|model| model.known()).collect();
+        let known = known.unwrap_or_default();
+        let fitted = tried.iter().rev().max_by_key(|model| model.vessel().model.exogenous());
+        let (covered, magnitudes) = fitted.map_or((&[][..], None), |f| (f.covered(), f.magnitudes()));
+        let (window, rate_hz) = (self.window, lead.sample_rate_hz);
+        let options = CompareOptions { window, known: &known, covered, magnitudes, rate_hz };
+        let mut compared = compare(&contestants, runs, &options)?;
+        let unknown = tried.iter().position(|model| model.known().is_none());
+        compared.statements.extend(unknown.filter(|_| !self.averaged.is_empty()).map(|place| {
+            format!("no bands: the errors of model {} of the average are not known", place + 1)
+        }));
+        let short = runs.windows(window).into_iter().filter(|(_, windows)| windows.is_empty());
+        let short: Vec<String> = short.map(|(name, _)| name).collect();
+        if !short.is_empty() {
+            compared.statements.push(format!("shorter than a window and not compared: {}", listed(&short)));
+        }
+        let window_s = window.map(|samples| samples as f64 / rate_hz);
+        Ok((CompareDocument::new(&self.model.vessel().name, window_s, &compared), compared.trace))
+    }
+
+    /// The model or the average, its models alone, and what it is compared with. `columns` are those of all vessels.
+    fn contestants<'b>(&self, lead: &Vessel, columns: &'b [Vec<usize>]) -> Vec<Contestant<'b>>
+    where
+        'a: 'b,
+    {
+        let Self { model, averaged, .. } = *self;
+        let whole = |columns: &[usize]| columns.iter().copied().eq(0..lead.model.exogenous());
+        let of = |columns: &'b Vec<usize>| Some(columns.as_slice()).filter(|columns| !whole(columns));
+        let all: Vec<Ship<'b>> =
+            self.vessels().into_iter().zip(columns).map(|(vessel, from)| ship(vessel, of(from))).collect();
+        let (several, others) = all.split_at(model.vessels().len() + averaged.len());
+        let one = |standing, ships: &[Ship<'b>]| Contestant { standing, place: None, ships: ships.to_vec() };
+        let standing = if averaged.is_empty() { model.standing() } else { Standing::Average };
+        let mut contestants = vec![one(standing, several)];
+        // Models of several kinds, not of one search
+        let kinds = several.len() > 1 && several.iter().any(|ship| ship.model.forces.is_some());
+        let alone = several.iter().enumerate().filter(|_| kinds || !averaged.is_empty());
+        contestants.extend(alone.map(|(i, ship)| Contestant {
+            place: Some(i as u64 + 1),
+            ..one(Standing::Averaged, std::slice::from_ref(ship))
+        }));
+        contestants.extend(others.iter().map(|ship| one(Standing::Other, std::slice::from_ref(ship))));
+        let by_least_squares = model.by_least_squares().filter(|_| averaged.is_empty());
+        let same = by_least_squares.map(|vessel| ship(vessel, columns.first().and_then(of)));
+        contestants.extend(same.map(|ship| one(Standing::LeastSquares, &[ship])));
+        contestants
+    }
+}
+
+fn ship<'b>(vessel: &'b Vessel, columns: Option<&'b [usize]>) -> Ship<'b> {
+    Ship { model: &vessel.model, theta: &vessel.nominal, columns }
+}
+
+/// Why models were not compared.
+#[derive(Debug, thiserror::Error)]
+pub enum ComparisonError {
+    /// Channels that do not belong together.
+    #[error("{0}")]
+    Channels(#[from] Invalid),
+    /// Nothing can be simulated.
+    #[error("{0}")]
+    Windows(#[from] CrossError),
+}
+
+impl ComparisonError {
+    /// What is invalid.
+    pub fn invalid(&self) -> Invalid {
+        match self {
+            Self::Channels(invalid) => invalid.clone(),
+            Self::Windows(error) => error.invalid(),
+        }
     }
 }

@@ -11,12 +11,12 @@ use study::documents::{FittedForces, FittedParameter, ModelDocument, Reference, 
 use validation::comparison::Magnitudes;
 use validation::crossval::{CrossError, CrossValidation, Folds, cross_validate_forces};
 
-use crate::criticism::{channels, criticised};
-use crate::derivatives::{self, Captive, beside, interval};
+use crate::criticism;
+use crate::criticism::{Captive, beside, channels, criticised, interval};
 use crate::growing::{self, ForwardSelection, GrownShip, Recorded};
 
 /// The standard error of a parameter that grows more than this because others are unknown is none of its own.
-const ENTANGLED: f64 = 10.0;
+const COLLINEAR: f64 = 10.0;
 
 /// Options of a fit of forces to runs.
 pub struct Physical<'a> {
@@ -79,11 +79,11 @@ impl Physical<'_> {
         let estimates = problem.estimates(&fit)?;
         let mut fitted = self.fitted(forces, (&fit, &estimates), &problem)?;
         fitted.sailed = self.sailed(forces, (&fit, &estimates), sources);
-        let also = derivatives::statements(fitted.sailed.as_ref(), &fitted.parameters);
+        let also = criticism::captive_statements(fitted.sailed.as_ref(), &fitted.parameters);
         let asked = self.criticise.then(|| criticised(self.vessel, &problem, &fit)).transpose()?;
-        let verdict = asked.as_ref().map_or(Vec::new(), |own| own.statements.clone());
+        let verdict = asked.as_ref().map_or(Vec::new(), |criticism| criticism.statements.clone());
         fitted.criticism = asked;
-        let rejected = fitted.criticism.as_ref().map(|own| own.rejected);
+        let rejected = fitted.criticism.as_ref().map(|criticism| criticism.rejected);
         let mut model = ModelDocument::fitted(self.vessel, &self.delivered(&fit, sources, held), fitted);
         model.rejected = rejected;
         model.statements = verdict.into_iter().chain(statements(&estimates)).chain(also).collect();
@@ -179,7 +179,7 @@ impl Physical<'_> {
 
     /// Values of captive tests.
     fn captive(&self) -> Captive {
-        self.reference.map(|own| own.derivatives.clone()).unwrap_or_default()
+        self.reference.map(|reference| reference.derivatives.clone()).unwrap_or_default()
     }
 
     /// Sums of terms along what was sailed.
@@ -189,18 +189,17 @@ impl Physical<'_> {
         (fit, estimates): (&Fit, &Estimates),
         sources: &[Recorded],
     ) -> Option<SailedSums> {
-        let states =
-            sources.iter().flat_map(|(_, parts)| parts).flat_map(|own| own.measured.as_chunks::<3>().0);
-        let drift = derivatives::drift(states, forces.description().ship.length_m)?;
+        let states = sources.iter().flat_map(|(_, p)| p).flat_map(|part| part.measured.as_chunks::<3>().0);
+        let drift = criticism::drift(states, forces.description().ship.length_m)?;
         let priors = self.priors(forces);
-        derivatives::sailed(forces, (&fit.theta, estimates), &priors, &self.captive(), drift)
+        criticism::sailed(forces, (&fit.theta, estimates), &priors, &self.captive(), drift)
     }
 
     /// Priors about the ship's nominal values, or those of a former fit.
     fn priors(&self, forces: &Forces) -> Vec<Option<Prior>> {
         let means = self.former.unwrap_or(&self.vessel.nominal);
-        let prior = |(own, mean): (&ship::forces::Parameter, &f64)| {
-            own.prior.map(|deviation| Prior { mean: *mean, deviation })
+        let prior = |(parameter, mean): (&ship::forces::Parameter, &f64)| {
+            parameter.prior.map(|deviation| Prior { mean: *mean, deviation })
         };
         forces.parameters().iter().zip(means).map(prior).collect()
     }
@@ -215,32 +214,32 @@ impl Physical<'_> {
         let means = self.former.unwrap_or(&self.vessel.nominal);
         let captive = self.captive();
         let parameter = |i: usize| {
-            let (own, found) = (&forces.parameters()[i], &estimates.parameters[i]);
-            let si_value = found.value * own.scale;
-            let si_interval = found
+            let (parameter, estimate) = (&forces.parameters()[i], &estimates.parameters[i]);
+            let si_value = estimate.value * parameter.scale;
+            let si_interval = estimate
                 .standard_error
-                .and_then(|error| interval(si_value, error * own.scale, estimates.pieces));
+                .and_then(|error| interval(si_value, error * parameter.scale, estimates.pieces));
             let parameter = FittedParameter {
-                name: own.name.clone(),
-                unit: own.unit.clone(),
-                value: found.value,
-                standard_error: found.standard_error,
+                name: parameter.name.clone(),
+                unit: parameter.unit.clone(),
+                value: estimate.value,
+                standard_error: estimate.standard_error,
                 prior: means[i],
-                prior_deviation: priors[i].map(|own| own.deviation),
-                prior_share: found.prior_share,
-                inflation: found.inflation,
-                entangled: is_entangled(found),
+                prior_deviation: priors[i].map(|prior| prior.deviation),
+                prior_share: estimate.prior_share,
+                inflation: estimate.inflation,
+                entangled: is_collinear(estimate),
                 si_value,
                 si_interval,
-                si_unit: own.si_unit.clone(),
-                prime_value: own.prime.map(|one| si_value / one),
-                prime_interval: own.prime.zip(si_interval).map(|(one, ends)| ends.map(|end| end / one)),
+                si_unit: parameter.si_unit.clone(),
+                prime_value: parameter.prime.map(|one| si_value / one),
+                prime_interval: parameter.prime.zip(si_interval).map(|(one, ends)| ends.map(|end| end / one)),
                 captive: None,
                 truth: self.vessel.value[i],
             };
             FittedParameter { captive: beside(&parameter, &captive), ..parameter }
         };
-        let names = estimates.parameters.iter().map(|own| own.name.clone()).collect();
+        let names = estimates.parameters.iter().map(|parameter| parameter.name.clone()).collect();
         Ok(FittedForces {
             description: FittedForces::text(forces.description())?,
             parameters: (0..fit.theta.len()).map(parameter).collect(),
@@ -249,9 +248,9 @@ impl Physical<'_> {
                 names,
                 entries: estimates.covariance.clone(),
                 // One piece is compared with nothing.
-                parts: Some(estimates.pieces as u64).filter(|own| *own > 1),
+                parts: Some(estimates.pieces as u64).filter(|parts| *parts > 1),
             },
-            condition: Some(estimates.condition).filter(|own| own.is_finite()),
+            condition: Some(estimates.condition).filter(|condition| condition.is_finite()),
             window_s: self.settings.window_s,
             windows: problem.windows() as u64,
             pieces: estimates.pieces as u64,
@@ -263,7 +262,7 @@ impl Physical<'_> {
             sailed: None,
             criticism: None,
             tried: Vec::new(),
-            captive_source: self.reference.map(|own| own.source.clone()),
+            captive_source: self.reference.map(|reference| reference.source.clone()),
         })
     }
 
@@ -273,22 +272,22 @@ impl Physical<'_> {
         let mut score = Score::default();
         let (mut squares, mut samples, mut recordings) = ([0.0; 3], 0.0, Vec::new());
         for (source, parts) in sources {
-            let (mut left, mut own) = ([0.0; 3], 0);
+            let (mut left, mut count) = ([0.0; 3], 0);
             for part in parts {
                 let states = replay(model, &fit.theta, part.view().initial, &part.exogenous, held);
                 score.add_states(&states, part.view());
                 for error in self.steps(fit, part, held) {
-                    own += 1;
+                    count += 1;
                     (0..3).for_each(|d| {
                         left[d] += error[d];
                         squares[d] += error[d] * error[d];
                     });
                 }
             }
-            samples += own as f64;
-            let [constant_u, constant_v, constant_r] = left.map(|sum| sum / (own as f64).max(1.0));
+            samples += count as f64;
+            let [constant_u, constant_v, constant_r] = left.map(|sum| sum / (count as f64).max(1.0));
             let source = source.clone();
-            recordings.push(RecordingConstant { source, samples: own, constant_u, constant_v, constant_r });
+            recordings.push(RecordingConstant { source, samples: count, constant_u, constant_v, constant_r });
         }
         let parts: Vec<Part> = sources.iter().flat_map(|(_, parts)| parts.iter().cloned()).collect();
         Delivered {
@@ -318,32 +317,31 @@ impl Physical<'_> {
     }
 }
 
-fn is_entangled(own: &estimation::fitting::Parameter) -> bool {
-    own.standard_error.is_some() && own.inflation.is_none_or(|own| own > ENTANGLED)
+fn is_collinear(parameter: &estimation::fitting::Parameter) -> bool {
+    parameter.standard_error.is_some() && parameter.inflation.is_none_or(|inflation| inflation > COLLINEAR)
 }
 
 /// What to know before using the fit.
 fn statements(estimates: &Estimates) -> Vec<String> {
     let named = |of: &dyn Fn(&estimation::fitting::Parameter) -> bool| -> Vec<String> {
         let names = estimates.parameters.iter().filter(|parameter| of(parameter));
-        names.map(|own| format!("`{}`", own.name)).collect()
+        names.map(|parameter| format!("`{}`", parameter.name)).collect()
     };
     let mut all = Vec::new();
-    let entangled = named(&is_entangled);
-    if !entangled.is_empty() {
+    let collinear = named(&is_collinear);
+    if !collinear.is_empty() {
         let index = match estimates.condition {
             index if index.is_finite() => format!("condition index {index:.0}"),
             _ => "the runs leave a direction open".to_owned(),
         };
-        all.push(format!("{index}: the runs know sums of terms, not {} alone", entangled.join(", ")));
+        all.push(format!("{index}: the runs know sums of terms, not {} alone", collinear.join(", ")));
     }
-    let prior = named(&|own| own.prior_share > 0.5);
-    if !prior.is_empty() {
-        all.push(format!("more than half the prior's: {}", prior.join(", ")));
-    }
-    let held = named(&|own| own.standard_error.is_none());
-    if !held.is_empty() {
-        all.push(format!("at a bound: {}", held.join(", ")));
+    let prior = named(&|parameter| parameter.prior_share > 0.5);
+    let at_bound = named(&|parameter| parameter.standard_error.is_none());
+    for (what, names) in [("more than half the prior's", prior), ("at a bound", at_bound)] {
+        if !names.is_empty() {
+            all.push(format!("{what}: {}", names.join(", ")));
+        }
     }
     all
 }

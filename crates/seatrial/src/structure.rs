@@ -1,17 +1,26 @@
 //! The structure of a model, found from recordings.
 
 use estimation::against_nominal;
+use estimation::fitting::{Settings, Starts};
+use estimation::pooled::{FreeRunErrors, Score};
 use estimation::search::{
-    NamedRoles, Roles, SearchError, SearchOptions, Searched, core, library, search, with_channels,
+    Alone, Dealt, FittedShip, Kind, NamedRoles, NestedScore, Recording, Roles, SearchError, SearchOptions,
+    Searched, ShipsWithoutFold, averaged, core, fits, folds, judged_ships, library, search, with_channels,
 };
 use numerics::statistics::mean;
+use rayon::prelude::*;
 use refusal::Invalid;
 use regression::pooled::PooledRuns;
 use ship::model::terms::listed;
 use ship::model::{Actuator, Model, Vessel};
 use study::TermLists;
-use study::documents::{AverageDocument, ModelDocument, SearchDocument};
+use study::documents::{
+    AverageDocument, BesideForces, DeliveredKind, ModelDocument, SearchDocument, TriedFit,
+};
 use validation::comparison::Magnitudes;
+
+use crate::growing::Recorded;
+use crate::physical::Physical;
 
 /// The start of a search, and its candidate terms.
 #[derive(Clone, Debug)]
@@ -30,7 +39,7 @@ impl StructureSearch {
     pub fn check(vessel: &Vessel) -> Result<(), Invalid> {
         let remedy =
             "search for forces that she lacks by `ForceSearch`, or give it a vessel with terms per sample";
-        vessel.check_terms("search").map_err(|own| Invalid { remedy: remedy.into(), ..own })
+        vessel.check_terms("search").map_err(|invalid| Invalid { remedy: remedy.into(), ..invalid })
     }
 
     /// A search over the library of terms for the channels of `vessel` in these roles.
@@ -76,13 +85,13 @@ impl StructureSearch {
         done: &(dyn Fn(usize) + Sync),
     ) -> Result<FoundStructure, SearchError> {
         let vessel = &self.vessel;
-        let mut found = search(&vessel.model, &self.library, runs, options, done)?;
-        found.statements.extend(self.turned(&found));
-        let model = self.model(runs, &found);
-        let averaged = |all| AverageDocument::new(vessel, all, found.samples, model.magnitudes.as_ref());
+        let mut searched = search(&vessel.model, &self.library, runs, options, done)?;
+        searched.statements.extend(self.turned(&searched));
+        let model = self.model(runs, &searched);
+        let averaged = |all| AverageDocument::new(vessel, all, searched.samples, model.magnitudes.as_ref());
         Ok(FoundStructure {
-            search: SearchDocument::new(vessel, options, &found),
-            average: found.average.as_ref().map(averaged),
+            search: SearchDocument::new(vessel, options, &searched),
+            average: searched.average.as_ref().map(averaged),
             model,
         })
     }
@@ -90,13 +99,13 @@ impl StructureSearch {
     /// Estimates with another sign than the nominal value, in words; standard errors are those of the jackknife over folds.
     fn turned(&self, found: &Searched) -> Option<String> {
         let of = |model: &Model, theta: &[f64], name: &str| {
-            theta.get(model.parameter_names().position(|own| own == name)?).copied()
+            theta.get(model.parameter_names().position(|other| other == name)?).copied()
         };
         let known = self.vessel.model.parameter_names().map(|name| {
             let ships = found.without.iter().flatten();
-            let without: Vec<f64> = ships.filter_map(|own| of(&own.model, &own.theta, name)).collect();
+            let without: Vec<f64> = ships.filter_map(|ship| of(&ship.model, &ship.theta, name)).collect();
             let (count, mean) = (without.len() as f64, mean(&without)?);
-            let squares: f64 = without.iter().map(|own| (own - mean).powi(2)).sum();
+            let squares: f64 = without.iter().map(|value| (value - mean).powi(2)).sum();
             Some([of(&found.model, &found.delivered.theta, name)?, ((count - 1.0) / count * squares).sqrt()])
         });
         against_nominal(&self.vessel.model, &self.vessel.nominal, &known.collect::<Vec<_>>())
@@ -119,9 +128,9 @@ pub fn core_of(vessel: &Vessel, roles: &NamedRoles) -> Result<Vessel, Invalid> {
 
 fn with_core(vessel: &Vessel, roles: &NamedRoles) -> Result<(Vessel, Roles), Invalid> {
     let roles = Roles::new(&vessel.model, roles)?;
-    let astern = |own: &Actuator| own.range.is_some_and(|[low, _]| low < 0.0);
+    let astern = |actuator: &Actuator| actuator.range.is_some_and(|[low, _]| low < 0.0);
     let reversing: Vec<usize> =
-        (3..).zip(&vessel.actuators).filter(|(_, own)| astern(own)).map(|(i, _)| i).collect();
+        (3..).zip(&vessel.actuators).filter(|(_, actuator)| astern(actuator)).map(|(i, _)| i).collect();
     let (model, roles) = core(&vessel.model, &roles, &reversing)?;
     if model.degrees == vessel.model.degrees && vessel.model.forces.is_none() {
         return Ok((Vessel { model, ..vessel.clone() }, roles));
@@ -140,4 +149,237 @@ pub struct FoundStructure {
     pub model: ModelDocument,
     /// `average.json`, if several models were requested.
     pub average: Option<AverageDocument>,
+}
+
+// A search that begins with a core of terms, beside the forces of the same ship: the average of both is delivered.
+
+/// A model whose mean fit of recordings left out is worse than the other's by more than this \[%\] leaves the average.
+const WORSE: f64 = 20.0;
+/// How much longer the windows are that start at their first measured sample.
+const LONGER: f64 = 1.5;
+/// What is averaged.
+const NAMES: [&str; 2] = ["the searched terms", "the forces"];
+
+/// A search from the core of a ship with forces, and fits of these.
+pub struct AveragedSearch<'a> {
+    /// The search.
+    pub search: &'a StructureSearch,
+    /// Its options.
+    pub options: &'a SearchOptions,
+    /// The ship with forces.
+    pub vessel: &'a Vessel,
+    /// Windows and weights of her fits, with starts that are found. Longer windows that start at their first measured sample
+    /// are tried too.
+    pub settings: Settings,
+}
+
+/// What is delivered of both, and why not the other.
+struct DeliveredModels {
+    kind: DeliveredKind,
+    left: Vec<String>,
+    output_rmse: Option<[f64; 3]>,
+}
+
+impl AveragedSearch<'_> {
+    /// Number of fits at most.
+    pub fn fits(&self) -> usize {
+        self.options.fits() + self.options.folds
+    }
+
+    /// Searches `runs` and fits the forces to `of_forces`, the same runs in their channels. A model that diverges over them, that is not
+    /// found, or that is far worse where recordings are left out is named and left out of the average. `done` is called with the number
+    /// of fits that are done.
+    ///
+    /// # Errors
+    /// Too few recordings or too short ones; neither a search nor a fit with a model.
+    pub fn find(
+        &self,
+        [runs, of_forces]: [&PooledRuns; 2],
+        done: &(dyn Fn(usize) + Sync),
+    ) -> Result<FoundStructure, SearchError> {
+        let begun = &self.search.vessel;
+        let [recordings, physical] = [runs, of_forces].map(|runs| Recording::all(runs, self.options.cut));
+        let searched = match search(&begun.model, &self.search.library, runs, self.options, done) {
+            // The forces may give a model.
+            result @ (Ok(_) | Err(SearchError::AllDiverge { .. } | SearchError::Useless(_))) => result,
+            Err(error) => return Err(error),
+        };
+        let dealt = folds(&recordings.iter().collect::<Vec<_>>(), self.options.folds);
+        let dealt = Dealt { folds: &dealt, are_inputs_held: of_forces.are_inputs_held() };
+        let (without_forces, tried, forces) = self.forces(of_forces, &physical, dealt, done);
+        let none = vec![None; self.options.folds];
+        let without = searched.as_ref().map_or(&none, |searched| &searched.without);
+        let kinds = [(&recordings, without), (&physical, &without_forces)]
+            .map(|(recordings, without)| Kind { recordings, without });
+        let mut document = match &searched {
+            Ok(searched) => SearchDocument::new(begun, self.options, searched),
+            Err(_) => self.unfound(&recordings, dealt),
+        };
+        let (nested, alone) = dealt.averaged(document.nested, &kinds);
+        document.nested = nested;
+        let terms = searched.map(|searched| self.search.model(runs, &searched));
+        let lost = terms.as_ref().err().cloned();
+        let models = [terms.map_err(|e| e.to_string()), forces];
+        let inside = [document.nested.search.as_ref(), alone.errors.as_ref()];
+        let Some(choice) =
+            chosen(&models, inside.map(|errors| errors.and_then(mean_fit)), [&recordings, &physical], dealt)
+        else {
+            return Err(lost.unwrap_or(SearchError::NoAverage));
+        };
+        document.statements = statements(&choice, &document.nested, alone, &tried)
+            .into_iter()
+            .chain(document.statements)
+            .collect();
+        let (errors, overlapping) = (alone.errors, alone.overlapping);
+        document.beside = Some(BesideForces { delivered: choice.kind, tried, errors, overlapping });
+        let members = models.into_iter();
+        let members: Vec<ModelDocument> =
+            members.zip(choice.kind.members()).filter_map(|(model, is)| model.ok().filter(|_| is)).collect();
+        let mut model = members.last().cloned().ok_or(SearchError::NoAverage)?;
+        model.statements.insert(0, document.statements[0].clone());
+        let average = Some(AverageDocument::of(begun, members, choice.output_rmse));
+        Ok(FoundStructure { search: document, model, average })
+    }
+
+    /// The document of a search without a model.
+    fn unfound(&self, recordings: &[Recording], dealt: Dealt) -> SearchDocument {
+        let none = vec![ShipsWithoutFold { search: None, base: None }; self.options.folds];
+        let judged = judged_ships(recordings, dealt.folds, &none, dealt.are_inputs_held);
+        let samples = recordings.iter().map(|recording| recording.samples() as u64).sum();
+        SearchDocument::unfound(&self.search.vessel, self.options, [judged.windows, samples], judged.nested)
+    }
+
+    /// Both ways to fit the forces.
+    fn ways(&self) -> [Settings; 2] {
+        let longer = LONGER * self.settings.window_s;
+        [self.settings, Settings { window_s: longer, starts: Starts::Measured, ..self.settings }]
+    }
+
+    fn physical(&self, settings: Settings, criticise: bool) -> Physical<'_> {
+        let vessel = self.vessel;
+        Physical { vessel, settings, former: None, reference: None, criticise, most_added: 0 }
+    }
+
+    /// Fits the forces without each fold in both ways, each from what the one before found, and all of `runs` in the better way:
+    /// the ships without each fold, in the way that the other folds choose, what was tried, and the model.
+    fn forces(
+        &self,
+        runs: &PooledRuns,
+        recordings: &[Recording],
+        dealt: Dealt,
+        done: &(dyn Fn(usize) + Sync),
+    ) -> (Vec<Option<FittedShip>>, Vec<TriedFit>, Result<ModelDocument, String>) {
+        let held = dealt.are_inputs_held;
+        let all: Vec<Recorded> = recordings.iter().map(|r| (r.name.clone(), r.whole.clone())).collect();
+        let ship = |theta: Vec<f64>| FittedShip { model: self.vessel.model.clone(), theta };
+        let fold = |fold: usize| {
+            let kept = all.iter().zip(dealt.folds).filter(|(_, other)| **other != fold);
+            let kept: Vec<Recorded> = kept.map(|(source, _)| source.clone()).collect();
+            let mut from = self.vessel.nominal.clone();
+            let fitted = self.ways().map(|settings| {
+                let theta = self.physical(settings, false).theta_from(&from, &kept, held).ok()?;
+                from.clone_from(&theta);
+                Some(ship(theta))
+            });
+            done(1);
+            fitted
+        };
+        let by_folds: Vec<[Option<FittedShip>; 2]> =
+            (0..self.options.folds).into_par_iter().map(fold).collect();
+        let by_ways = [0, 1].map(|way| by_folds.iter().map(|ways| ways[way].clone()).collect::<Vec<_>>());
+        let scores = by_ways.each_ref().map(|without| dealt.scores(&[Kind { recordings, without }]));
+        let fit = |way: usize, without: Option<usize>| {
+            dealt.fit(&Kind { recordings, without: &by_ways[way] }, &scores[way], without)
+        };
+        let better = |without: Option<usize>| usize::from(fit(1, without) > fit(0, without));
+        let without = (0..self.options.folds).map(|fold| by_ways[better(Some(fold))][fold].clone()).collect();
+        let chosen = better(None);
+        let tried = self.ways().into_iter().enumerate().map(|(way, settings)| TriedFit {
+            window_s: settings.window_s,
+            measured_starts: settings.starts == Starts::Measured,
+            score: fit(way, None),
+            chosen: way == chosen,
+        });
+        let model = self.physical(self.ways()[chosen], true).fitted_model(runs, (&all, held));
+        (without, tried.collect(), model.map_err(|e| e.to_string()))
+    }
+}
+
+/// What is delivered of `models`, whose mean fits of recordings left out are `inside`; `None` without any model.
+fn chosen(
+    models: &[Result<ModelDocument, String>; 2],
+    inside: [Option<f64>; 2],
+    recordings: [&[Recording]; 2],
+    dealt: Dealt,
+) -> Option<DeliveredModels> {
+    let ships = models.each_ref().map(|model| {
+        let vessel = model.as_ref().ok()?.vessel().ok()?;
+        Some(vec![Some(FittedShip { theta: vessel.nominal, model: vessel.model })])
+    });
+    let once = Dealt { folds: &vec![0; recordings[0].len()], ..dealt };
+    let rmse = |which: &[usize]| {
+        let kinds: Vec<Kind> = which
+            .iter()
+            .map(|&i| Some(Kind { recordings: recordings[i], without: ships[i].as_ref()? }))
+            .collect::<Option<_>>()?;
+        let mut all = Score::default();
+        once.scores(&kinds).iter().flatten().for_each(|score| all.merge(score));
+        all.rmse()
+    };
+    let [search, forces] = inside;
+    let behind = [search.zip(forces), forces.zip(search)]
+        .map(|pair| pair.map(|(one, other)| other - one).filter(|behind| *behind > WORSE));
+    let why = |i: usize| match (&models[i], &ships[i], behind[i]) {
+        (Err(why), ..) => Some(format!("{} are left out of the average: {why}", NAMES[i])),
+        (_, None, _) => Some(format!("{} are left out of the average: they give no vessel", NAMES[i])),
+        _ if rmse(&[i]).is_none() => Some(format!(
+            "{} are left out of the average: they diverge over the recordings that they were fitted to",
+            NAMES[i]
+        )),
+        (.., Some(behind)) => Some(format!(
+            "{} are left out of the average: {behind:.1} points of mean fit behind, where recordings are left out",
+            NAMES[i]
+        )),
+        _ => None,
+    };
+    let left = [why(0), why(1)];
+    let (kind, which) = match &left {
+        [None, None] => (DeliveredKind::Average, vec![0, 1]),
+        [None, _] => (DeliveredKind::Search, vec![0]),
+        [_, None] => (DeliveredKind::Forces, vec![1]),
+        _ if ships[1].is_some() => (DeliveredKind::Forces, vec![1]),
+        _ if ships[0].is_some() => (DeliveredKind::Search, vec![0]),
+        _ => return None,
+    };
+    Some(DeliveredModels { kind, output_rmse: rmse(&which), left: left.into_iter().flatten().collect() })
+}
+
+/// What is delivered, and how well it and its models predict.
+fn statements(
+    choice: &DeliveredModels,
+    nested: &NestedScore,
+    alone: Alone,
+    tried: &[TriedFit],
+) -> Vec<String> {
+    let mut all = vec![match choice.kind {
+        DeliveredKind::Average => format!("delivered: the average of {} and {}", NAMES[0], NAMES[1]),
+        DeliveredKind::Search => format!("delivered: {} alone", NAMES[0]),
+        DeliveredKind::Forces => format!("delivered: {} alone", NAMES[1]),
+    }];
+    all.extend(choice.left.iter().cloned());
+    all.extend(nested.average.iter().flat_map(averaged).filter(|_| choice.kind == DeliveredKind::Average));
+    all.push(match &alone.errors {
+        Some(errors) => format!("{} with recordings left out: fit {}", NAMES[1], fits(errors)),
+        None => format!("{} are not validated: without some fold there is no fit, or it diverges", NAMES[1]),
+    });
+    all.extend(tried.iter().filter(|fit| fit.chosen).map(|fit| {
+        let starts = if fit.measured_starts { "measured starts" } else { "starts that are found" };
+        let why = "where recordings left out choose between this and the other way";
+        format!("{} were fitted over windows of at most {} s with {starts}, {why}", NAMES[1], fit.window_s)
+    }));
+    all
+}
+
+fn mean_fit(errors: &FreeRunErrors) -> Option<f64> {
+    mean(&errors.fits().into_iter().flatten().collect::<Vec<_>>())
 }

@@ -75,8 +75,7 @@ impl<'a> Updating<'a> {
             Some(errors.iter().zip(scales.as_ref()?).map(|(error, square)| error / square.sqrt()).collect())
         };
         let norm = |errors: &[f64]| Some(relative(errors)?.iter().map(|e| e * e).sum::<f64>().sqrt());
-        let parameter_error =
-            norm(&before).zip(norm(&now)).map(|(before, now)| UpdatedError::of(before, now));
+        let parameter_error = norm(&before).zip(norm(&now)).map(|(before, n)| UpdatedError::of(before, n));
         let largest = relative(&now).map(|all| all.into_iter().fold(0.0, f64::max));
         let figures = self.figures(&estimate);
         let duration_s = estimate.samples / self.moments.sample_rate_hz;
@@ -193,9 +192,10 @@ impl<'a> Updating<'a> {
     fn over_wanted(&self, figures: &[UpdatedFigure]) -> Option<f64> {
         let wanted = self.design.figures.iter().flat_map(|all| &all.figures);
         let one = |(figure, wanted): (&DesignFigure, f64)| {
-            let own =
-                figures.iter().find(|own| own.maneuver == figure.maneuver && own.name == figure.name)?;
-            Some(own.standard_error.now / wanted)
+            let updated = figures
+                .iter()
+                .find(|updated| updated.maneuver == figure.maneuver && updated.name == figure.name)?;
+            Some(updated.standard_error.now / wanted)
         };
         let all: Option<Vec<f64>> = wanted.filter_map(|f| Some((f, f.wanted?))).map(one).collect();
         all.map(|all| all.into_iter().fold(0.0, f64::max))
@@ -252,24 +252,25 @@ impl Estimate {
         let parameters: Vec<_> = model.degrees.iter().flat_map(|degree| &degree.parameters).collect();
         let mut values = Vec::new();
         for name in names {
-            match parameters.iter().find(|own| own.name == *name) {
-                Some(own) if !own.fixed && own.tied_to.is_none() => values.push(*own),
-                found => {
-                    let found = if found.is_some() { "one that was not estimated" } else { "none" };
+            match parameters.iter().find(|parameter| parameter.name == *name) {
+                Some(parameter) if !parameter.fixed && parameter.tied_to.is_none() => values.push(*parameter),
+                other => {
+                    let state = if other.is_some() { "one that was not estimated" } else { "none" };
                     let expected = "an estimate, as in the design's moments".to_owned();
-                    return refuse(&format!("parameter `{name}`"), found.to_owned(), expected);
+                    return refuse(&format!("parameter `{name}`"), state.to_owned(), expected);
                 }
             }
         }
-        let covariance = model.covariance.as_ref().map(|own| covariance(&own.names, &own.entries, names));
+        let covariance =
+            model.covariance.as_ref().map(|known| covariance(&known.names, &known.entries, names));
         let covariance = covariance.transpose()?;
-        let variance = |(i, own): (usize, &&study::documents::ModelParameter)| match &covariance {
+        let variance = |(i, parameter): (usize, &&study::documents::ModelParameter)| match &covariance {
             Some(known) => Ok(known[i * names.len() + i]),
-            None if own.at_bound => Ok(0.0),
-            None => own.standard_error.map(|error| error * error).ok_or_else(|| {
+            None if parameter.at_bound => Ok(0.0),
+            None => parameter.standard_error.map(|error| error * error).ok_or_else(|| {
                 let expected = "how uncertain the estimate is: a covariance or standard errors";
                 let remedy = "estimate the trial by `estimate pool`, without a search for its structure";
-                Invalid::new(format!("parameter `{}`", own.name), "no standard error", expected, remedy)
+                Invalid::new(format!("parameter `{}`", parameter.name), "no standard error", expected, remedy)
             }),
         };
         let variances = values.iter().enumerate().map(variance).collect::<Result<_, _>>()?;
@@ -277,7 +278,7 @@ impl Estimate {
         if samples < 1.0 {
             return refuse("`data.samples`", "0".to_owned(), "those of a trial".to_owned());
         }
-        Ok(Self { values: values.iter().map(|own| own.value).collect(), variances, covariance, samples })
+        Ok(Self { values: values.iter().map(|p| p.value).collect(), variances, covariance, samples })
     }
 }
 
@@ -292,27 +293,27 @@ fn covariance(rows: &[String], entries: &[f64], names: &[&str]) -> Result<Vec<f6
     };
     let mut places = Vec::new();
     for name in names {
-        match rows.iter().position(|own| own == name) {
+        match rows.iter().position(|row| row == name) {
             Some(place) => places.push(place),
             None => return refuse(format!("no `{name}`")),
         }
     }
     let n = names.len();
-    let own: Vec<f64> = (0..n * n).map(|k| entries[places[k / n] * rows.len() + places[k % n]]).collect();
-    if let Some(i) = (0..n).find(|i| !(own[i * n + i] >= 0.0 && own[i * n + i].is_finite())) {
-        return refuse(format!("a variance of {} of `{}`", own[i * n + i], names[i]));
+    let part: Vec<f64> = (0..n * n).map(|k| entries[places[k / n] * rows.len() + places[k % n]]).collect();
+    if let Some(i) = (0..n).find(|i| !(part[i * n + i] >= 0.0 && part[i * n + i].is_finite())) {
+        return refuse(format!("a variance of {} of `{}`", part[i * n + i], names[i]));
     }
     let is_one = |k: usize| {
-        let most = (own[k / n * (n + 1)] * own[k % n * (n + 1)]).sqrt();
-        own[k].abs() <= most * (1.0 + 1e-6) && (own[k] - own[k % n * n + k / n]).abs() <= 1e-6 * most
+        let most = (part[k / n * (n + 1)] * part[k % n * (n + 1)]).sqrt();
+        part[k].abs() <= most * (1.0 + 1e-6) && (part[k] - part[k % n * n + k / n]).abs() <= 1e-6 * most
     };
     match (0..n * n).find(|k| !is_one(*k)) {
-        None => Ok(own),
+        None => Ok(part),
         Some(k) => {
             let (one, other) = (names[k / n], names[k % n]);
             refuse(format!(
                 "{} between `{one}` and `{other}`, more than they vary or not the same both ways",
-                own[k]
+                part[k]
             ))
         }
     }
@@ -341,8 +342,7 @@ fn said(found: &DesignUpdateDocument) -> String {
         ),
         false => format!("; {} was wanted ({}), and is reached", accuracy.wanted, accuracy.of),
     });
-    let another =
-        found.after_another.map(|error| format!("; another trial of this length leaves {error:.3}"));
+    let another = found.after_another.map(|e| format!("; another trial of this length leaves {e:.3}"));
     let left = left.or(another).unwrap_or_default();
     format!("After {:.1} s {errors}{left}.", found.duration_s)
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use study::documents::schemas;
-use study::hand_written;
+use study::files;
 use study::ingest_file::page;
 
 fn main() -> ExitCode {
@@ -28,7 +28,7 @@ fn main() -> ExitCode {
 fn write(folder: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
     let documents = schemas().into_iter().map(|(id, schema)| (format!("{id}.schema.json"), schema));
-    let written = hand_written::schemas().map(|(kind, schema)| (hand_written::file_name(kind), schema));
+    let written = files::schemas().map(|(kind, schema)| (files::file_name(kind), schema));
     for (name, schema) in documents.chain(written) {
         std::fs::write(folder.join(name), format!("{schema:#}\n"))?;
     }

@@ -1,13 +1,18 @@
 //! A folder of results: checks that its files are complete and belong together, and their dependencies.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use files::{Digest, Error, Inspected, Provenance, STUDY_ROLES, check_members, inspect, is_unfinished};
+use chart::{Bounds, Plane};
+use files::{
+    Digest, Error, Inspected, Provenance, STUDY_ROLES, budget, check_members, inspect, is_unfinished,
+};
 use refusal::{foreign, one_line, shortened};
 
-use crate::outdated::outdated;
-use crate::{refuse, role_of};
+use crate::plan::{ChartsError, Means, read_charts};
+use crate::written::files::{read_ingest, read_plan};
+use crate::written::ingest_file::recordings::find;
+use crate::{invalid, refuse, role_of};
 
 /// The files of a folder and of those below it.
 #[derive(Default)]
@@ -40,9 +45,9 @@ impl Folder {
         folder.compare(root, &known);
         // The record of `run` knows more than the documents.
         if let Some(study) = study.filter(|_| !root.join("run.json").is_file()) {
-            let found = folder.files.iter().filter_map(|(path, found)| Some((path, found.as_ref().ok()?)));
+            let inspected = folder.files.iter().filter_map(|(path, file)| Some((path, file.as_ref().ok()?)));
             let outdated: Vec<String> =
-                found.flat_map(|(path, found)| outdated(path, found, study)).collect();
+                inspected.flat_map(|(path, inspected)| outdated(path, inspected, study)).collect();
             folder.faults.extend(outdated);
         }
         Ok(folder)
@@ -75,8 +80,8 @@ impl Folder {
             }
         }
         if known.inputs.is_empty() {
-            let found = "no vessel.toml, dictionary.toml or campaign.toml";
-            return Err(refuse(study, "--study", found, "the folder of a study", "name another folder"));
+            let given = "no vessel.toml, dictionary.toml or campaign.toml";
+            return Err(refuse(study, "--study", given, "the folder of a study", "name another folder"));
         }
         Ok(known)
     }
@@ -91,31 +96,30 @@ impl Folder {
         let count = paths.iter().filter(|path| is_unfinished(path)).count();
         self.unfinished.extend((count > 0).then(|| (folder.to_owned(), count)));
         paths.retain(|path| !is_unfinished(path));
-        let (folders, files): (Vec<PathBuf>, Vec<PathBuf>) =
-            paths.into_iter().partition(|path| path.is_dir());
+        let (folders, files): (Vec<PathBuf>, Vec<PathBuf>) = paths.into_iter().partition(|p| p.is_dir());
         for path in files {
-            self.files.extend(inspect(&path).transpose().map(|found| (path, found)));
+            self.files.extend(inspect(&path).transpose().map(|inspected| (path, inspected)));
         }
         folders.iter().filter(|path| !path.is_symlink()).try_for_each(|path| self.look(path))
     }
 
     /// Checks that files written together are together, without reading inspected files again.
     fn check_sets(&mut self) {
-        let found =
-            self.files.iter().filter_map(|(path, found)| Some((path.clone(), found.as_ref().ok()?.digest)));
-        let known: BTreeMap<PathBuf, Digest> = found.collect();
-        for (path, found) in &mut self.files {
-            let Ok(own) = &*found else { continue };
-            if let Err(mixed) = check_members(path, &own.members, |path| known.get(path).copied()) {
-                *found = Err(mixed);
+        let digests =
+            self.files.iter().filter_map(|(path, file)| Some((path.clone(), file.as_ref().ok()?.digest)));
+        let known: BTreeMap<PathBuf, Digest> = digests.collect();
+        for (path, state) in &mut self.files {
+            let Ok(inspected) = &*state else { continue };
+            if let Err(mixed) = check_members(path, &inspected.members, |path| known.get(path).copied()) {
+                *state = Err(mixed);
             }
         }
     }
 
     fn name(&mut self, root: &Path) {
         for (path, found) in &self.files {
-            if let Ok(own) = found {
-                self.names.insert(own.digest, relative(root, path));
+            if let Ok(inspected) = found {
+                self.names.insert(inspected.digest, relative(root, path));
             }
         }
     }
@@ -124,9 +128,9 @@ impl Folder {
     /// estimates and scores and shares the rest with its parent folder, if that has files.
     fn compare(&mut self, root: &Path, written: &Provenance) {
         let mut known: BTreeMap<&Path, Provenance> = BTreeMap::new();
-        for (path, found) in &self.files {
-            let found = match found {
-                Ok(found) => found,
+        for (path, inspected) in &self.files {
+            let inspected = match inspected {
+                Ok(inspected) => inspected,
                 Err(error) => {
                     self.faults.push(error.to_string());
                     continue;
@@ -134,42 +138,41 @@ impl Folder {
             };
             let folder = path.parent().unwrap_or(root);
             let above = || {
-                let nearest =
-                    folder.ancestors().skip(1).find_map(|above| known.get(above)).unwrap_or(written);
-                let mut own = nearest.clone();
-                own.forget(&["estimates", "validation"]);
-                own
+                let nearest = folder.ancestors().skip(1).find_map(|a| known.get(a)).unwrap_or(written);
+                let mut provenance = nearest.clone();
+                provenance.forget(&["estimates", "validation"]);
+                provenance
             };
-            let own = if known.contains_key(folder) { None } else { Some(above()) };
-            let own = known.entry(folder).or_insert_with(|| own.unwrap_or_default());
+            let missing = if known.contains_key(folder) { None } else { Some(above()) };
+            let provenance = known.entry(folder).or_insert_with(|| missing.unwrap_or_default());
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             // Another file with the same role in the folder is no error: `estimates-2.parquet`.
-            let mut from = found.provenance.clone();
+            let mut from = inspected.provenance.clone();
             from.inputs.retain(|_, digest| !self.names.contains_key(digest));
             from.origins.retain(|_, digest| !self.names.contains_key(digest));
-            if let Err(error) = own.made(role_of(&name), path, found.digest, &from) {
+            if let Err(error) = provenance.made(role_of(&name), path, inspected.digest, &from) {
                 self.faults.push(error.to_string());
             }
         }
     }
 
     /// `design.json: design/1, of moments (moments.json)`.
-    fn line(&self, root: &Path, path: &Path, found: &Result<Inspected, Error>) -> String {
+    fn line(&self, root: &Path, path: &Path, inspected: &Result<Inspected, Error>) -> String {
         let name = relative(root, path);
-        let Ok(found) = found else { return format!("{name}: damaged") };
+        let Ok(inspected) = inspected else { return format!("{name}: damaged") };
         let input = |(role, digest): (&String, &Digest)| match self.names.get(digest) {
             Some(name) => format!("{} ({name})", foreign(role)),
             None => foreign(role),
         };
-        let logs = found.provenance.inputs.keys().filter(|role| role.starts_with("log:")).count();
-        let others = found.provenance.inputs.iter().filter(|(role, _)| !role.starts_with("log:"));
+        let logs = inspected.provenance.inputs.keys().filter(|role| role.starts_with("log:")).count();
+        let others = inspected.provenance.inputs.iter().filter(|(role, _)| !role.starts_with("log:"));
         let mut inputs: Vec<String> = others.map(input).collect();
         if logs > 0 {
             inputs.push(format!("{logs} logs"));
         }
         let of = if inputs.is_empty() { String::new() } else { format!(", of {}", inputs.join(", ")) };
-        let unsealed = if found.sealed { "" } else { ", edited by hand (no seal)" };
-        format!("{name}: {}{unsealed}{of}", foreign(&found.schema))
+        let unsealed = if inspected.sealed { "" } else { ", edited by hand (no seal)" };
+        format!("{name}: {}{unsealed}{of}", foreign(&inspected.schema))
     }
 }
 
@@ -178,4 +181,95 @@ const LONGEST: usize = 490;
 
 fn relative(root: &Path, path: &Path) -> String {
     path.strip_prefix(root).unwrap_or(path).display().to_string()
+}
+
+// Documents whose files in the study are not what they were made of any more.
+
+/// Digests of inputs by their roles, now; `None` if it is not known where they are.
+type Now = Option<BTreeMap<String, Digest>>;
+
+/// Files that the document or table `found` at `path` was made of and that are not so in the folder `study`, one line each.
+fn outdated(path: &Path, found: &Inspected, study: &Path) -> Vec<String> {
+    let made = &found.provenance;
+    let now = match found.schema.split('/').next() {
+        Some("plan") => of_plan(path, made, study),
+        Some("ingest") => of_logs(study),
+        // What was made of these has their roles.
+        _ => Ok(Some(made.inputs.clone())),
+    };
+    let mut now = match now {
+        Ok(Some(now)) => now,
+        Ok(None) => return Vec::new(),
+        Err(error) => return vec![error.to_string()],
+    };
+    // Tables of a dictionary have names relative to the study; what is not there is elsewhere.
+    let tables = made.inputs.keys().filter_map(|role| Some((role, role.strip_prefix("inputs:")?)));
+    now.extend(tables.filter_map(|(role, n)| Some((role.clone(), Digest::of_file(study.join(n)).ok()?))));
+    // With values that were replaced on the command line, the digest is of what was read instead.
+    let is_changed = |role: &str| made.settings.contains_key("set") && ["plan", "config"].contains(&role);
+    let kinds = ["chart:", "tide", "log:"];
+    let before = made.inputs.keys().filter(|role| kinds.iter().any(|kind| role.starts_with(kind)));
+    let roles: BTreeSet<&String> = before.chain(now.keys()).collect();
+    let differs = |role: &&String| !is_changed(role) && made.inputs.get(*role) != now.get(*role);
+    let fault = |role: &String| {
+        let given = match (made.inputs.get(role), now.get(role)) {
+            (Some(_), Some(_)) => "another content in the study",
+            (Some(_), None) => "no such file in the study",
+            _ => "it in the study, where it was not",
+        };
+        refuse(path, role, given, "the files that this was made of", "run its stage again").to_string()
+    };
+    roles.into_iter().filter(differs).map(fault).collect()
+}
+
+/// The files of the plan at `path`: plan.toml, or that called as the plan or its folder.
+fn of_plan(path: &Path, made: &Provenance, study: &Path) -> Result<Now, Error> {
+    let folders = [path.file_stem(), path.parent().and_then(Path::file_name)].into_iter().flatten();
+    let mut names = folders.map(|name| name.to_string_lossy().into_owned());
+    let name = names.find(|name| name.starts_with("plan-")).unwrap_or_else(|| "plan".to_owned());
+    let file = study.join(format!("{name}.toml"));
+    if !file.is_file() {
+        return Ok(None);
+    }
+    let mut now = Provenance::default();
+    let config = read_plan(&file, &mut now)?;
+    // The charts of another plan.toml say nothing.
+    if made.inputs.get("plan") != now.inputs.get("plan") && !made.settings.contains_key("set") {
+        let charts = made.inputs.iter().filter(|(role, _)| *role != "plan");
+        now.inputs.extend(charts.map(|(role, digest)| (role.clone(), *digest)));
+        return Ok(Some(now.inputs));
+    }
+    let plane = Plane::new(config.start.longitude_deg, config.start.latitude_deg);
+    let plane = plane.map_err(|wrong| invalid(&file, &wrong))?;
+    let bounds = Bounds::new([-50.0; 2], [50.0; 2]).map_err(|wrong| invalid(&file, &wrong))?;
+    let means = Means { area: (&plane, &bounds), budget: budget(), keep_going: &|| true };
+    match read_charts(&file, &config, &means, &mut now) {
+        Err(ChartsError::Refused(error)) => return Err(error),
+        Err(ChartsError::OutOfTime) | Ok(_) => {}
+    }
+    if let Some(tide) = &config.tide {
+        now.inputs.insert("tide".to_owned(), Digest::of_file(study.join(&tide.file))?);
+    }
+    Ok(Some(now.inputs))
+}
+
+/// ingest.toml and the logs that it names, in the folder `logs` of the study or the study itself.
+fn of_logs(study: &Path) -> Result<Now, Error> {
+    let file = study.join("ingest.toml");
+    if !file.is_file() {
+        return Ok(None);
+    }
+    let mut now = Provenance::default();
+    let config = read_ingest(&file, &mut now)?;
+    let naming = config.naming().map_err(|wrong| invalid(&file, &wrong))?;
+    let folders = [study.join("logs"), study.to_owned()];
+    let Some(folder) = folders.iter().find(|folder| find(&config, &naming, &file, folder).is_ok()) else {
+        return Ok(None);
+    };
+    for name in
+        find(&config, &naming, &file, folder)?.iter().flat_map(|recording| recording.files.iter().flatten())
+    {
+        now.inputs.insert(format!("log:{name}"), Digest::of_file(folder.join(name))?);
+    }
+    Ok(Some(now.inputs))
 }

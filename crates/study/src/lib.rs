@@ -4,52 +4,40 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-mod beyond;
-pub mod campaign_file;
-pub mod design_files;
+mod compared_model;
 pub mod documents;
-mod doubtful;
-pub mod estimates;
 pub mod figure_goals;
-pub mod files;
 pub mod folder;
-pub mod hand_written;
-pub mod ingest_file;
-pub mod kept;
-mod logged_helm;
-pub mod logs_file;
-pub mod moments_table;
-mod outdated;
+mod notes;
 pub mod parts;
 pub mod plan;
 pub mod pooled_set;
-mod rate;
-mod reached;
-mod recommendation;
-mod refusal;
-pub mod resamples;
-pub mod scores;
-mod seed;
-pub mod selection;
-pub mod sequential;
-pub mod ship_file;
-pub mod tallies;
-mod term_lists;
-pub mod track;
-pub mod trajectories;
-mod tried;
-mod validated;
-pub mod vessel_text;
+mod tables;
+mod written;
 
-pub use beyond::beyond;
-pub use doubtful::Doubtful;
-pub use files::{beside, check_kind, role_of};
-pub use logged_helm::LoggedHelm;
-pub use rate::{at_rate, note_divided};
-pub use reached::note_reached;
-pub use recommendation::recommendations;
-pub use refusal::{invalid, refuse};
-pub use seed::{note_seed, seed};
-pub use term_lists::TermLists;
-pub use tried::Tried;
-pub use validated::validated;
+pub use compared_model::Tried;
+pub use notes::{Doubtful, LoggedHelm, at_rate, note_divided, note_reached};
+pub use refusals::{invalid, refuse};
+pub use tables::estimates::{note_seed, seed};
+pub use tables::scores::{recommendations, validated};
+pub use tables::{estimates, moments_table, resamples, scores, selection, track, trajectories};
+pub use written::files::{TermLists, beside, beyond, check_kind, role_of};
+pub use written::{campaign_file, design_files, files, ingest_file, logs_file, sequential, ship_file};
+
+/// Refusals of a file.
+mod refusals {
+    use std::path::Path;
+
+    use files::Error;
+    use refusal::Invalid;
+
+    /// A refusal of what is invalid in `file`.
+    pub fn invalid(file: &Path, invalid: &Invalid) -> Error {
+        Error::invalid(file, invalid.clone())
+    }
+
+    /// A refusal of `file`.
+    pub fn refuse(file: &Path, thing: &str, found: &str, expected: &str, remedy: &str) -> Error {
+        Error::refuse(file, thing, found, expected, remedy)
+    }
+}

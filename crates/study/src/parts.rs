@@ -1,10 +1,21 @@
-//! Documents made in shards.
+//! Documents made in shards, and the tables that are kept beside a tally.
 
 use std::path::{Path, PathBuf};
 
-use files::{Document, Error, Loaded, Provenance, check_given, check_shards, read_part};
+use estimation::{RunEstimate, RunScore};
+use files::{
+    Document, Error, Loaded, Provenance, Staged, TableWriter, check_given, check_shards, read_part,
+    stage_set_document,
+};
+use maneuver::Reacting;
+use ship::model::Vessel;
+use trial::campaign::SimulatedRun;
+use validation::tally::Bounds;
 
-use crate::documents::MomentsDocument;
+use crate::documents::{MomentsDocument, TallyDocument};
+use crate::tables::trajectories::{BlockBuilder, Layout, rows_per_block};
+use crate::tables::{estimates, scores};
+use crate::{beside, validated};
 
 /// The documents of all `shards`, in the order of their numbers.
 ///
@@ -31,4 +42,165 @@ pub fn moments(shards: &[PathBuf], mut given: Provenance) -> Result<(Provenance,
     provenance.accept_label(&given);
     all.for_each(|(_, loaded)| whole.0.maneuvers.extend(loaded.data.0.maneuvers));
     Ok((Provenance { shard: None, ..provenance }, whole))
+}
+
+/// The usual name of the tally.
+pub const MAIN: &str = "tally.json";
+
+/// The merged tally of all `shards`, in any order.
+///
+/// # Errors
+/// Files that are not all shards of one tally.
+pub fn merged(shards: &[PathBuf]) -> Result<(Provenance, TallyDocument), Error> {
+    let mut all = self::all::<TallyDocument>(shards)?.into_iter();
+    let Some((_, first)) = all.next() else { unreachable!("there is a shard to gather") };
+    let Loaded { data: mut merged, provenance, .. } = first;
+    for (path, loaded) in all {
+        if !merged.tally.merge(loaded.data.tally) {
+            let (expected, remedy) = ("those of the other shards", "write the shards again");
+            return Err(crate::refuse(path, "`tally`", "other designs or estimators", expected, remedy));
+        }
+    }
+    let TallyDocument { tally, bounds, realizations, samples, validation_samples, seed, .. } = merged;
+    let samples = [samples, validation_samples];
+    let provenance = Provenance { shard: None, ..provenance };
+    Ok((provenance, TallyDocument::new(tally, bounds, realizations, samples, seed)))
+}
+
+refusal::choices! {
+    /// What is kept beside a tally.
+    pub enum Keep {
+        /// No table.
+        None = "none",
+        /// scores.parquet and validation.json.
+        Scores = "scores",
+        /// And estimates.parquet and estimate.json.
+        Estimates = "estimates",
+        /// And campaign.parquet.
+        Trajectories = "trajectories",
+    }
+}
+
+impl Keep {
+    /// Whether at least `least` is kept.
+    pub fn keeps(self, least: Self) -> bool {
+        self as u8 >= least as u8
+    }
+}
+
+/// Tables that are kept, and their rows.
+#[derive(Default)]
+pub struct KeptTables {
+    scores: Option<(TableWriter, Vec<RunScore>)>,
+    estimates: Option<(TableWriter, Vec<RunEstimate>)>,
+    runs: Option<(TableWriter, Layout)>,
+    vessel: Option<Vessel>,
+    first: usize,
+}
+
+impl KeptTables {
+    /// Empty tables; trajectories of the `first` runs per design, or of all, with the columns of what reacts.
+    ///
+    /// # Errors
+    /// Output that fails.
+    pub fn new(
+        (keep, first): (Keep, Option<u32>),
+        vessel: &Vessel,
+        reacting: &Reacting,
+        out: &Path,
+        provenance: &Provenance,
+    ) -> Result<Self, Error> {
+        let layout = Layout::new(&vessel.model).reacting(reacting);
+        let table = |least: Keep, name: &str, schema: &files::TableSchema, document: Option<&str>| {
+            if !keep.keeps(least) {
+                return Ok::<_, Error>(None);
+            }
+            let writer = TableWriter::create(beside(out, MAIN, name), schema, provenance)?;
+            let document = document.map(|document| beside(out, MAIN, document));
+            Ok(Some(document.iter().fold(writer, |writer, document| writer.with_document(document))))
+        };
+        let columns = estimates::columns(vessel);
+        let scored =
+            table(Keep::Scores, "scores.parquet", scores::columns().schema(), Some("validation.json"))?;
+        let estimated = table(Keep::Estimates, "estimates.parquet", columns.schema(), Some("estimate.json"))?;
+        let runs = table(Keep::Trajectories, "campaign.parquet", &layout.schema(), None)?;
+        let all = first.map_or(usize::MAX, |first| first as usize);
+        Ok(Self {
+            scores: scored.map(|writer| (writer, Vec::new())),
+            estimates: estimated.map(|writer| (writer, Vec::new())),
+            first: if runs.is_some() { all } else { 0 },
+            runs: runs.map(|writer| (writer, layout)),
+            vessel: Some(vessel.clone()),
+        })
+    }
+
+    /// The number of runs of each design that need trajectories.
+    pub fn first(&self) -> usize {
+        self.first
+    }
+
+    /// Whether neither estimates nor trajectories are kept.
+    pub fn of_scores_alone(&self) -> bool {
+        self.estimates.is_none() && self.runs.is_none()
+    }
+
+    /// Adds the next rows, and the runs that need trajectories.
+    ///
+    /// # Errors
+    /// Output that fails.
+    pub fn push(
+        &mut self,
+        scored: Vec<RunScore>,
+        estimated: Vec<RunEstimate>,
+        runs: &[SimulatedRun],
+    ) -> Result<(), Error> {
+        let Some(vessel) = &self.vessel else { return Ok(()) };
+        if let Some((writer, rows)) = &mut self.scores {
+            writer.push(scores::columns().encode(&scored)?)?;
+            rows.extend(scored);
+        }
+        if let Some((writer, rows)) = &mut self.estimates {
+            writer.push(estimates::columns(vessel).encode(&estimated)?)?;
+            rows.extend(estimated);
+        }
+        let (Some((writer, layout)), Some(first)) = (&mut self.runs, runs.first()) else { return Ok(()) };
+        for runs in runs.chunks(rows_per_block(first.run.samples())) {
+            let mut builder = BlockBuilder::new(layout, vessel.sample_rate_hz);
+            runs.iter().for_each(|run| builder.push(run));
+            writer.push(files::encode_block(&layout.schema(), &builder.table())?)?;
+        }
+        Ok(())
+    }
+
+    /// The files in addition to the tally; `samples`: of the validation runs.
+    ///
+    /// # Errors
+    /// Output that fails.
+    pub fn finish(
+        self,
+        out: &Path,
+        bounds: Bounds,
+        samples: u64,
+        provenance: &Provenance,
+    ) -> Result<Vec<Staged>, Error> {
+        let mut files = Vec::new();
+        if let Some((vessel, (writer, rows))) = self.vessel.zip(self.estimates) {
+            let table = [writer.finish()?];
+            let document = estimates::summarize(table[0].path(), provenance, &vessel, &rows)?;
+            let path = beside(out, MAIN, "estimate.json");
+            let document = stage_set_document(path, provenance, &document, &table)?;
+            files.extend(table.into_iter().chain([document]));
+        }
+        if let Some((writer, rows)) = self.scores {
+            let table = [writer.finish()?];
+            let document = validated(&rows, bounds, samples, provenance);
+            let path = beside(out, MAIN, "validation.json");
+            let document = stage_set_document(path, provenance, &document, &table)?;
+            files.extend(table.into_iter().chain([document]));
+        }
+        if let Some((writer, _)) = self.runs {
+            files.push(writer.finish()?);
+        }
+        Ok(files)
+    }
 }

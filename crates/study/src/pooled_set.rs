@@ -9,8 +9,9 @@ use regression::pooled::NominalSource;
 use serde_json::{Value, json};
 use ship::model::Vessel;
 
+use crate::beside;
 use crate::documents::{EstimateDocument, ModelDocument, TrustDocument};
-use crate::{beside, estimates};
+use crate::tables::estimates;
 
 /// The usual name of the table.
 pub const MAIN: &str = "estimates.parquet";

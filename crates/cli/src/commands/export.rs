@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use crate::compiler::compiled;
 use clap::Parser;
 use files::{Staged, commit};
+use seatrial::export::read_portable;
 use seatrial::export::{COMPILED_WITH, PLATFORM, Portable, Target};
-use seatrial::exported::read_portable;
 use serde_json::{Value, json};
 use ship::model::Source;
 

@@ -18,8 +18,7 @@ use study::campaign_file::CampaignFile;
 use study::documents::TallyDocument;
 use study::estimates::{self, distinct};
 use study::files::{generator, read_any_simulated};
-use study::kept::{Keep, Kept};
-use study::tallies::MAIN;
+use study::parts::{Keep, KeptTables as Kept, MAIN};
 use study::trajectories::Layout;
 use trial::campaign::Settings;
 
@@ -72,7 +71,7 @@ impl Task for Arguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let out = common.main_output(MAIN, self.of.paths().chain(&self.sharding.gather))?;
         if self.sharding.gathers() {
-            let (provenance, merged) = study::tallies::merged(&self.sharding.gather)?;
+            let (provenance, merged) = study::parts::merged(&self.sharding.gather)?;
             return published(&out, &provenance, merged, Vec::new());
         }
         self.computed(common, &out)

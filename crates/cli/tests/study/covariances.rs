@@ -13,7 +13,7 @@ fn vessel(folder: &TempDir) -> Vessel {
 }
 
 /// The rows of both tables.
-fn tables(folder: &TempDir) -> Vec<(estimates::Row, covariances::Row)> {
+fn tables(folder: &TempDir) -> Vec<(estimates::Row, covariances::CovarianceRow)> {
     let (vessel, file) = (vessel(folder), folder.path().join("estimates.parquet"));
     let reader = TableReader::open(&file, estimates::ID, estimates::VERSION).unwrap();
     let second = folder.path().join(covariances::FILE);
@@ -70,7 +70,7 @@ fn law_estimates_of_many_runs_correlate_as_their_covariances_say() {
     let place = |name: &str| names.iter().position(|own| own == name).unwrap();
     let (i, j, p) = (place("N_r"), place("N_tau"), names.len());
     let own: Vec<_> = rows.iter().filter(|(estimate, _)| estimate.design == "optimized").collect();
-    let predicted = |(_, row): &&(estimates::Row, covariances::Row)| {
+    let predicted = |(_, row): &&(estimates::Row, covariances::CovarianceRow)| {
         let own = row.covariance.as_ref().unwrap();
         own[i * p + j] / (own[i * p + i] * own[j * p + j]).sqrt()
     };

@@ -118,7 +118,7 @@ fn oracle_covariances_of_every_run_by_regression() {
         let file = folder.path().join("covariances.parquet");
         let reader = TableReader::open(&file, covariances::ID, covariances::VERSION).unwrap();
         let read = |block| covariances::rows(&reader, &vessel, block).unwrap();
-        let rows: Vec<covariances::Row> = (0..reader.blocks()).flat_map(read).collect();
+        let rows: Vec<covariances::CovarianceRow> = (0..reader.blocks()).flat_map(read).collect();
         assert_eq!(rows.len(), 20);
         for (row, degrees) in rows.iter().zip(expected[estimator].as_array().unwrap()) {
             assert_eq!(row.estimator.name(), estimator);

@@ -9,7 +9,7 @@ use ::ship::model::{
 };
 use refusal::Invalid;
 
-use crate::export::identifier::{Identifiers, file_name};
+use super::text::{Identifiers, file_name};
 use crate::export::ship::{self, Ship};
 use crate::export::text::number;
 
@@ -50,7 +50,7 @@ pub struct Portable {
 }
 
 /// A key of a template with its value.
-type Entry = (&'static str, String);
+pub(crate) type TemplateEntry = (&'static str, String);
 
 /// A state, an input or a measured disturbance.
 #[derive(Clone, Debug, PartialEq)]
@@ -154,7 +154,7 @@ impl Portable {
         let channels: Vec<Channel> = channels(vessel, &mut names);
         let given = channels.len() - vessel.model.derived.len();
         // Derived channels are within their ranges if their sources are.
-        let place = |name: &String| channels[..given].iter().position(|own| own.name == *name);
+        let place = |name: &String| channels[..given].iter().position(|channel| channel.name == *name);
         // The range of a direction is a circle.
         let is_direction = |place: usize| place >= 3 + vessel.model.inputs && channels[place].unit == "rad";
         let covered = known.covered.iter();
@@ -165,8 +165,8 @@ impl Portable {
         let mut ranges: Vec<Range> = covered.filter_map(range).collect();
         if ranges.is_empty() {
             let limits = (3..).zip(&vessel.actuators);
-            let limit = |(channel, own): (usize, &Actuator)| {
-                own.range.map(|[low, high]| Range { channel, low, high })
+            let limit = |(channel, actuator): (usize, &Actuator)| {
+                actuator.range.map(|[low, high]| Range { channel, low, high })
             };
             ranges.extend(limits.filter_map(limit));
         }
@@ -198,7 +198,7 @@ impl Portable {
 
     /// What its ranges are, as the end of a sentence.
     pub(crate) fn ranges_are(&self) -> &'static str {
-        match self.ranges.iter().all(|own| own.channel >= 3) {
+        match self.ranges.iter().all(|range| range.channel >= 3) {
             true => "the file's `range` of each input",
             false => "what the data covered that the model was fitted to",
         }
@@ -206,7 +206,7 @@ impl Portable {
 
     /// The identifiers of all channels.
     pub(crate) fn identifiers(&self) -> Vec<String> {
-        self.channels.iter().map(|own| own.identifier.clone()).collect()
+        self.channels.iter().map(|channel| channel.identifier.clone()).collect()
     }
 
     /// At which rate its step holds, as a comment.
@@ -228,8 +228,8 @@ impl Portable {
 
     /// For templates: the weights of own steps where a step is not one of these; what the step of the terms is called and what it
     /// takes.
-    pub(crate) fn steps(&self) -> (Option<Entry>, [Entry; 2]) {
-        let weights = self.weights().map(|own| ("weights", own.join(", ")));
+    pub(crate) fn steps(&self) -> (Option<TemplateEntry>, [TemplateEntry; 2]) {
+        let weights = self.weights().map(|weights| ("weights", weights.join(", ")));
         let [step, sample] = if weights.is_some() { ["own_step", "own step"] } else { ["step", "sample"] };
         (weights, [("step", step.to_owned()), ("sample", sample.to_owned())])
     }
@@ -260,9 +260,9 @@ impl Portable {
         let factors = products.flat_map(|(factors, _)| factors).map(|factor| factor.variable);
         let mut used: BTreeSet<usize> = factors.collect();
         used.extend(self.ship.iter().flat_map(Ship::channels));
-        for own in self.derived.iter().rev() {
-            if used.contains(&own.variable) {
-                used.extend(&own.sources);
+        for derived in self.derived.iter().rev() {
+            if used.contains(&derived.variable) {
+                used.extend(&derived.sources);
             }
         }
         used
@@ -271,22 +271,23 @@ impl Portable {
     /// The names in code that differ from the file's, with the latter.
     pub fn renamed(&self) -> BTreeMap<String, String> {
         let channels = self.channels.iter().map(|channel| (&channel.name, &channel.identifier));
-        let all =
-            channels.chain(self.parameters.iter().map(|parameter| (&parameter.name, &parameter.identifier)));
+        let all = channels.chain(self.parameters.iter().map(|p| (&p.name, &p.identifier)));
         let others = all.filter(|(name, identifier)| name != identifier);
         others.map(|(name, identifier)| (identifier.clone(), name.clone())).collect()
     }
 
     /// Those of [`Self::renamed`] that are not a component and a key, joined by `_` instead of a point.
     pub(crate) fn unlike(&self) -> BTreeMap<String, String> {
-        let joined = |own: &str, name: &str| name.contains('.') && name.replace('.', "_") == own;
-        self.renamed().into_iter().filter(|(own, name)| !joined(own, name)).collect()
+        let joined =
+            |identifier: &str, name: &str| name.contains('.') && name.replace('.', "_") == identifier;
+        self.renamed().into_iter().filter(|(identifier, name)| !joined(identifier, name)).collect()
     }
 
     /// Its size, and the renamed channels, in one line.
     pub fn summary(&self) -> String {
         let (inputs, parameters) = (self.inputs().len(), self.parameters.len());
-        let renamed = self.unlike().into_iter().map(|(own, name)| format!("; {name} is called {own}"));
+        let renamed =
+            self.unlike().into_iter().map(|(identifier, name)| format!("; {name} is called {identifier}"));
         let parts = self.parts.iter().map(|part| format!("; {part}"));
         format!(
             "{inputs} inputs, {parameters} parameters, {} Hz{}",
@@ -304,14 +305,10 @@ impl Portable {
 
 /// Refuses a thruster that follows its input after a dead time: the generated code keeps no former inputs.
 fn check_dead_time(vessel: &Vessel, theta: &[f64]) -> Result<(), Invalid> {
-    if vessel.model.forces.as_ref().is_some_and(|own| own.forces.has_dead_time(theta)) {
+    if vessel.model.forces.as_ref().is_some_and(|moved| moved.forces.has_dead_time(theta)) {
         let (found, expected) = ("a dead time above 0 s", "none: exported models take inputs as they act");
-        return Err(Invalid::new(
-            "`dead_time_s`",
-            found,
-            expected,
-            "remove it for this stage, and delay the input",
-        ));
+        let remedy = "remove it for this stage, and delay the input";
+        return Err(Invalid::new("`dead_time_s`", found, expected, remedy));
     }
     Ok(())
 }
@@ -319,26 +316,26 @@ fn check_dead_time(vessel: &Vessel, theta: &[f64]) -> Result<(), Invalid> {
 /// What is not in the code of a ship with forces: how her actuators follow commands.
 fn late(vessel: &Vessel) -> Vec<String> {
     let names = vessel.model.input_variables().iter();
-    let late =
-        names.zip(&vessel.actuators).filter(|_| vessel.model.forces.is_some()).filter_map(|(input, own)| {
-            let lag = (own.lag_s > 0.0).then(|| format!("a lag of {} s", own.lag_s));
-            let rate = own.rate_per_s.map(|rate| format!("a rate of {rate} {} per s", input.unit));
+    let late = names.zip(&vessel.actuators).filter(|_| vessel.model.forces.is_some()).filter_map(
+        |(input, actuator)| {
+            let lag = (actuator.lag_s > 0.0).then(|| format!("a lag of {} s", actuator.lag_s));
+            let rate = actuator.rate_per_s.map(|rate| format!("a rate of {rate} {} per s", input.unit));
             let both: Vec<String> = lag.into_iter().chain(rate).collect();
             (!both.is_empty()).then(|| format!("{} follows commands with {}", input.name, both.join(" and ")))
-        });
+        },
+    );
     late.collect()
 }
 
 fn channels(vessel: &Vessel, names: &mut Identifiers) -> Vec<Channel> {
     let model = &vessel.model;
-    let derived = |place: usize| model.derived.iter().find(|own| own.variable == place);
+    let derived = |place: usize| model.derived.iter().find(|channel| channel.variable == place);
     let meaning = |place: usize| match place {
         0 => "speed along x, forward".to_owned(),
         1 => "speed along y, to starboard".to_owned(),
         2 => "yaw rate, bow to starboard".to_owned(),
         _ => match vessel.couplings.get(place - 3) {
-            None => derived(place)
-                .map_or("measured disturbance".to_owned(), |derived| format!("= {}", derived.text)),
+            None => derived(place).map_or("measured disturbance".to_owned(), |d| format!("= {}", d.text)),
             Some(None) => "input".to_owned(),
             Some(Some((other, factor))) => {
                 let other = &model.input_variables()[*other].name;
@@ -386,16 +383,16 @@ impl Making<'_> {
                 summands.push(Summand { parameter, products: products(term) });
             }
         }
-        for own in self.vessel.constrained.iter().filter(|own| own.degree == d) {
-            match own.constraint {
+        for constrained in self.vessel.constrained.iter().filter(|constrained| constrained.degree == d) {
+            match constrained.constraint {
                 Constraint::Fixed(value) => {
-                    let (unit, meaning) = (model.unit(d, &own.term), meaning(d, &own.term));
-                    let parameter = self.parameter(&own.name, unit, value, meaning);
-                    summands.push(Summand { parameter, products: products(&own.term) });
+                    let (unit, meaning) = (model.unit(d, &constrained.term), meaning(d, &constrained.term));
+                    let parameter = self.parameter(&constrained.name, unit, value, meaning);
+                    summands.push(Summand { parameter, products: products(&constrained.term) });
                 }
                 Constraint::Tied { to, factor } => {
                     let to = model.parameter_names().nth(to).unwrap_or_default().to_owned();
-                    self.tied.push(Tied { name: own.name.clone(), to, factor });
+                    self.tied.push(Tied { name: constrained.name.clone(), to, factor });
                 }
             }
         }
@@ -405,7 +402,7 @@ impl Making<'_> {
     /// The ship with forces, and her numbers as parameters; those that are free have standard errors.
     fn ship(&mut self, channels: &[Channel], theta: &[f64]) -> Option<Ship> {
         let moved = self.vessel.model.forces.as_ref()?;
-        let channels: Vec<String> = channels.iter().map(|own| own.identifier.clone()).collect();
+        let channels: Vec<String> = channels.iter().map(|channel| channel.identifier.clone()).collect();
         let quantities = moved.forces.quantities(theta);
         let ship = Ship::new(&moved.forces, moved.sample_s, &quantities, &channels, &mut self.names);
         for i in &ship.quantities {

@@ -1,15 +1,17 @@
 use std::collections::BTreeMap;
 
-use estimation::search::{Averaged, Member};
+use estimation::Estimator;
+use estimation::pooled::Delivered;
+use estimation::search::{Averaged, Member, NestedScore, Searched};
 use files::{Document, Units};
 use refusal::Invalid;
+use regression::MeanRemoval;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use ship::model::{DegreeOfFreedom, Vessel};
+use ship::model::{DegreeOfFreedom, Model, Vessel, Written};
 use validation::comparison::Magnitudes;
 
-use super::found::parameters;
-use super::model::{ModelDocument, ModelParameter};
+use super::model::{ModelDegree, ModelDocument, ModelParameter, bounds};
 
 /// `average.json`: several models of the same recordings, whose simulated trajectories are averaged. Their spread tells where
 /// the recordings leave the structure open.
@@ -80,17 +82,17 @@ impl AverageDocument {
     pub fn new(vessel: &Vessel, found: &Averaged, samples: u64, magnitudes: Option<&Magnitudes>) -> Self {
         let [output_rmse_u, output_rmse_v, output_rmse_r] =
             found.output_rmse.map_or([None; 3], |rmse| rmse.map(Some));
-        let member = |(i, own): (usize, &Member)| AverageMember {
-            found_on: own.found_on.clone(),
+        let member = |(i, member): (usize, &Member)| AverageMember {
+            found_on: member.found_on.clone(),
             model: ModelDocument {
                 magnitudes: magnitudes.cloned(),
                 statements: vec![format!(
                     "model {} of {} whose trajectories are averaged; its structure was found on {} recordings",
                     i + 1,
                     found.members.len(),
-                    own.found_on.len()
+                    member.found_on.len()
                 )],
-                ..ModelDocument::found(vessel, &own.model, &own.delivered, samples)
+                ..ModelDocument::of_search(vessel, &member.model, &member.delivered, samples)
             },
         };
         let members = found.members.iter().enumerate().map(member).collect();
@@ -99,10 +101,8 @@ impl AverageDocument {
 
     /// The average of `models`, whose mean trajectory has `output_rmse` over the recordings that they were fitted to.
     pub fn of(vessel: &Vessel, models: Vec<ModelDocument>, output_rmse: Option<[f64; 3]>) -> Self {
-        let [output_rmse_u, output_rmse_v, output_rmse_r] =
-            output_rmse.map_or([None; 3], |rmse| rmse.map(Some));
-        let found_on =
-            |model: &ModelDocument| model.recordings.iter().map(|own| own.source.clone()).collect();
+        let [output_rmse_u, output_rmse_v, output_rmse_r] = output_rmse.map_or([None; 3], |r| r.map(Some));
+        let found_on = |model: &ModelDocument| model.recordings.iter().map(|r| r.source.clone()).collect();
         let members =
             models.into_iter().map(|model| AverageMember { found_on: found_on(&model), model }).collect();
         Self { vessel: vessel.name.clone(), output_rmse_u, output_rmse_v, output_rmse_r, members }
@@ -117,9 +117,9 @@ impl AverageDocument {
 /// The common properties of the models of an average.
 fn shared(model: &ModelDocument) -> [(&'static str, String); 4] {
     let names = |all: Vec<&str>| all.join(", ");
-    let inputs = model.inputs.iter().map(|own| own.name.as_str());
-    let channels = inputs.chain(model.measured.iter().map(|own| own.name.as_str())).collect();
-    let recordings = model.recordings.iter().map(|own| own.source.as_str()).collect();
+    let inputs = model.inputs.iter().map(|input| input.name.as_str());
+    let channels = inputs.chain(model.measured.iter().map(|channel| channel.name.as_str())).collect();
+    let recordings = model.recordings.iter().map(|recording| recording.source.as_str()).collect();
     [
         ("vessel", model.vessel.clone()),
         ("sampling rate", format!("{} Hz", model.sample_rate_hz)),
@@ -188,8 +188,8 @@ fn terms(vessel: &Vessel, degree: DegreeOfFreedom, found: &Averaged) -> Vec<Aver
     let (d, base) = (degree as usize, vessel.written(degree).len());
     let mut all: BTreeMap<String, AverageTerm> = BTreeMap::new();
     for member in &found.members {
-        let own = parameters(vessel, d, &member.model, &member.delivered);
-        for (i, ModelParameter { name, term, value, .. }) in own.into_iter().enumerate() {
+        let combined = parameters(vessel, d, &member.model, &member.delivered);
+        for (i, ModelParameter { name, term, value, .. }) in combined.into_iter().enumerate() {
             let new = AverageTerm {
                 degree: degree.name().to_owned(),
                 name: name.clone(),
@@ -209,4 +209,125 @@ fn terms(vessel: &Vessel, degree: DegreeOfFreedom, found: &Averaged) -> Vec<Aver
     let mut terms: Vec<AverageTerm> = all.into_values().collect();
     terms.sort_by(|a, b| b.base.cmp(&a.base).then(b.chosen.cmp(&a.chosen)).then(a.name.cmp(&b.name)));
     terms
+}
+
+impl ModelDocument {
+    /// The model that a search found for `vessel`, whose terms are the base structure.
+    pub fn searched(vessel: &Vessel, found: &Searched) -> Self {
+        let mut model = Self::of_search(vessel, &found.model, &found.delivered, found.samples);
+        for degree in &mut model.degrees {
+            degree.parameters = resampled(std::mem::take(&mut degree.parameters), found);
+            // Parameters that others are tied to are still estimated.
+            let targets: Vec<String> = degree.parameters.iter().filter_map(|p| p.tied_to.clone()).collect();
+            let combined = |parameter: &&mut ModelParameter| {
+                found.combined.contains(&parameter.name)
+                    && parameter.tied_to.is_none()
+                    && !targets.contains(&parameter.name)
+            };
+            degree.parameters.iter_mut().filter(combined).for_each(|parameter| parameter.fixed = true);
+        }
+        let left_out = found.nested.search.as_ref();
+        Self {
+            left_out_rmse: left_out.map(|left_out| [left_out.rmse_u, left_out.rmse_v, left_out.rmse_r]),
+            rejected: Some(rejected(&found.nested)),
+            statements: [&found.statements[..], &[verdict(&found.nested)]].concat(),
+            ..model
+        }
+    }
+
+    /// The model with the structure `model`, as `delivered` after a fit to `samples` samples.
+    fn of_search(vessel: &Vessel, model: &Model, delivered: &Delivered, samples: u64) -> Self {
+        let made = (Estimator::OutputError, MeanRemoval::Complete);
+        let document = Self::with_degrees(vessel, made, delivered, |d| degree(vessel, d, model, delivered));
+        Self { samples, ..document }
+    }
+}
+
+/// The same parameters with the bootstrap over recordings.
+pub(super) fn resampled(mut parameters: Vec<ModelParameter>, found: &Searched) -> Vec<ModelParameter> {
+    let all = found.resampled.as_ref().map(|resampled| &resampled.parameters);
+    for parameter in parameters.iter_mut().filter(|parameter| !parameter.fixed) {
+        // A tied parameter follows the other one.
+        let (name, factor) = match &parameter.tied_to {
+            Some(other) => (other, parameter.factor.unwrap_or(1.0)),
+            None => (&parameter.name, 1.0),
+        };
+        let Some(ends) = all.and_then(|all| all.get(name)) else { continue };
+        let [low, high] = [ends.low, ends.high].map(|end| factor * end);
+        (parameter.low, parameter.high) = (Some(low.min(high)), Some(low.max(high)));
+    }
+    parameters
+}
+
+/// Whether left-out recordings reject the model: it diverges on them, is no better than their mean, or is worse than
+/// the structure that the search began with.
+fn rejected(nested: &NestedScore) -> bool {
+    let useless = nested.search.as_ref().is_none_or(|e| e.fits().iter().flatten().any(|fit| *fit <= 0.0));
+    let worse = nested.margin.as_ref().and_then(|margin| margin.interval[1]).is_some_and(|high| high < 0.0);
+    useless || worse
+}
+
+fn verdict(nested: &NestedScore) -> String {
+    let verdict = if rejected(nested) { "rejected" } else { "not rejected" };
+    format!("{verdict} by the recordings that were left out of the search")
+}
+
+fn degree(vessel: &Vessel, degree: DegreeOfFreedom, model: &Model, delivered: &Delivered) -> ModelDegree {
+    let (d, Delivered { constant, increment_std, output_rmse, .. }) = (degree as usize, delivered);
+    ModelDegree {
+        name: degree.name().to_owned(),
+        state: degree.state().to_owned(),
+        unit: degree.unit().to_owned(),
+        parameters: parameters(vessel, d, model, delivered),
+        constant: constant[d],
+        constant_least_squares: None,
+        increment_std: increment_std[d],
+        output_rmse: output_rmse.map(|rmse| rmse[d]),
+    }
+}
+
+/// The terms of degree of freedom `d` of the structure `model`.
+pub(super) fn parameters(
+    vessel: &Vessel,
+    d: usize,
+    model: &Model,
+    delivered: &Delivered,
+) -> Vec<ModelParameter> {
+    let (layout, known) = (model.layout(), vessel.model.layout().terms(d));
+    let units = model.parameter_units();
+    let covariance = delivered.covariance.as_ref();
+    let error = |name: &str| covariance?.standard_error(name);
+    let degree = &model.degrees[d];
+    let parameter = |i: usize| {
+        let value = delivered.theta[layout.terms(d).start + i];
+        let at_bound = degree.at_bound(i, value);
+        ModelParameter {
+            name: degree.parameters[i].clone(),
+            term: degree.terms[i].text.clone(),
+            unit: units[layout.terms(d).start + i].clone(),
+            value,
+            standard_error: error(&degree.parameters[i]).filter(|_| !at_bound),
+            bounds: bounds(vessel, d, i),
+            at_bound,
+            truth: known.clone().nth(i).and_then(|known| vessel.value[known]),
+            ..ModelParameter::default()
+        }
+    };
+    // The base's terms come first, in their order in the file.
+    let names: Vec<&str> = vessel.model.parameter_names().collect();
+    let theta = base(vessel, model, delivered);
+    let written = vessel.written(DegreeOfFreedom::ALL[d]).into_iter().map(|written| match written {
+        Written::Estimated(place) => parameter(place - known.start),
+        Written::Constrained(constrained) => {
+            ModelParameter::constrained(vessel, constrained, &theta, |to| error(names[to]))
+        }
+    });
+    written.chain((known.len()..degree.terms.len()).map(parameter)).collect()
+}
+
+/// The estimates of the parameters of the base structure.
+fn base(vessel: &Vessel, model: &Model, delivered: &Delivered) -> Vec<f64> {
+    let (all, nominal) = (model.layout(), vessel.model.layout());
+    let degree = |d: usize| delivered.theta[all.terms(d)][..nominal.terms(d).len()].to_vec();
+    [0, 1, 2].map(degree).concat()
 }

@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use design::{AccuracyOf, CriterionName, Method};
+use design::{AccuracyOf, CriterionName, Method, Status};
 use estimation::Estimator;
 use files::{Document, Units};
 use refusal::{Invalid, check_numbers};
@@ -11,9 +11,7 @@ use trial::arranging::Foretold;
 use trial::campaign::{Designed, check_shares};
 use trial::moments::{HeldParameter, SampledFrom, UnreachedMotion};
 
-use super::design_figures::DesignFigures;
-use super::design_status::DesignStatus;
-use super::titles;
+use crate::figure_goals::{FigureGoal, FigureGoals};
 
 pub use design::AccuracyPoint;
 
@@ -357,5 +355,139 @@ impl Document for DesignDocument {
         ];
         let times = times.into_iter().filter_map(|(key, time)| Some((key, time?)));
         check_numbers(times, "a time above 0 s", |time| time > 0.0)
+    }
+}
+
+/// What the experiment leaves uncertain of figures of merit, where `--figures` was given.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DesignFigures {
+    /// Number of samples of the experiment that standard errors are for; 1 where none was asked for. They are in proportion
+    /// to 1/√samples.
+    pub samples: u64,
+    /// All figures with slopes, those without a weight too.
+    pub figures: Vec<DesignFigure>,
+    /// Which figures are left out or have no weight, and why.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<String>,
+}
+
+/// A figure of merit and its standard errors.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DesignFigure {
+    /// The maneuver.
+    pub maneuver: String,
+    /// Its name.
+    pub name: String,
+    /// What it is.
+    pub what: String,
+    /// Unit of its value and errors.
+    pub unit: String,
+    /// Its value for the model.
+    pub value: f64,
+    /// Its weight in the criterion `figures`.
+    pub weight: f64,
+    /// The standard error that was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wanted: Option<f64>,
+    /// Its standard error after this experiment.
+    pub standard_error: f64,
+    /// That after the D-optimal experiment of the same maneuvers and time: the one of `design` without `--criterion`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub d_optimal: Option<f64>,
+    /// The first over the second.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ratio: Option<f64>,
+}
+
+/// Figures and their standard errors for an experiment.
+pub struct SolvedFigures<'a> {
+    /// The figures.
+    pub goals: &'a FigureGoals,
+    /// The standard error of each after the experiment.
+    pub errors: Vec<f64>,
+    /// After the D-optimal one, if there is one.
+    pub d_optimal: Option<Vec<f64>>,
+}
+
+impl SolvedFigures<'_> {
+    /// For the document. `samples`: of the experiment.
+    pub(super) fn document(&self, samples: u64) -> DesignFigures {
+        let one = |(index, goal): (usize, &FigureGoal)| {
+            let (error, other) = (self.errors[index], self.d_optimal.as_ref().map(|errors| errors[index]));
+            DesignFigure {
+                maneuver: goal.maneuver.clone(),
+                name: goal.name.clone(),
+                what: goal.what.clone(),
+                unit: goal.unit.clone(),
+                value: goal.figure.value,
+                weight: goal.figure.weight,
+                wanted: goal.wanted,
+                standard_error: error,
+                d_optimal: other,
+                ratio: other.filter(|other| *other > 0.0).map(|other| error / other),
+            }
+        };
+        DesignFigures {
+            samples,
+            figures: self.goals.goals.iter().enumerate().map(one).collect(),
+            left_out: self.goals.left_out.clone(),
+        }
+    }
+}
+
+refusal::choices! {
+    /// What is known of a design.
+    pub enum DesignStatus {
+        /// Proved global.
+        Optimal = "optimal",
+        /// First-order optimal, not proved global.
+        Stationary = "stationary",
+        /// The gap was not reached.
+        Stalled = "stalled",
+        /// Few or long maneuvers, see `restricted`.
+        Restricted = "restricted",
+        /// The least largest of the relative errors, see `accuracy`.
+        LeastLargest = "least largest",
+        /// One maneuver of refined inputs.
+        Refined = "refined",
+    }
+}
+
+impl From<Status> for DesignStatus {
+    fn from(status: Status) -> Self {
+        match status {
+            Status::Optimal => Self::Optimal,
+            Status::Stationary => Self::Stationary,
+            Status::Stalled => Self::Stalled,
+        }
+    }
+}
+
+/// Criteria by the names that pages give them.
+pub(super) mod titles {
+    use design::CriterionName;
+    use schemars::{Schema, SchemaGenerator, json_schema};
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    /// As a title.
+    pub fn serialize<S: Serializer>(name: &CriterionName, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(name.title())
+    }
+
+    /// From a title.
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<CriterionName, D::Error> {
+        let title = String::deserialize(from)?;
+        let titles = CriterionName::ALL.map(CriterionName::title).join("`, `");
+        let known = CriterionName::ALL.into_iter().find(|name| name.title() == title);
+        known
+            .ok_or_else(|| D::Error::custom(format!("unknown variant `{title}`, expected one of `{titles}`")))
+    }
+
+    /// All titles.
+    pub fn schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({"type": "string", "enum": CriterionName::ALL.map(CriterionName::title)})
     }
 }

@@ -1,13 +1,15 @@
+//! Estimates: `estimate.json` and `trust.json`.
+
 use estimation::Estimator;
-use estimation::pooled::{DegreeTrust, ParameterTrust, Pooled};
+use estimation::criticism::Criticism;
+use estimation::pooled::{Added, DegreeTrust, ParameterTrust, Pool, Pooled, SourceErrors};
 use files::{Document, Units};
 use refusal::Invalid;
 use regression::MeanRemoval;
+use regression::pooled::NominalSource;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use ship::model::{Model, Vessel};
-
-use super::ConstrainedParameter;
+use ship::model::{Constrained, Constraint, Model, Vessel};
 
 /// `estimate.json`: what the estimates of all runs say together.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -148,13 +150,13 @@ impl EstimateDocument {
     /// Several designs; a parameter without an estimate.
     pub fn mean(&self, vessel: &Vessel) -> Result<Vec<f64>, Invalid> {
         let [design] = self.designs.as_slice() else {
-            let found = format!("{} designs", self.designs.len());
+            let given = format!("{} designs", self.designs.len());
             let remedy = "name an estimate.json of `estimate pool`";
-            return Err(Invalid::new("data.designs", found, "one", remedy));
+            return Err(Invalid::new("data.designs", given, "one", remedy));
         };
         let value = |name: &str| {
-            let found = design.parameters.iter().find(|p| p.name == name).and_then(|p| p.mean);
-            found.ok_or_else(|| {
+            let mean = design.parameters.iter().find(|p| p.name == name).and_then(|p| p.mean);
+            mean.ok_or_else(|| {
                 let remedy = "estimate it, or name the vessel that the estimate is of";
                 Invalid::new(format!("parameter `{name}`"), "no estimate", "one", remedy)
             })
@@ -200,7 +202,7 @@ impl EstimateDocument {
 
 /// Which parameters of `model` have bounds.
 pub(crate) fn bounded(model: &Model) -> Vec<bool> {
-    let is_bounded = |own: &[f64; 2]| own.iter().any(|end| end.is_finite());
+    let is_bounded = |bounds: &[f64; 2]| bounds.iter().any(|end| end.is_finite());
     let none = || vec![false; model.parameters()];
     model.bounds().map_or_else(none, |all| all.iter().map(is_bounded).collect())
 }
@@ -227,5 +229,151 @@ impl Document for EstimateDocument {
         ("1", "relative_spread relative_rms se_ratio se_ratio_min se_ratio_max"),
         ("1", "at_bound factor"),
         ("the parameter's unit", "truth nominal mean spread predicted_se estimate standard_error"),
+    ];
+}
+
+/// A parameter that is not estimated by itself.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ConstrainedParameter {
+    /// Its name.
+    pub name: String,
+    /// Its term.
+    pub term: String,
+    /// Its unit.
+    pub unit: String,
+    /// Whether its value is known.
+    pub fixed: bool,
+    /// Else the parameter that it equals …
+    pub tied_to: Option<String>,
+    /// … times this factor.
+    pub factor: Option<f64>,
+    /// Its value; null where it follows from an estimate that there is not, or from one of each run.
+    pub estimate: Option<f64>,
+    /// Its standard error, where it follows from an estimate.
+    pub standard_error: Option<f64>,
+}
+
+impl ConstrainedParameter {
+    /// The constrained parameters of `vessel`, with their values from an estimate of all runs, if there is one.
+    pub fn all(vessel: &Vessel, found: Option<&Pooled>) -> Vec<Self> {
+        let estimates: Vec<(Option<f64>, Option<f64>)> = found.map_or(Vec::new(), |pooled| {
+            let parameters = pooled.degrees.iter().flat_map(|d| &d.parameters);
+            parameters.map(|p| (p.estimate, p.standard_error)).collect()
+        });
+        vessel.constrained.iter().map(|constrained| Self::of(vessel, constrained, &estimates)).collect()
+    }
+
+    fn of(vessel: &Vessel, constrained: &Constrained, estimates: &[(Option<f64>, Option<f64>)]) -> Self {
+        let written = Self {
+            name: constrained.name.clone(),
+            term: constrained.term.text.clone(),
+            unit: vessel.model.unit(constrained.degree, &constrained.term),
+            fixed: true,
+            tied_to: None,
+            factor: None,
+            estimate: None,
+            standard_error: None,
+        };
+        match constrained.constraint {
+            Constraint::Fixed(value) => Self { estimate: Some(value), ..written },
+            Constraint::Tied { to, factor } => {
+                let (estimate, error) = estimates.get(to).copied().unwrap_or_default();
+                Self {
+                    fixed: false,
+                    tied_to: vessel.model.parameter_names().nth(to).map(str::to_owned),
+                    factor: Some(factor),
+                    estimate: estimate.map(|estimate| factor * estimate),
+                    standard_error: error.map(|error| factor.abs() * error),
+                    ..written
+                }
+            }
+        }
+    }
+}
+
+/// `trust.json`: how far one pooled estimate can be trusted.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TrustDocument {
+    /// The estimator.
+    pub estimator: Estimator,
+    /// How the instruments' mean is removed.
+    pub mean_removal: MeanRemoval,
+    /// Where the instruments' nominal model comes from.
+    pub nominal: NominalSource,
+    /// Strength of the pull towards the nominal model.
+    pub prior: f64,
+    /// Number of sub-experiments.
+    pub parts: u64,
+    /// Number of runs or recordings they were cut from.
+    pub sources: u64,
+    /// Regression pairs.
+    pub samples: u64,
+    /// Lags of Bartlett's weights in the standard errors.
+    pub bandwidth: u64,
+    /// Resamples of the bootstrap over sub-experiments.
+    pub replicates: u64,
+    /// What to know before using the estimate, in words.
+    pub statements: Vec<String>,
+    /// Surge, sway, yaw.
+    pub degrees: Vec<DegreeTrust>,
+    /// Parameters that are fixed or tied to others.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub constrained: Vec<ConstrainedParameter>,
+    /// Free simulation over every run or recording.
+    pub runs: Vec<SourceErrors>,
+    /// What the model lacks; absent where the model diverges or has no estimate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub criticism: Option<Criticism>,
+    /// Terms that the model was found to lack and was given, in that order; absent where none were.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub added: Vec<Added>,
+}
+
+impl TrustDocument {
+    /// The diagnostics of `found`, which `estimator` found from `pool` with instruments from `nominal`.
+    pub fn new(
+        pool: &Pool,
+        nominal: NominalSource,
+        estimator: Estimator,
+        replicates: u32,
+        found: &Pooled,
+        added: &[Added],
+    ) -> Self {
+        Self {
+            estimator,
+            mean_removal: pool.removal,
+            nominal,
+            prior: pool.strength,
+            parts: found.parts as u64,
+            sources: found.sources.len() as u64,
+            samples: found.samples,
+            bandwidth: found.bandwidth as u64,
+            replicates: u64::from(replicates),
+            statements: found.statements.clone(),
+            degrees: found.degrees.clone(),
+            constrained: ConstrainedParameter::all(pool.vessel, Some(found)),
+            runs: found.sources.clone(),
+            criticism: found.criticism.clone(),
+            added: added.to_vec(),
+        }
+    }
+}
+
+impl Document for TrustDocument {
+    const ID: &'static str = "trust";
+    const VERSION: u32 = 1;
+    const UNITS: Units = &[
+        ("1", "prior parts sources samples bandwidth replicates condition condition_index variation"),
+        ("1", "instrument_strength correlation statistic lags p_value first_autocorrelation strongest"),
+        ("1", "diverged error_ratio evidence factor below turns"),
+        ("the unit beside it", "value visible_from std"),
+        ("the parameter's unit", "estimate standard_error bootstrap_std bootstrap_low bootstrap_high"),
+        ("samples", "lag"),
+        ("%", "instrument_fit fit_u fit_v fit_r"),
+        ("m/s", "rmse_u rmse_v noise_u noise_v current_std"),
+        ("rad/s", "rmse_r noise_r"),
+        ("s", "current_time_s time_s"),
     ];
 }

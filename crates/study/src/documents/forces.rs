@@ -1,11 +1,11 @@
+//! Forces that were fitted, criticised and searched for, within `model.json` and `search.json`.
+
 use estimation::pooled::Covariance;
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::forces::Description;
 use ship::model::{Vessel, VesselFile};
-
-use super::force_criticism::{ForceCriticism, TriedForce};
 
 /// Forces that were fitted to recordings: the ship as written before the fit, and her free numbers after it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -154,19 +154,15 @@ impl FittedForces {
     /// A text that is none.
     pub fn description(&self) -> Result<Description, Invalid> {
         toml::from_str(&self.description).map_err(|e| {
-            let found = e.message().to_owned();
-            Invalid::new("data.forces.description", found, "a ship with forces", "estimate the model again")
+            let given = e.message().to_owned();
+            Invalid::new("data.forces.description", given, "a ship with forces", "estimate the model again")
         })
     }
 
     /// The ship as a file, with the estimates as her nominal values.
     pub(super) fn file(&self) -> Result<VesselFile, Invalid> {
         Ok(VesselFile {
-            nominal: self
-                .parameters
-                .iter()
-                .map(|parameter| (parameter.name.clone(), parameter.value))
-                .collect(),
+            nominal: self.parameters.iter().map(|p| (p.name.clone(), p.value)).collect(),
             ..VesselFile::of_forces(self.description()?)
         })
     }
@@ -176,7 +172,185 @@ impl FittedForces {
 pub(super) fn own_lag(vessel: &Vessel, input: usize) -> Option<f64> {
     let lag_s = Some(vessel.actuators[input].lag_s).filter(|lag| *lag > 0.0)?;
     let moved = vessel.model.forces.as_ref();
-    let driven =
-        moved.is_some_and(|own| own.forces.lags(&vessel.nominal).iter().any(|(driven, _)| *driven == input));
+    let driven = moved
+        .is_some_and(|moved| moved.forces.lags(&vessel.nominal).iter().any(|(driven, _)| *driven == input));
     (!driven).then_some(lag_s)
+}
+
+/// What is wrong with a fitted ship, by the recordings that she was fitted to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ForceCriticism {
+    /// Whether something is wrong beyond chance.
+    pub rejected: bool,
+    /// How probable it is in a right model that anything tested seems as likely to be missing; null where a sign is wrong.
+    pub p_value: Option<f64>,
+    /// Parts of the recordings that count as independent.
+    pub units: u64,
+    /// Whether these are whole windows; else pieces of them.
+    pub whole_windows: bool,
+    /// Signs of geometry that were turned, the one with the lowest cost first.
+    pub signs: Vec<TriedSign>,
+    /// Inputs, the one that lowers the cost most first. None where a sign is wrong.
+    pub late: Vec<LateActuator>,
+    /// Forces that may be missing, the likeliest first. None where a sign is wrong.
+    pub absent: Vec<AbsentForce>,
+    /// Number of forces that were tested.
+    pub tested: u64,
+    /// Forces that cannot be told from the ship's own.
+    pub hidden: Vec<String>,
+    /// Why lags and forces were not tested; null where they were.
+    pub not_tested: Option<String>,
+    /// The verdict and what follows, in words.
+    pub statements: Vec<String>,
+}
+
+/// A sign of the ship's geometry that was turned, after which she was fitted again.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TriedSign {
+    /// What was turned, in words.
+    pub turned: String,
+    /// By which share the cost falls; below 0 where it rises, null where no simulation is finite.
+    pub share: Option<f64>,
+    /// Windows that are followed better.
+    pub windows_better: u64,
+    /// All windows.
+    pub windows: u64,
+    /// How probable it is by chance that any of the signs seems as wrong.
+    pub p_value: f64,
+    /// Whether the recordings speak for the turned sign.
+    pub wrong: bool,
+}
+
+/// An input that may act later than the model has it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LateActuator {
+    /// The input.
+    pub input: String,
+    /// By how much it acts later \[s\]; below 0 earlier.
+    pub late_s: f64,
+    /// The standard error of that \[s\].
+    pub standard_error: f64,
+    /// By which share the cost would fall.
+    pub share: f64,
+    /// How probable it is in a right model that anything tested seems as likely.
+    pub p_value: f64,
+    /// What fits best where that is certain: `dead time` or `lag`.
+    pub kind: Option<String>,
+    /// Its time \[s\].
+    pub time_s: Option<f64>,
+    /// By which share the cost falls with it.
+    pub share_fitted: Option<f64>,
+    /// The same with the other kind.
+    pub share_of_other: Option<f64>,
+}
+
+/// A force that the ship may lack: a number times a product.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AbsentForce {
+    /// `surge`, `sway` or `yaw`.
+    pub degree: String,
+    /// The product, as a term is written.
+    pub term: String,
+    /// The number if it were added, in SI units.
+    pub value: f64,
+    /// The standard error of that.
+    pub standard_error: f64,
+    /// Its SI unit.
+    pub unit: String,
+    /// The number in the prime system; null with channels that it does not scale.
+    pub prime_value: Option<f64>,
+    /// By which share the cost would fall.
+    pub share: f64,
+    /// How probable it is in a right model that anything tested seems as likely.
+    pub p_value: f64,
+    /// Whether it may be what is missing: nothing else lowers the cost by much more.
+    pub candidate: bool,
+}
+
+/// A force that was tried as an addition to the ship, on recordings that were left out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TriedForce {
+    /// `surge`, `sway` or `yaw`.
+    pub degree: String,
+    /// The product, as a term is written.
+    pub term: String,
+    /// Name of its number.
+    pub parameter: String,
+    /// By which share the cost of recordings that were left out of both fits falls with it; below 0 where it rises. Folds count
+    /// in which the ship without it has a fit and follows them. Null where these are fewer than two, or where with it a fold has
+    /// no fit or a simulation diverges.
+    pub share_left_out: Option<f64>,
+    /// The standard error of that, over the folds.
+    pub standard_error: Option<f64>,
+    /// Number of folds that whole recordings were dealt into.
+    pub folds: u64,
+    /// Whether it was added: the share is above its standard error.
+    pub added: bool,
+}
+
+/// A search for forces that a ship lacks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SearchedForces {
+    /// Whether `model.json` has the forces that were found. Else it is the ship as she was: the interval of `nested.margin` holds
+    /// 0, lies below it, or there is none; or none was found.
+    pub delivered: bool,
+    /// Forces that the search on all recordings found, in the order in which they were added.
+    pub found: Vec<FoundForce>,
+    /// What that search tried, one after the other.
+    pub tried: Vec<TriedForce>,
+    /// Why it tried no more; null where as many were added as are allowed.
+    pub ended: Option<String>,
+    /// The searches without each fold.
+    pub without: Vec<ForcesWithoutFold>,
+    /// Most forces that a search adds.
+    pub most_added: u64,
+    /// Weight of the priors.
+    pub prior_weight: f64,
+    /// Whether every window has a start of its own, or starts at its first measured sample.
+    pub unknown_starts: bool,
+    /// Cost of the ship as she was, fitted to all recordings: the mean of Huber's function of the windows' RMS errors in standard
+    /// deviations, with what the priors add.
+    pub base_cost: f64,
+    /// That with the forces that were found.
+    pub found_cost: f64,
+}
+
+/// A force that a search found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FoundForce {
+    /// `surge`, `sway` or `yaw`.
+    pub degree: String,
+    /// The product, as a term is written.
+    pub term: String,
+    /// Name of its number.
+    pub parameter: String,
+    /// The number's unit; `1` in the prime system.
+    pub unit: String,
+    /// The number, with all that were found fitted to all recordings.
+    pub value: f64,
+    /// Its standard error; null at a bound.
+    pub standard_error: Option<f64>,
+    /// Searches without a fold that found it too.
+    pub found_by_folds: u64,
+}
+
+/// The search without the recordings of a fold.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ForcesWithoutFold {
+    /// The fold.
+    pub fold: u64,
+    /// What was tried, one after the other.
+    pub tried: Vec<TriedForce>,
+    /// Why no more was tried; null where as many were added as are allowed.
+    pub ended: Option<String>,
+    /// Why there is no fit; null where there is one.
+    pub failed: Option<String>,
 }

@@ -1,44 +1,27 @@
 //! The documents that the stages exchange, as in the files.
 
 mod average;
-mod beside;
 mod compare;
-mod constrained;
-mod crossval;
 mod design;
-mod design_figures;
-mod design_status;
-mod design_update;
 mod estimate;
-mod follow;
-mod force_criticism;
-mod force_search;
 mod forces;
-mod found;
-mod found_forces;
 mod ingest;
 mod map;
-mod merit;
 mod model;
-mod moments;
 mod plan;
-mod plan_depths;
-mod reference;
 mod refined;
-mod refinement;
-mod run;
 mod search;
-mod selection;
-mod sequential;
-mod simulated;
 mod solved;
 mod statements;
-mod tally;
-mod titles;
-mod trust;
 mod validation;
 
-use files::{Document, json_schema};
+use std::collections::BTreeMap;
+
+use files::{Digest, Document, Units, json_schema};
+use refusal::Invalid;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use trial::moments::malformed;
 
 // Types of the scientific crates that documents use.
 pub use ::design::{AccuracyOf, CriterionName, Degree};
@@ -62,57 +45,50 @@ pub use ship::model::{DegreeOfFreedom, Source};
 pub use trial::moments::{DegreeMoments, ManeuverMoments, Moments, SampledFrom, UnreachedMotion};
 pub use trial::rounds::{Arm, ArmSummary, RoundGain, Stopping};
 
-pub use average::{AverageDocument, AverageMember, AverageSummary, AverageTerm};
-pub use beside::{BesideForces, DeliveredKind, TriedFit};
-pub use compare::{CompareDocument, traces};
-pub use constrained::ConstrainedParameter;
-pub use crossval::CrossvalDocument;
-pub use design::{
-    Accuracy, AccuracyPoint, Counts, CovarianceCriterion, DesignDocument, DesignPromise, Efficiency,
-    Restricted, Sequence, SequencePart, Start, Unreached,
+pub use crate::written::reference::{
+    Published, PublishedPicks, PublishedSelection, PublishedShare, Reference,
 };
-pub use design_figures::{DesignFigure, DesignFigures, SolvedFigures};
-pub use design_status::DesignStatus;
-pub use design_update::{
-    DesignUpdateDocument, UpdatedAccuracy, UpdatedCriterion, UpdatedError, UpdatedFigure, UpdatedParameter,
+pub use average::{AverageDocument, AverageMember, AverageSummary, AverageTerm};
+pub use compare::{
+    CompareDocument, CrossvalDocument, MeritDocument, MeritTableRow, SlopesAt, merit_rows, traces,
+};
+pub use design::{
+    Accuracy, AccuracyPoint, Counts, CovarianceCriterion, DesignDocument, DesignFigure, DesignFigures,
+    DesignPromise, DesignStatus, Efficiency, Restricted, Sequence, SequencePart, SolvedFigures, Start,
+    Unreached,
 };
 pub(crate) use estimate::bounded;
-pub use estimate::{DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary};
-pub use follow::{FollowDocument, FollowStatus, FollowedStep};
-pub use force_criticism::{AbsentForce, ForceCriticism, LateActuator, TriedForce, TriedSign};
-pub use force_search::{ForcesWithoutFold, FoundForce, SearchedForces};
-pub use forces::{CaptiveValue, FittedForces, FittedParameter, SailedSum, SailedSums};
-pub use found_forces::ForceScores;
+pub use estimate::{
+    ConstrainedParameter, DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary,
+    TrustDocument,
+};
+pub use forces::{
+    AbsentForce, CaptiveValue, FittedForces, FittedParameter, ForceCriticism, ForcesWithoutFold, FoundForce,
+    LateActuator, SailedSum, SailedSums, SearchedForces, TriedForce, TriedSign,
+};
 pub use ingest::{
-    ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary, State,
-    WarningKind, WarningSummary,
+    ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary,
+    SIMULATED_FILE, SimulatedLogsDocument, SimulatedRecording, State, WarningKind, WarningSummary,
 };
 pub use map::{
-    MapArea, MapCellClass, MapCells, MapClass, MapContour, MapDocument, MapFrame, MapLine, MapMargin,
-    MapMeridian, MapName, MapParallel, MapPlace, MapPurpose, MapRaster, MapRuns, MapSpot, MapSwept,
-    MapSymbol, MapTrack, MapTrackKind,
+    FollowDocument, FollowStatus, FollowedStep, MapArea, MapCellClass, MapCells, MapClass, MapContour,
+    MapDocument, MapFrame, MapLine, MapMargin, MapMeridian, MapName, MapParallel, MapPlace, MapPurpose,
+    MapRaster, MapRuns, MapSpot, MapSwept, MapSymbol, MapTrack, MapTrackKind,
 };
-pub use merit::{MeritDocument, MeritTableRow, SlopesAt, merit_rows};
 pub use model::{ModelDegree, ModelDocument, ModelParameter};
-pub use moments::MomentsDocument;
 pub use plan::{
-    CostUnit, DroppedMove, LeftOut, PlanChart, PlanChartClass, PlanDocument, PlanHandling, PlanLattice,
-    PlanPose, PlanStatus, PlanStep, SecondaryCost, Voyage,
+    CostUnit, DroppedMove, LeftOut, PlanChart, PlanChartClass, PlanDepths, PlanDocument, PlanHandling,
+    PlanLattice, PlanPose, PlanStatus, PlanStep, PlanUnitFrom, SecondaryCost, Voyage,
 };
-pub use plan_depths::{PlanDepths, PlanUnitFrom};
-pub use reference::{Published, PublishedPicks, PublishedSelection, PublishedShare, Reference};
-pub use refined::{RefinedDocument, RefinedExperiment, RefinedLimit};
-pub use refinement::RefinedFiles;
-pub use run::{RunDocument, RunStage};
-pub use search::{SearchDocument, SearchTerm};
-pub use selection::SelectionDocument;
-pub use sequential::SequentialDocument;
-pub use simulated::{SIMULATED_FILE, SimulatedLogsDocument, SimulatedRecording};
+pub use refined::{
+    DesignUpdateDocument, RefinedDocument, RefinedExperiment, RefinedFiles, RefinedLimit, UpdatedAccuracy,
+    UpdatedCriterion, UpdatedError, UpdatedFigure, UpdatedParameter,
+};
+pub use search::{BesideForces, DeliveredKind, ForceScores, SearchDocument, SearchTerm, TriedFit};
 pub use solved::{Few, Solved};
-pub use tally::{PairedRatio, TallyDocument};
-pub use trust::TrustDocument;
 pub use validation::{
-    ComparedError, DesignScores, EstimatorRecommendation, EstimatorScores, ValidationDocument,
+    ComparedError, DesignScores, EstimatorRecommendation, EstimatorScores, PairedRatio, SelectionDocument,
+    TallyDocument, ValidationDocument,
 };
 
 /// JSON Schema of every document that a stage writes, by the document's id.
@@ -141,4 +117,110 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (SimulatedLogsDocument::ID, json_schema::<SimulatedLogsDocument>()),
         (RunDocument::ID, json_schema::<RunDocument>()),
     ]
+}
+
+/// `run.json`: the stages that a study's results were made by, each with what it read and wrote.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RunDocument {
+    /// The stages by their names in `run --stage`.
+    pub stages: BTreeMap<String, RunStage>,
+}
+
+/// A stage as it ran. `{study}` and `{out}` stand for the study's folder and its results; a brace of a name is written twice.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RunStage {
+    /// The program and its version.
+    pub program: String,
+    /// Digest of the program's file.
+    pub digest: Option<Digest>,
+    /// Its command line.
+    pub command: Vec<String>,
+    /// Digests of what it read: files; names that fit a pattern in a folder (`names *.csv in {study}/logs`; a digit is `#`); the path
+    /// of a folder without links (`place of {study}/cells`). None where there was no such file or folder.
+    pub inputs: BTreeMap<String, Option<Digest>>,
+    /// Digests of the files that it wrote.
+    pub outputs: BTreeMap<String, Digest>,
+}
+
+impl Document for RunDocument {
+    const ID: &'static str = "run";
+    const VERSION: u32 = 2;
+    const UNITS: Units = &[];
+}
+
+/// `moments.json`: the lifted moment matrices of every maneuver.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(transparent)]
+pub struct MomentsDocument(pub Moments);
+
+impl Document for MomentsDocument {
+    const ID: &'static str = "moments";
+    const VERSION: u32 = 1;
+    const UNITS: Units = &[
+        ("Hz", "sample_rate_hz"),
+        ("1", "samples shape nonstationarity ships"),
+        ("unit of regressor i times unit of instrument j", "M"),
+    ];
+}
+
+impl MomentsDocument {
+    /// The moments of the document.
+    ///
+    /// # Errors
+    /// A matrix with another shape than its degree of freedom.
+    pub fn moments(self) -> Result<Moments, Invalid> {
+        for maneuver in &self.0.maneuvers {
+            for degree in &maneuver.degrees {
+                let [rows, columns] = degree.shape;
+                if rows != columns || rows.checked_mul(columns) != Some(degree.m.len() as u64) {
+                    let found = format!("{} entries in {}", degree.m.len(), degree.name);
+                    return Err(malformed(&maneuver.name, &found));
+                }
+            }
+        }
+        Ok(self.0)
+    }
+}
+
+/// `sequential.json`: trials designed in rounds against trials designed once.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SequentialDocument {
+    /// Realizations per arm.
+    pub realizations: u64,
+    /// Rounds.
+    pub rounds: u64,
+    /// Sea time in all.
+    pub duration_s: f64,
+    /// What crude models are drawn about.
+    pub crude_about: Source,
+    /// Standard deviation of the logarithm of crude over these parameters.
+    pub nominal_spread: f64,
+    /// Predicted error at which a trial may stop.
+    pub accuracy: f64,
+    /// Maneuvers to design with.
+    pub maneuvers: u64,
+    /// The result in words.
+    pub statements: Vec<String>,
+    /// In the order `sequential`, `one-shot`, `informed`, `random`.
+    pub arms: Vec<ArmSummary>,
+    /// The trial in rounds over the one-shot trial, at the end of every round.
+    pub gains: Vec<RoundGain>,
+    /// `sequential`, `one-shot`.
+    pub stopping: Vec<Stopping>,
+}
+
+impl Document for SequentialDocument {
+    const ID: &'static str = "sequential";
+    const VERSION: u32 = 1;
+    const UNITS: Units = &[
+        ("1", "realizations rounds nominal_spread accuracy maneuvers median q90 predicted within"),
+        ("1", "not_identifiable not_converged diverged undesigned pairs ratio low high stopped"),
+        ("1", "median_error within_stopped rms_over_accuracy without_estimate"),
+        ("1", "median_interval q90_interval within_interval median_error_interval"),
+        ("1", "within_stopped_interval rms_over_accuracy_interval"),
+        ("s", "duration_s time_s mean_time_s mean_time_interval_s"),
+    ];
 }

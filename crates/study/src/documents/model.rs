@@ -145,7 +145,7 @@ impl ModelDocument {
             found.degrees.iter().flat_map(|d| &d.parameters).map(|p| p.standard_error).collect();
         Some(Self {
             samples: found.samples,
-            rejected: found.criticism.as_ref().map(|found| found.rejected),
+            rejected: found.criticism.as_ref().map(|criticism| criticism.rejected),
             statements: found.statements.clone(),
             ..Self::of(pool.vessel, (estimator, pool.removal), delivered, &errors)
         })
@@ -154,14 +154,11 @@ impl ModelDocument {
     /// The model in `delivered`, from the estimate `found` of one run.
     pub fn of_run(vessel: &Vessel, removal: MeanRemoval, found: &RunEstimate, delivered: &Delivered) -> Self {
         let errors = found.estimate.as_ref().map_or(&[][..], |(_, errors)| errors);
-        let errors: Vec<Option<f64>> =
-            errors.iter().map(|error| Some(*error).filter(|error| !error.is_nan())).collect();
+        let errors: Vec<Option<f64>> = errors.iter().map(|e| Some(*e).filter(|e| !e.is_nan())).collect();
         let model = Self::of(vessel, (found.estimator, removal), delivered, &errors);
-        let sources: Vec<&str> = model.recordings.iter().map(|own| own.source.as_str()).collect();
-        let statement = format!(
-            "estimated from run {} alone; what its structure lacks was not tried",
-            sources.join(", ")
-        );
+        let sources: Vec<&str> = model.recordings.iter().map(|recording| recording.source.as_str()).collect();
+        let sources = sources.join(", ");
+        let statement = format!("estimated from run {sources} alone; what its structure lacks was not tried");
         Self { statements: vec![statement], ..model }
     }
 
@@ -192,7 +189,7 @@ impl ModelDocument {
             covariance: delivered.covariance.clone(),
             estimator,
             mean_removal,
-            samples: delivered.recordings.iter().map(|own| own.samples).sum(),
+            samples: delivered.recordings.iter().map(|recording| recording.samples).sum(),
             recordings: delivered.recordings.clone(),
             surroundings: delivered.surroundings.clone(),
             covered: delivered.covered.clone(),
@@ -205,7 +202,7 @@ impl ModelDocument {
     }
 
     /// The same with the channels of `vessel`.
-    pub(super) fn with_channels(self, vessel: &Vessel) -> Self {
+    fn with_channels(self, vessel: &Vessel) -> Self {
         let model = &vessel.model;
         let input = |(i, variable): (usize, &Variable)| {
             let coupling = vessel.couplings[i];
@@ -227,14 +224,14 @@ impl ModelDocument {
             unit: variable.unit.clone(),
             simulated: model.simulated.get(&place).copied(),
         };
-        let derived = |derived_channel: &DerivedChannel| DerivedSpec {
-            name: model.variables[derived_channel.variable].name.clone(),
-            unit: model.variables[derived_channel.variable].unit.clone(),
-            formula: derived_channel.text.clone(),
+        let derived = |channel: &DerivedChannel| DerivedSpec {
+            name: model.variables[channel.variable].name.clone(),
+            unit: model.variables[channel.variable].unit.clone(),
+            formula: channel.text.clone(),
         };
         // In the order of the file, not of computation.
         let mut written: Vec<&DerivedChannel> = model.derived.iter().collect();
-        written.sort_by_key(|own| own.variable);
+        written.sort_by_key(|channel| channel.variable);
         Self {
             inputs: model.input_variables().iter().enumerate().map(input).collect(),
             measured: (3 + model.inputs..).zip(model.measured()).map(measured).collect(),
@@ -247,13 +244,13 @@ impl ModelDocument {
     pub fn known(&self) -> Option<PriorInformation> {
         match &self.forces {
             Some(forces) => {
-                let of = |name: &str| forces.parameters.iter().find(|own| own.name == name)?.prior_deviation;
-                let names = forces.parameters.iter().map(|own| own.name.as_str());
+                let of = |name: &str| forces.parameters.iter().find(|p| p.name == name)?.prior_deviation;
+                let names = forces.parameters.iter().map(|p| p.name.as_str());
                 PriorInformation::new(names, Some(&forces.covariance), of)
             }
             None => {
-                let names =
-                    self.degrees.iter().flat_map(|degree| &degree.parameters).map(|own| own.name.as_str());
+                let parameters = self.degrees.iter().flat_map(|degree| &degree.parameters);
+                let names = parameters.map(|p| p.name.as_str());
                 PriorInformation::new(names, Some(self.covariance.as_ref()?), |_| None)
             }
         }
@@ -272,9 +269,9 @@ impl ModelDocument {
     #[must_use]
     pub fn kept_to_data(&self, mut vessel: Vessel) -> Vessel {
         let range = |name: &str| {
-            let own = self.covered.iter().find(|own| own.name == name)?;
-            let spare = SPARE * (own.high - own.low);
-            Some([own.low - spare, own.high + spare])
+            let covered = self.covered.iter().find(|covered| covered.name == name)?;
+            let spare = SPARE * (covered.high - covered.low);
+            Some([covered.low - spare, covered.high + spare])
         };
         for (variable, actuator) in vessel.model.input_variables().iter().zip(&mut vessel.actuators) {
             let stated = actuator.range.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
@@ -284,10 +281,7 @@ impl ModelDocument {
             }
         }
         let states = DegreeOfFreedom::ALL.map(|degree| range(degree.state()));
-        vessel.motion = match states {
-            [Some(u), Some(v), Some(r)] => Some([u, v, r]),
-            _ => None,
-        };
+        vessel.motion = if let [Some(u), Some(v), Some(r)] = states { Some([u, v, r]) } else { None };
         vessel
     }
 
@@ -307,7 +301,7 @@ impl ModelDocument {
 
     /// Covariance of its parameters: of the terms, or of all numbers of forces; `None` where no such errors hold.
     pub fn errors_of_parameters(&self) -> Option<&Covariance> {
-        self.forces.as_ref().map(|own| &own.covariance).or(self.covariance.as_ref())
+        self.forces.as_ref().map(|forces| &forces.covariance).or(self.covariance.as_ref())
     }
 
     /// Half the width of a 95 % interval of a parameter, in standard errors.
@@ -316,8 +310,8 @@ impl ModelDocument {
     }
 
     fn incomplete(&self) -> Invalid {
-        let found = format!("{} degrees of freedom", self.degrees.len());
-        Invalid::new("data.degrees", found, "surge, sway and yaw", "estimate the model again")
+        let given = format!("{} degrees of freedom", self.degrees.len());
+        Invalid::new("data.degrees", given, "surge, sway and yaw", "estimate the model again")
     }
 
     fn with(
@@ -326,10 +320,10 @@ impl ModelDocument {
         constant: impl Fn(&ModelDegree) -> Option<f64>,
     ) -> Option<Result<Vessel, Invalid>> {
         let [surge, sway, yaw] = self.degrees.as_slice() else { return None };
-        if let Some(own) = &self.forces {
+        if let Some(forces) = &self.forces {
             // They have no other values.
             constant(surge)?;
-            return Some(own.file().and_then(|file| Vessel::from_file(self.channels_of(file))));
+            return Some(forces.file().and_then(|file| Vessel::from_file(self.channels_of(file))));
         }
         let term = |p: &ModelParameter| {
             Some(TermSpec {
@@ -362,11 +356,11 @@ impl ModelDocument {
     /// # Errors
     /// A model without forces; a text that is no ship.
     pub fn forces_file(&self) -> Result<VesselFile, Invalid> {
-        let Some(own) = &self.forces else {
+        let Some(forces) = &self.forces else {
             let remedy = "estimate a vessel with `model = \"forces\"`";
             return Err(Invalid::new("data.forces", "none: terms per sample", "a fit of forces", remedy));
         };
-        Ok(self.channels_of(own.file()?))
+        Ok(self.channels_of(forces.file()?))
     }
 
     /// `file` with the name, rate and channels of the model.
@@ -406,16 +400,16 @@ impl ModelDegree {
     /// With standard errors of all parameters: surge, sway, yaw.
     fn new(vessel: &Vessel, delivered: &Delivered, errors: &[Option<f64>], degree: DegreeOfFreedom) -> Self {
         let d = degree as usize;
-        let own = vessel.model.layout().terms(d);
-        let (terms, units) = (&vessel.model.degrees[d], vessel.model.parameter_units());
+        let first = vessel.model.layout().terms(d).start;
+        let (equation, units) = (&vessel.model.degrees[d], vessel.model.parameter_units());
         let least_squares = delivered.least_squares.as_ref();
         let estimated = |place: usize| {
-            let i = place - own.start;
+            let i = place - first;
             let value = delivered.theta[place];
-            let at_bound = terms.at_bound(i, value);
+            let at_bound = equation.at_bound(i, value);
             ModelParameter {
-                name: terms.parameters[i].clone(),
-                term: terms.terms[i].text.clone(),
+                name: equation.parameters[i].clone(),
+                term: equation.terms[i].text.clone(),
                 unit: units[place].clone(),
                 value,
                 standard_error: errors.get(place).copied().flatten().filter(|_| !at_bound),
@@ -428,9 +422,9 @@ impl ModelDegree {
         };
         let parameter = |written: Written| match written {
             Written::Estimated(place) => estimated(place),
-            Written::Constrained(own) => ModelParameter {
-                least_squares: least_squares.map(|(theta, _)| own.value(theta)),
-                ..ModelParameter::constrained(vessel, own, &delivered.theta, |i| {
+            Written::Constrained(constrained) => ModelParameter {
+                least_squares: least_squares.map(|(theta, _)| constrained.value(theta)),
+                ..ModelParameter::constrained(vessel, constrained, &delivered.theta, |i| {
                     errors.get(i).copied().flatten()
                 })
             },
@@ -459,26 +453,26 @@ impl ModelParameter {
     /// standard `errors`.
     pub(super) fn constrained(
         vessel: &Vessel,
-        own: &Constrained,
+        constrained: &Constrained,
         theta: &[f64],
         errors: impl Fn(usize) -> Option<f64>,
     ) -> Self {
         let truths: Option<Vec<f64>> = vessel.value.iter().copied().collect();
-        let (fixed, tie) = match own.constraint {
+        let (fixed, tie) = match constrained.constraint {
             Constraint::Fixed(_) => (true, None),
             Constraint::Tied { to, factor } => (false, Some((to, factor))),
         };
         let name = |(to, _)| vessel.model.parameter_names().nth(to).map(str::to_owned);
         Self {
-            name: own.name.clone(),
-            term: own.term.text.clone(),
-            unit: vessel.model.unit(own.degree, &own.term),
-            value: own.value(theta),
+            name: constrained.name.clone(),
+            term: constrained.term.text.clone(),
+            unit: vessel.model.unit(constrained.degree, &constrained.term),
+            value: constrained.value(theta),
             standard_error: tie.and_then(|(to, factor)| Some(factor.abs() * errors(to)?)),
             fixed,
             tied_to: tie.and_then(name),
             factor: tie.map(|(_, factor)| factor),
-            truth: truths.map(|truths| own.value(&truths)),
+            truth: truths.map(|truths| constrained.value(&truths)),
             ..Self::default()
         }
     }

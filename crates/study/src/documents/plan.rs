@@ -1,13 +1,12 @@
 use std::collections::BTreeMap;
 
+use chart::{Measured, UnitFrom};
 use files::{Document, Units};
 use plan::voyage::{Check, FrontPoint, Information, Passage, Primary, Primitive, Secondary, VoyageLeg};
 use plan::{DerivedHandling, Handling, Side};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-
-use super::plan_depths::PlanDepths;
 
 /// `plan.json`: a walk over the lattice that uses every maneuver as often as asked, and what becomes of it at sea.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -71,11 +70,11 @@ impl PlanDocument {
         if !check.safe {
             said += &format!("; UNSAFE: {}", check.faults.join(", "));
         }
-        let own = json!({"duration_s": duration_s, "clearance_m": check.clearance_m, "safe": check.safe,
+        let further = json!({"duration_s": duration_s, "clearance_m": check.clearance_m, "safe": check.safe,
             "faults": check.faults, "aground": check.aground, "runs": check.runs, "left_area": check.left_area,
             "rounds": check.rounds});
-        if let (Value::Object(all), Value::Object(own)) = (&mut details, own) {
-            all.extend(own);
+        if let (Value::Object(all), Value::Object(further)) = (&mut details, further) {
+            all.extend(further);
         }
         (said, details)
     }
@@ -166,9 +165,9 @@ impl PlanChart {
 
     /// Objects without effect, or for maneuvers only, by class and reason.
     pub fn left_out(&self) -> impl Iterator<Item = LeftOut<'_>> {
-        self.classes.iter().flat_map(|(class, own)| {
-            let maneuvers = (own.maneuvers_avoid, "only maneuvers avoid it");
-            let reasons = own.reasons.iter().map(|(why, count)| (*count, why.as_str()));
+        self.classes.iter().flat_map(|(class, counts)| {
+            let maneuvers = (counts.maneuvers_avoid, "only maneuvers avoid it");
+            let reasons = counts.reasons.iter().map(|(why, count)| (*count, why.as_str()));
             let all = reasons.chain([maneuvers]).filter(|(count, _)| *count > 0);
             all.map(move |(objects, why)| LeftOut { class, objects, why })
         })
@@ -186,8 +185,8 @@ impl PlanChart {
             by_reason.entry(why).or_default().push(format!("{objects} {class}"));
         }
         let maneuvers = by_reason.remove("only maneuvers avoid it");
-        let listed = |own: Option<Vec<String>>| own.map_or("none".to_owned(), |own| own.join(", "));
-        let reasons = by_reason.into_iter().map(|(why, own)| format!("{} ({why})", own.join(", ")));
+        let listed = |names: Option<Vec<String>>| names.map_or("none".to_owned(), |names| names.join(", "));
+        let reasons = by_reason.into_iter().map(|(why, files)| format!("{} ({why})", files.join(", ")));
         let reasons: Vec<String> = reasons.collect();
         let ignored = if reasons.is_empty() { "none".to_owned() } else { reasons.join(", ") };
         let notes: String = depths.iter().chain(&self.notes).map(|note| format!("; {note}")).collect();
@@ -382,4 +381,73 @@ impl Document for PlanDocument {
         ),
         ("as declared in vessel.toml", "largest_inputs numbers"),
     ];
+}
+
+/// What the depths, or heights, of a chart are measured in, and from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlanDepths {
+    /// Their unit, as in `plan.toml`: m, dm, cm, mm, km, ft, us-ft or fathom.
+    pub unit: String,
+    /// Where that comes from.
+    pub unit_from: PlanUnitFrom,
+    /// The file's numbers were multiplied by this.
+    pub scale: f64,
+    /// This was added then, in the unit.
+    pub offset: f64,
+    /// The vertical datum; absent where the file does not state one.
+    pub datum: Option<String>,
+    /// Cells outside of a range that the file calls valid: none, since no format that is read has one.
+    pub invalid: u64,
+}
+
+refusal::choices! {
+    /// Where the unit of a chart comes from.
+    pub enum PlanUnitFrom {
+        /// The file states it.
+        File = "file",
+        /// `depth_unit` in plan.toml states it.
+        PlanToml = "plan.toml",
+        /// Nobody states it.
+        Assumed = "assumed",
+    }
+}
+
+impl PlanDepths {
+    /// In words: `ft (file), datum not stated`.
+    pub fn words(&self) -> String {
+        let from = match self.unit_from {
+            PlanUnitFrom::File => "as the file says",
+            PlanUnitFrom::PlanToml => "as plan.toml says",
+            PlanUnitFrom::Assumed => "assumed, for neither the file nor plan.toml says",
+        };
+        let mut words = format!("depths in {} ({from})", self.unit);
+        if self.scale != 1.0 || self.offset != 0.0 {
+            words += &format!(" after scale {} and offset {}", self.scale, self.offset);
+        }
+        words += &format!(", datum {}", self.datum.as_deref().unwrap_or("not stated"));
+        if self.invalid > 0 {
+            words += &format!(", {} cells outside of the valid range without data", self.invalid);
+        }
+        words
+    }
+}
+
+impl PlanDepths {
+    /// From a chart that was read.
+    pub(crate) fn of(measured: &Measured) -> Self {
+        let unit_from = match measured.unit_from {
+            UnitFrom::File => PlanUnitFrom::File,
+            UnitFrom::Declared => PlanUnitFrom::PlanToml,
+            UnitFrom::Assumed => PlanUnitFrom::Assumed,
+        };
+        Self {
+            unit: measured.unit.name().to_owned(),
+            unit_from,
+            scale: measured.scale,
+            offset: measured.offset,
+            datum: measured.datum.clone(),
+            invalid: 0,
+        }
+    }
 }

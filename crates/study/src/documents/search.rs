@@ -5,10 +5,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::model::{DegreeOfFreedom, Vessel};
 
-use super::average::AverageSummary;
-use super::beside::{BesideForces, DeliveredKind};
-use super::force_search::SearchedForces;
-use super::found::{parameters, resampled};
+use super::average::{AverageSummary, parameters, resampled};
+use super::forces::{FittedParameter, FoundForce, SearchedForces};
 
 /// `search.json`: how a model's structure was searched for in recordings, and how far the search can be trusted.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -103,64 +101,62 @@ pub struct SearchTerm {
 impl SearchDocument {
     /// The result for `vessel`, whose terms are the base structure, of a search with `options`.
     pub fn new(vessel: &Vessel, options: &SearchOptions, found: &Searched) -> Self {
-        let seconds = |samples: usize| samples as f64 / vessel.sample_rate_hz;
-        let [std_u, std_v, std_r] = found.std;
-        let (cut, seed) = (options.cut, options.average.map(|average| average.seed));
+        let (std, counts) = (found.std, [found.windows, found.samples]);
+        let average = found.average.as_ref().zip(options.average.map(|average| average.seed));
         Self {
-            vessel: vessel.name.clone(),
-            fitted_window_s: seconds(cut.window),
-            every_s: seconds(cut.every),
-            window_s: cut.scored.map(seconds),
-            windows: found.windows,
-            samples: found.samples,
-            folds: options.folds as u64,
-            std_u,
-            std_v,
-            std_r,
             ridge: Some(found.candidates[found.chosen].ridge),
             candidates: found.candidates.clone(),
             sizes: found.sizes.clone(),
-            nested: found.nested.clone(),
-            resamples: found.resampled.as_ref().zip(options.bootstrap).map(|(own, wanted)| Resamples {
+            resamples: found.resampled.as_ref().zip(options.bootstrap).map(|(resampled, wanted)| Resamples {
                 seed: wanted.seed,
-                searches: own.searches,
-                failed: own.failed,
+                searches: resampled.searches,
+                failed: resampled.failed,
             }),
             terms: DegreeOfFreedom::ALL.into_iter().flat_map(|d| terms(vessel, d, found)).collect(),
-            average: found
-                .average
-                .as_ref()
-                .zip(seed)
-                .map(|(own, seed)| AverageSummary::new(vessel, seed, own)),
-            forces: None,
-            beside: None,
+            average: average.map(|(average, seed)| AverageSummary::new(vessel, seed, average)),
             statements: found.statements.clone(),
+            ..Self::by_options(vessel, options, std, counts, found.nested.clone())
         }
     }
 
     /// That of a search for `vessel` over recordings with so many `windows` and `samples` that found none; `nested` scores nothing.
-    pub fn unfound(
+    pub fn unfound(vessel: &Vessel, options: &SearchOptions, counts: [u64; 2], nested: NestedScore) -> Self {
+        Self::by_options(vessel, options, [0.0; 3], counts, nested)
+    }
+
+    /// The scores of a search with `options`, without what it found.
+    fn by_options(
         vessel: &Vessel,
         options: &SearchOptions,
+        std: [f64; 3],
         [windows, samples]: [u64; 2],
         nested: NestedScore,
     ) -> Self {
         let seconds = |samples: usize| samples as f64 / vessel.sample_rate_hz;
+        let (cut, folds) = (options.cut, options.folds as u64);
+        let (fitted_window_s, window_s) = (seconds(cut.window), cut.scored.map(seconds));
+        let scores = ForceScores { fitted_window_s, window_s, windows, samples, folds, std, nested };
+        Self { every_s: seconds(cut.every), ..Self::scored(vessel, scores) }
+    }
+
+    /// The scores of a search, without what it found.
+    fn scored(vessel: &Vessel, scores: ForceScores) -> Self {
+        let [std_u, std_v, std_r] = scores.std;
         Self {
             vessel: vessel.name.clone(),
-            fitted_window_s: seconds(options.cut.window),
-            every_s: seconds(options.cut.every),
-            window_s: options.cut.scored.map(seconds),
-            windows,
-            samples,
-            folds: options.folds as u64,
-            std_u: 0.0,
-            std_v: 0.0,
-            std_r: 0.0,
+            fitted_window_s: scores.fitted_window_s,
+            every_s: scores.fitted_window_s,
+            window_s: scores.window_s,
+            windows: scores.windows,
+            samples: scores.samples,
+            folds: scores.folds,
+            std_u,
+            std_v,
+            std_r,
             ridge: None,
             candidates: Vec::new(),
             sizes: Vec::new(),
-            nested,
+            nested: scores.nested,
             resamples: None,
             terms: Vec::new(),
             average: None,
@@ -174,10 +170,10 @@ impl SearchDocument {
     pub fn delivered_errors(&self) -> Option<FreeRunErrors> {
         match self.beside.as_ref().map(|beside| (beside.delivered, beside)) {
             Some((DeliveredKind::Average, _)) => return self.nested.average.as_ref()?.errors,
-            Some((DeliveredKind::Forces, own)) => return own.errors,
+            Some((DeliveredKind::Forces, beside)) => return beside.errors,
             _ => {}
         }
-        let as_she_was = self.forces.as_ref().is_some_and(|own| !own.delivered);
+        let as_she_was = self.forces.as_ref().is_some_and(|forces| !forces.delivered);
         if as_she_was { self.nested.base } else { self.nested.search }
     }
 }
@@ -187,7 +183,7 @@ fn terms(vessel: &Vessel, degree: DegreeOfFreedom, found: &Searched) -> Vec<Sear
     let known = vessel.written(degree).len();
     let all = resampled(parameters(vessel, d, &found.model, &found.delivered), found).into_iter().enumerate();
     let chosen =
-        |name: &str| found.resampled.as_ref().map(|own| own.parameters.get(name).map_or(0, |p| p.chosen));
+        |name: &str| found.resampled.as_ref().map(|r| r.parameters.get(name).map_or(0, |p| p.chosen));
     all.map(|(i, p)| SearchTerm {
         degree: degree.name().to_owned(),
         base: i < known,
@@ -220,4 +216,106 @@ impl Document for SearchDocument {
         ("the parameter's unit", "value low high lowest mean highest"),
         ("the unit of what it belongs to", "standard_error"),
     ];
+}
+
+/// Forces of the ship that were fitted beside a search, and what `average.json` delivers of the two.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BesideForces {
+    /// What `average.json` has.
+    pub delivered: DeliveredKind,
+    /// How the forces may be fitted.
+    pub tried: Vec<TriedFit>,
+    /// The forces alone on recordings that were left out of them; none where a fold lacks a fit, or a window diverged.
+    pub errors: Option<FreeRunErrors>,
+    /// The same over windows of which one begins at every quarter of another.
+    pub overlapping: Option<FreeRunErrors>,
+}
+
+/// What is delivered of a search and of forces beside it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DeliveredKind {
+    /// The mean of both trajectories.
+    Average,
+    /// The terms that the search found.
+    Search,
+    /// The forces.
+    Forces,
+}
+
+/// A way to fit forces.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TriedFit {
+    /// The longest windows that are fitted \[s\].
+    pub window_s: f64,
+    /// Whether windows start at their first measured sample.
+    pub measured_starts: bool,
+    /// Mean fit of u, v, r of recordings that were left out of it \[%\]; null where a fold lacks a fit, or a window diverged.
+    pub score: Option<f64>,
+    /// Whether it is the delivered one.
+    pub chosen: bool,
+}
+
+impl DeliveredKind {
+    /// Whether the searched terms, and the forces, are delivered.
+    pub fn members(self) -> [bool; 2] {
+        [self != Self::Forces, self != Self::Search]
+    }
+}
+
+/// How a search for forces was made and scored.
+#[derive(Clone, Debug)]
+pub struct ForceScores {
+    /// Length of the windows that are fitted \[s\].
+    pub fitted_window_s: f64,
+    /// Of those that are scored; none: whole runs.
+    pub window_s: Option<f64>,
+    /// Number of those.
+    pub windows: u64,
+    /// Samples of the recordings.
+    pub samples: u64,
+    /// Number of folds.
+    pub folds: u64,
+    /// Standard deviations of u, v and r over the windows that are scored.
+    pub std: [f64; 3],
+    /// The whole search and the ship as she was, on recordings that were left out of both.
+    pub nested: NestedScore,
+}
+
+impl SearchDocument {
+    /// The result of a search for forces that `vessel` lacks, of which `delivered` is the ship in `model.json` with her numbers.
+    pub fn of_forces(
+        vessel: &Vessel,
+        scores: ForceScores,
+        forces: SearchedForces,
+        (delivered, numbers): (&Vessel, &[FittedParameter]),
+        statements: Vec<String>,
+    ) -> Self {
+        let terms = force_terms(delivered, numbers, &forces.found);
+        Self { terms, forces: Some(forces), statements, ..Self::scored(vessel, scores) }
+    }
+}
+
+/// The terms of `ship` whose numbers are free.
+fn force_terms(ship: &Vessel, numbers: &[FittedParameter], found: &[FoundForce]) -> Vec<SearchTerm> {
+    let Some(moved) = &ship.model.forces else { return Vec::new() };
+    let all = DegreeOfFreedom::ALL.into_iter().zip(moved.forces.description().terms());
+    let term = |degree: DegreeOfFreedom, spec: &ship::forces::TermSpec| {
+        let number = numbers.iter().find(|number| number.name == spec.parameter)?;
+        let force = found.iter().find(|force| force.parameter == spec.parameter);
+        Some(SearchTerm {
+            degree: degree.name().to_owned(),
+            name: spec.parameter.clone(),
+            term: spec.term.clone(),
+            base: force.is_none(),
+            value: number.value,
+            low: None,
+            high: None,
+            chosen_by_resamples: None,
+            chosen_by_folds: force.map(|force| force.found_by_folds),
+        })
+    };
+    all.flat_map(|(degree, terms)| terms.iter().filter_map(move |spec| term(degree, spec))).collect()
 }

@@ -13,10 +13,9 @@ use trial::moments::{Estimated, Moments, Promise};
 
 use super::design::{
     Accuracy as AccuracyDocument, Counts, CovarianceCriterion, DesignDocument, DesignPrior, DesignPromise,
-    Efficiency, Restricted as RestrictedDocument, Sequence, SequencePart, Start, Unreached,
+    DesignStatus, Efficiency, Restricted as RestrictedDocument, Sequence, SequencePart, SolvedFigures, Start,
+    Unreached,
 };
-use super::design_figures::SolvedFigures;
-use super::design_status::DesignStatus;
 use super::statements;
 
 /// A solved design with its problem.
@@ -114,7 +113,7 @@ impl From<Solved<'_>> for DesignDocument {
             prior: prior(&solved),
             restricted: solved.restricted.map(|(few, found)| restriction(few, found)),
             figures: solved.figures.as_ref().map(|figures| figures.document(samples(&solved) as u64)),
-            accuracy: solved.accuracy.map(|found| accuracy(found, range(&solved, found))),
+            accuracy: solved.accuracy.map(|shortest| accuracy(shortest, range(&solved, shortest))),
             sequence: solved.sequence.map(Into::into),
             order: dictionary.maneuvers.clone(),
             candidates: solved.streamed.map(|all| all.candidates as u64),
@@ -182,7 +181,7 @@ fn range(solved: &Solved, found: &Accuracy) -> Option<[f64; 2]> {
 /// Whether a maneuver has a share.
 fn is_used(solved: &Solved, name: &str) -> bool {
     let maneuvers = solved.dictionary.maneuvers.iter().zip(&solved.design.shares);
-    maneuvers.into_iter().any(|(own, share)| own == name && *share > 0.0)
+    maneuvers.into_iter().any(|(maneuver, share)| maneuver == name && *share > 0.0)
 }
 
 /// The maneuvers in use that many ships miss, if there are any.
@@ -236,7 +235,7 @@ fn counts(design: &Design, segments: &Segments, whole: &Whole) -> Counts {
         segments: segments.total,
         segment_samples: segments.samples,
         efficiency: whole.efficiency,
-        method: whole.found.as_ref().map(|found| found.method),
+        method: whole.found.as_ref().map(|counts| counts.method),
         gap: Some(whole.loss),
         statement: Some(statements::counts(design, whole)),
     }

@@ -70,13 +70,13 @@ pub(super) fn restricted(found: &Restricted) -> String {
 
 /// About whole segments of `design`.
 pub(super) fn counts(design: &Design, whole: &Whole) -> String {
-    let Some(found) = &whole.found else {
+    let Some(best) = &whole.found else {
         return "So few segments excite not every parameter, whichever maneuvers they are.".into();
     };
-    let searched = match found.method {
-        Method::Exhaustive => format!("Best of all counts ({} tried)", found.tried),
+    let searched = match best.method {
+        Method::Exhaustive => format!("Best of all counts ({} tried)", best.tried),
         Method::Exchange => {
-            format!("No exchange of one segment for another is better ({} counts tried)", found.tried)
+            format!("No exchange of one segment for another is better ({} counts tried)", best.tried)
         }
     };
     let against = match design.status {

@@ -2,16 +2,16 @@
 
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use chart::enc::attribute::VERDAT;
-use chart::enc::{Cell, Feature, vertical_datum};
+use chart::enc::{Cell, Feature, Identity, Listed, Purpose, identify, listed, vertical_datum};
 use chart::{PolygonLayer, Rules, Tally};
 use files::{Budget, Digest, Error, PROGRAM_BYTES, Provenance, Work};
+use refusal::foreign;
 
-use super::chart_file::note;
-use super::exchange_set::{CellFile, ExchangeSet, capitals, is_catalogue};
-use super::updates::{Age, Catalogue, Found, Updates, age_of};
+use super::exchange_set::{CellFile, ExchangeSet, bytes, capitals, is_catalogue, note};
 use crate::documents::{PlanChart, PlanChartClass};
 
 /// Bytes of memory to read a byte of a file of polygons or objects.
@@ -38,11 +38,11 @@ fn below(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let set = ExchangeSet::below(folder)?;
     let mut newest: BTreeMap<&str, (Age, &Path)> = BTreeMap::new();
     for file in set.files.iter().filter(|file| file.is_base() && !file.special) {
-        let own = (age_of(&file.path)?, file.path.as_path());
+        let candidate = (age_of(&file.path)?, file.path.as_path());
         match newest.entry(file.stem()) {
-            Entry::Vacant(free) => drop(free.insert(own)),
-            Entry::Occupied(mut known) if own.0 > known.get().0 => drop(known.insert(own)),
-            Entry::Occupied(known) if own.0 == known.get().0 => check_same(known.get().1, own.1)?,
+            Entry::Vacant(free) => drop(free.insert(candidate)),
+            Entry::Occupied(mut known) if candidate.0 > known.get().0 => drop(known.insert(candidate)),
+            Entry::Occupied(known) if candidate.0 == known.get().0 => check_same(known.get().1, candidate.1)?,
             Entry::Occupied(_) => {}
         }
     }
@@ -57,9 +57,9 @@ fn check_same(one: &Path, other: &Path) -> Result<(), Error> {
     if files::read(one)? == files::read(other)? {
         return Ok(());
     }
-    let found = format!("the same edition as {}, and other bytes", one.display());
+    let given = format!("the same edition as {}, and other bytes", one.display());
     let remedy = "name the cell that is meant by its file, or move the other away";
-    Err(Error::refuse(other, "cell", found, "each cell once", remedy))
+    Err(Error::refuse(other, "cell", given, "each cell once", remedy))
 }
 
 /// Reads charts within a memory limit, and caches the folders that were searched.
@@ -85,7 +85,7 @@ impl CellReader<'_> {
         let files: Vec<CellFile> = files.filter(|file| !is_same(&file.path, path)).cloned().collect();
         let before = self.bytes;
         self.account(path, &files)?;
-        let base = Found::read(path)?;
+        let base = ReadCell::read(path)?;
         let others = files.iter().map(other).collect::<Result<Vec<_>, _>>()?;
         let named = CellFile::at(path, &root);
         let bytes = [(&named, &base)].into_iter().chain(files.iter().zip(&others));
@@ -140,7 +140,7 @@ impl CellReader<'_> {
     }
 
     /// Checks all files of a cell against the catalogue of their set, and returns the result and what was left out.
-    fn check(&self, root: &Path, stem: &str, files: &[(&CellFile, &Found)]) -> Result<Vec<String>, Error> {
+    fn check(&self, root: &Path, stem: &str, files: &[(&CellFile, &ReadCell)]) -> Result<Vec<String>, Error> {
         let Some((set, catalogue)) = self.sets.get(root) else { return Ok(Vec::new()) };
         let closed = (set.closed > 0).then(|| format!("{} folders not looked into", set.closed));
         let agree = match catalogue {
@@ -174,9 +174,9 @@ fn datum_of(code: u8) -> String {
 }
 
 /// Reads another file of a cell, without following links.
-fn other(file: &CellFile) -> Result<Found, Error> {
+fn other(file: &CellFile) -> Result<ReadCell, Error> {
     if !file.special {
-        return Found::read(&file.path);
+        return ReadCell::read(&file.path);
     }
     let (found, remedy) = ("a link, a pipe or a device", "copy the file itself there, or take it away");
     Err(Error::refuse(&file.path, "update", found, "a file", remedy))
@@ -213,4 +213,162 @@ pub(super) fn of_objects(
         ..PlanChart::default()
     };
     Ok((layer, summary))
+}
+
+// Selects the updates of a cell, each once, checked against a catalogue.
+
+/// A file of a cell, with its own identification.
+struct ReadCell {
+    path: PathBuf,
+    bytes: Vec<u8>,
+    identity: Identity,
+}
+
+impl ReadCell {
+    fn read(path: &Path) -> Result<Self, Error> {
+        let bytes = files::read(path)?;
+        let identity = identify(&bytes).map_err(|e| Error::invalid(path, e))?;
+        Ok(Self { path: path.to_path_buf(), bytes, identity })
+    }
+
+    fn age(&self) -> Age {
+        age(&self.identity)
+    }
+}
+
+/// Edition and update as numbers: the greater, the newer.
+type Age = (Option<u32>, u32);
+
+/// Bytes at the beginning of a file that identify it; its first records have some thousand.
+const HEAD: u64 = 1 << 17;
+
+/// The age of a file of a cell, by its first records.
+fn age_of(path: &Path) -> Result<Age, Error> {
+    let fails = |e| Error::io(path, "read", e);
+    let mut head = Vec::new();
+    files::open(path)?.take(HEAD).read_to_end(&mut head).map_err(fails)?;
+    Ok(age(&identify(&head).map_err(|e| Error::invalid(path, e))?))
+}
+
+fn age(identity: &Identity) -> Age {
+    (identity.edition.parse().ok(), identity.update)
+}
+
+/// The updates of a cell in their order, and notes on its other files.
+#[derive(Default)]
+struct Updates {
+    files: BTreeMap<u32, ReadCell>,
+    notes: Vec<String>,
+    /// The number of files of other editions.
+    others: BTreeMap<String, u32>,
+}
+
+impl Updates {
+    /// The updates of `base` among the other files of its name.
+    ///
+    /// # Errors
+    /// A newer edition of the cell; two different files with the same identification.
+    fn of(base: &ReadCell, others: Vec<ReadCell>) -> Result<Self, Error> {
+        let mut updates = Self::default();
+        for file in others.into_iter().filter(|file| file.bytes != base.bytes) {
+            match file.identity.purpose {
+                Purpose::Base => updates.other_base(base, &file)?,
+                Purpose::Update => updates.update(base, file)?,
+            }
+        }
+        for (edition, count) in &updates.others {
+            let (edition, of) = (foreign(edition), foreign(&base.identity.edition));
+            updates.notes.push(format!("{count} updates of edition {edition} not applied to edition {of}"));
+        }
+        if updates.files.is_empty() {
+            let name = base.path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+            updates.notes.push(format!("no updates found beside {}", foreign(&name)));
+        }
+        Ok(updates)
+    }
+
+    fn other_base(&mut self, base: &ReadCell, other: &ReadCell) -> Result<(), Error> {
+        let name = |file: &ReadCell| {
+            format!("edition {}, update {}", foreign(&file.identity.edition), file.identity.update)
+        };
+        let same = (&other.identity.edition, other.identity.update)
+            == (&base.identity.edition, base.identity.update);
+        if same || other.age().0 > base.age().0 {
+            let given = format!("{}, and {} with {}", name(base), other.path.display(), name(other));
+            let (expected, remedy) =
+                ("the newest base cell, once", "name the newest, and move the other away");
+            return Err(Error::refuse(&base.path, "cell", given, expected, remedy));
+        }
+        self.notes.push(format!("another base cell ({}) not used", name(other)));
+        Ok(())
+    }
+
+    fn update(&mut self, base: &ReadCell, file: ReadCell) -> Result<(), Error> {
+        let edition = &file.identity.edition;
+        // Edition 0 cancels the cell.
+        if *edition != base.identity.edition && edition != "0" {
+            *self.others.entry(edition.clone()).or_default() += 1;
+            return Ok(());
+        }
+        let number = file.identity.update;
+        if let Some(known) = self.files.get(&number).filter(|known| known.bytes != file.bytes) {
+            let given = format!("another update {number} than {}", known.path.display());
+            let remedy = "keep the one of the newest exchange set, and move the other away";
+            return Err(Error::refuse(&file.path, "update", given, "each update once", remedy));
+        }
+        self.files.entry(number).or_insert(file);
+        Ok(())
+    }
+}
+
+/// The catalogue of an exchange set; empty if there is none.
+pub(super) struct Catalogue {
+    file: PathBuf,
+    listed: Vec<Listed>,
+}
+
+impl Catalogue {
+    fn of(set: &ExchangeSet, provenance: &mut Provenance) -> Result<Option<Self>, Error> {
+        let Some(file) = set.catalogue.clone() else { return Ok(None) };
+        let listed = listed(&bytes(&file, provenance)?).map_err(|e| Error::invalid(&file, e))?;
+        Ok(Some(Self { file, listed }))
+    }
+
+    /// Refuses files of a cell that are missing or changed since the catalogue was made, and reports how many agree.
+    fn check(&self, stem: &str, files: &[(&CellFile, &ReadCell)]) -> Result<String, Error> {
+        let of_cell = |entry: &&Listed| entry.name().strip_prefix(stem).is_some_and(is_number);
+        let of_cell: Vec<&Listed> = self.listed.iter().filter(of_cell).collect();
+        let places: BTreeSet<&[String]> = of_cell.iter().map(|entry| &entry.place[..]).collect();
+        // A file may be at another path than listed, but for one entry only.
+        let stands_for = |file: &CellFile, entry: &Listed| {
+            file.place == entry.place || (file.name() == entry.name() && !places.contains(&file.place[..]))
+        };
+        if let Some(missing) = of_cell.iter().find(|e| !files.iter().any(|(file, _)| stands_for(file, e))) {
+            let given = format!("no file {}, which it lists", foreign(&missing.place.join("/")));
+            let remedy = "copy the exchange set again, as a whole";
+            return Err(Error::refuse(&self.file, "exchange set", given, "all files of the cell", remedy));
+        }
+        let mut agree = 0;
+        for (file, ReadCell { bytes, .. }) in files {
+            let listed: Vec<&&Listed> = of_cell.iter().filter(|entry| stands_for(file, entry)).collect();
+            if !listed.is_empty() && !listed.iter().any(|entry| entry.agrees(bytes)) {
+                let given = format!("CRC-32 {:08X}", chart::enc::crc(bytes));
+                let expected =
+                    format!("{:08X}, as {} says", listed[0].crc.unwrap_or_default(), self.file.display());
+                let remedy =
+                    "copy the exchange set again, as a whole: the file is damaged, or not of this set";
+                return Err(Error::refuse(&file.path, "file", given, expected, remedy));
+            }
+            agree += usize::from(listed.iter().any(|entry| entry.crc.is_some()));
+        }
+        Ok(match files.len() - agree {
+            0 => format!("all {agree} files agree with CATALOG.031"),
+            rest => format!("{agree} files agree with CATALOG.031, {rest} have no checksum there"),
+        })
+    }
+}
+
+/// Whether the rest of a name is the number of a cell's file.
+fn is_number(suffix: &str) -> bool {
+    suffix.strip_prefix('.').is_some_and(|n| n.len() == 3 && n.bytes().all(|b| b.is_ascii_digit()))
 }

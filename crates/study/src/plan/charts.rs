@@ -1,19 +1,19 @@
 //! The charts that `plan.toml` names, read from their files.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::ffi::OsString;
+use std::fs::File;
+use std::io::{BufReader, Read, Seek};
+use std::path::{Path, PathBuf};
 
 use chart::{
-    Bounds, DANGER_M, DepthUnit, Layer, LayerKind, Measured, Plane, PolygonLayer, Reading, Rules, UnitFrom,
-    Unread, read_objects,
+    Bounds, DANGER_M, DepthUnit, Grid, GridDeclaration, GridKind, Invalid, Layer, LayerKind, Measured, Plane,
+    PolygonLayer, Reading, Rules, UnitFrom, Unread, read_objects,
 };
-use files::{Budget, Error, PROGRAM_BYTES, Provenance, Work};
+use files::{Budget, Digesting, Error, PROGRAM_BYTES, Provenance, Work};
 
 use super::cells::{CellReader, PER_BYTE, cells_of, of_objects};
-use super::chart_file::bytes;
-use super::chart_grids::{GridFormat, refuse_netcdf};
-use super::chart_text::chart_text;
-use super::exchange_set::existing;
+use super::exchange_set::{bytes, existing, note};
 use super::file::{ChartKind, ChartSpec, PlanFile};
 use crate::documents::PlanChart;
 
@@ -115,8 +115,8 @@ impl Charts {
         if GridFormat::of(path).is_none() {
             let length = std::fs::metadata(path).map_or(0, |about| about.len());
             self.bytes += PER_BYTE * length;
-            let found = format!("{length} bytes");
-            let work = Work { file: path, thing: "file", found: &found, remedy: LESS };
+            let size = format!("{length} bytes");
+            let work = Work { file: path, thing: "file", found: &size, remedy: LESS };
             means.budget.memory(work, self.taken())?;
         }
         Ok(())
@@ -143,8 +143,7 @@ impl Charts {
             let grid = format.read(path, &spec.grid(path)?, &reading, provenance)?;
             let grid = grid.map_err(|e| self.unread(path, e, means))?;
             self.grid_bytes += grid.bytes();
-            self.summaries
-                .extend(grid.measured.as_ref().map(|measured| PlanChart::measured(name(path), measured)));
+            self.summaries.extend(grid.measured.as_ref().map(|m| PlanChart::measured(name(path), m)));
             self.layers.push(Layer::Grid(grid));
             return Ok(());
         }
@@ -189,4 +188,151 @@ impl Charts {
 
 fn name(path: &Path) -> String {
     path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned())
+}
+
+// Metadata that GDAL writes next to a grid if the grid's own format does not support it.
+
+/// Maximum bytes of such a file that are read.
+const MOST: u64 = 1 << 20;
+
+/// Refuses a grid with an `.aux.xml` that has a scale, or a unit that is not declared.
+fn check_beside(path: &Path, declared: &GridDeclaration) -> Result<(), Error> {
+    let beside = PathBuf::from([path.as_os_str(), ".aux.xml".as_ref()].into_iter().collect::<OsString>());
+    if !files::exists(&beside) {
+        return Ok(());
+    }
+    let mut bytes = Vec::new();
+    let read = files::open(&beside)?.take(MOST).read_to_end(&mut bytes);
+    read.map_err(|e| Error::io(&beside, "read", e))?;
+    let text = String::from_utf8_lossy(&bytes);
+    for (tag, usual) in [("Scale", 1.0), ("Offset", 0.0)] {
+        if let Some(value) = text_of(&text, tag).filter(|value| value.parse() != Ok(usual)) {
+            let given = format!("{} beside the grid", refusal::foreign(value));
+            let remedy = "write both into one file, for instance with `gdal_translate -of GTiff`";
+            return Err(Error::refuse(&beside, tag, given, format!("{usual}, or none"), remedy));
+        }
+    }
+    let Some(unit_name) = text_of(&text, "UnitType").filter(|name| !name.is_empty()) else { return Ok(()) };
+    let (unit, usual) = (DepthUnit::of_text(unit_name), declared.unit.unwrap_or(DepthUnit::Metre));
+    if declared.kind == GridKind::LandMask || unit == Some(usual) {
+        return Ok(());
+    }
+    let given = format!("`{}` beside the grid", refusal::foreign(unit_name));
+    let expected = format!("`{}`, or the same as `depth_unit`", usual.name());
+    Err(Error::refuse(&beside, "UnitType", given, expected, "say `depth_unit` in its [[chart]]"))
+}
+
+/// The text between two tags.
+fn text_of<'t>(text: &'t str, tag: &str) -> Option<&'t str> {
+    let (_, rest) = text.split_once(&format!("<{tag}>"))?;
+    rest.split_once(&format!("</{tag}>")).map(|(inner, _)| inner.trim())
+}
+
+/// Byte order marks: UTF-32 before UTF-16, whose mark is its prefix.
+const UTF_32: [&[u8]; 2] = [&[0xff, 0xfe, 0, 0], &[0, 0, 0xfe, 0xff]];
+
+/// The text of a file: in UTF-8, with or without a byte order mark, or in UTF-16 with one.
+///
+/// # Errors
+/// Bytes that are not such text; names UTF-16 without a mark, and UTF-32.
+pub fn chart_text(bytes: Vec<u8>) -> Result<String, Invalid> {
+    if UTF_32.iter().any(|mark| bytes.starts_with(mark)) {
+        return Err(refuse("text in UTF-32".to_owned()));
+    }
+    match bytes.get(..2) {
+        Some([0xff, 0xfe]) => wide(&bytes[2..], u16::from_le_bytes),
+        Some([0xfe, 0xff]) => wide(&bytes[2..], u16::from_be_bytes),
+        _ => narrow(bytes),
+    }
+}
+
+fn narrow(mut bytes: Vec<u8>) -> Result<String, Invalid> {
+    if bytes.starts_with(&[0xef, 0xbb, 0xbf]) {
+        bytes.drain(..3);
+    }
+    let zeros = bytes.iter().take(64).filter(|byte| **byte == 0).count();
+    if zeros > 16 {
+        return Err(refuse("text in UTF-16 without a byte order mark".to_owned()));
+    }
+    String::from_utf8(bytes).map_err(|e| refuse(e.to_string()))
+}
+
+fn wide(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<String, Invalid> {
+    let (pairs, rest) = bytes.as_chunks::<2>();
+    if !rest.is_empty() {
+        return Err(refuse("text in UTF-16 that is cut off".to_owned()));
+    }
+    let decoded = char::decode_utf16(pairs.iter().map(|pair| unit(*pair)));
+    decoded.collect::<Result<_, _>>().map_err(|_| refuse("half a character of UTF-16".to_owned()))
+}
+
+fn refuse(found: String) -> Invalid {
+    let expected = "text in UTF-8, or in UTF-16 with a byte order mark";
+    Invalid::new("file", found, expected, "export it again, or convert it with `iconv -t UTF-8`")
+}
+
+/// The format of a grid.
+#[derive(Clone, Copy)]
+enum GridFormat {
+    Ascii,
+    Tiff,
+}
+
+impl GridFormat {
+    /// By the file's extension; `None` if it is not a grid.
+    pub fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "asc" => Some(Self::Ascii),
+            "tif" | "tiff" => Some(Self::Tiff),
+            _ => None,
+        }
+    }
+
+    /// Reads a grid, and notes the digest of its file.
+    pub fn read(
+        self,
+        path: &Path,
+        declared: &GridDeclaration,
+        reading: &Reading,
+        provenance: &mut Provenance,
+    ) -> Result<Result<Grid, Unread>, Error> {
+        check_beside(path, declared)?;
+        Ok(match self {
+            Self::Ascii => {
+                let length = std::fs::metadata(path).map_or(0, |about| about.len()) as f64;
+                if length > reading.bytes {
+                    let size = format!("{length} bytes of text");
+                    return Ok(Err(Unread::TooLarge { found: size, bytes: length }));
+                }
+                let text = chart_text(bytes(path, provenance)?).map_err(|e| Error::invalid(path, e))?;
+                Grid::from_ascii(&text, declared, &Reading { bytes: reading.bytes - length, ..*reading })
+            }
+            Self::Tiff => Grid::from_tiff(BufReader::new(open(path, provenance)?), declared, reading),
+        })
+    }
+}
+
+/// Refuses a file of NetCDF, classic or in HDF5, whatever its name.
+fn refuse_netcdf(path: &Path) -> Result<(), Error> {
+    const SIGNATURES: [&[u8]; 4] = [b"CDF\x01", b"CDF\x02", b"CDF\x05", b"\x89HDF\r\n\x1A\n"];
+    let mut first = Vec::new();
+    files::open(path)?.take(8).read_to_end(&mut first).map_err(|e| Error::io(path, "read", e))?;
+    if !SIGNATURES.iter().any(|signature| first.starts_with(signature)) {
+        return Ok(());
+    }
+    let expected = "GeoTIFF (.tif), ESRI ASCII (.asc), GeoJSON, or a cell of an electronic chart (.000)";
+    let named = path.with_extension("tif");
+    let tiff = if named == path { path.with_extension("geo.tif") } else { named };
+    let remedy = format!("convert it: `gdal_translate {} {}`", path.display(), tiff.display());
+    Err(Error::refuse(path, "chart", "NetCDF", expected, remedy))
+}
+
+/// Opens the file of a chart, and notes its digest.
+fn open(path: &Path, provenance: &mut Provenance) -> Result<File, Error> {
+    let failed = |e| Error::io(path, "read", e);
+    let mut file = files::open(path)?;
+    let digest = Digesting::new(&file).digest().map_err(failed)?;
+    file.rewind().map_err(failed)?;
+    note(path, digest, provenance);
+    Ok(file)
 }

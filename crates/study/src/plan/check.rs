@@ -3,13 +3,13 @@
 use std::ops::Bound::{self, Excluded, Included};
 use std::ops::RangeBounds;
 
-use plan::voyage::AT_REST;
+use chart::ring::{RingFault, ring_fault};
+use plan::voyage::{AT_REST, Area};
 use plan::{Mode, Tolerance};
 use refusal::{Invalid, check_name};
 use ship::engine::MOST_CURRENT_M_S;
 
-use super::area::check_corners;
-use super::file::PlanFile;
+use super::file::{AreaSpec, PlanFile};
 
 /// The valid range of a number.
 type Range = (Bound<f64>, Bound<f64>);
@@ -67,9 +67,9 @@ impl PlanFile {
         }
         for (limit, number) in self.speed_limit.iter().zip(1..) {
             limit.name.iter().try_for_each(|name| check_name("`name` of a speed limit", name))?;
-            let own = limit.name.as_ref().map_or_else(|| number.to_string(), |name| format!("`{name}`"));
-            check_corners(&format!("`corners` of speed limit {own}"), &limit.corners)?;
-            let thing = format!("`max_speed_m_s` of speed limit {own}");
+            let name = limit.name.as_ref().map_or_else(|| number.to_string(), |name| format!("`{name}`"));
+            check_corners(&format!("`corners` of speed limit {name}"), &limit.corners)?;
+            let thing = format!("`max_speed_m_s` of speed limit {name}");
             check(thing, limit.max_speed_m_s, above_0_to(1000.0), "m/s")?;
         }
         let draughts = [("air_draught_m", self.hull.air_draught_m), ("draught_m", self.hull.draught_m)];
@@ -80,11 +80,11 @@ impl PlanFile {
     }
 
     fn check_measurement(&self) -> Result<(), Invalid> {
-        let Some(own) = self.measurement else { return Ok(()) };
+        let Some(measurement) = self.measurement else { return Ok(()) };
         let all = [
-            ("std_u_m_s", own.std_u_m_s, "m/s"),
-            ("std_v_m_s", own.std_v_m_s, "m/s"),
-            ("std_r_rad_s", own.std_r_rad_s, "rad/s"),
+            ("std_u_m_s", measurement.std_u_m_s, "m/s"),
+            ("std_v_m_s", measurement.std_v_m_s, "m/s"),
+            ("std_r_rad_s", measurement.std_r_rad_s, "rad/s"),
         ];
         all.into_iter().try_for_each(|(key, value, unit)| {
             check(format!("`measurement.{key}`"), value, above_0_to(100.0), unit)
@@ -177,8 +177,8 @@ impl PlanFile {
             );
         }
         if let (Some(errors), true) = (self.safety.standard_errors, self.safety.parameter_error > 0.0) {
-            let found = format!("{errors} besides `parameter_error` {}", self.safety.parameter_error);
-            return refuse("safety.standard_errors", found, "one of both");
+            let given = format!("{errors} besides `parameter_error` {}", self.safety.parameter_error);
+            return refuse("safety.standard_errors", given, "one of both");
         }
         if self.safety.trial_depth_m < self.safety.transit_depth_m {
             return Err(Invalid::new(
@@ -215,9 +215,112 @@ impl PlanFile {
         match earlier.iter().find(|m| m.speed_m_s == *speed_m_s) {
             None => Ok(()),
             Some(other) => {
-                let found = format!("{speed_m_s} m/s, the speed of mode `{}`", other.name);
-                refuse(found, "every speed once", remedy)
+                let given = format!("{speed_m_s} m/s, the speed of mode `{}`", other.name);
+                refuse(given, "every speed once", remedy)
             }
         }
     }
+}
+
+// Areas of `plan.toml`: boxes, and polygons by their corners.
+
+const CORNERS: &str = "corners = [[longitude, latitude], ...], three or more in degrees";
+
+impl AreaSpec {
+    /// The area of the keys.
+    ///
+    /// # Errors
+    /// Neither a box nor a polygon, or both; an invalid one.
+    pub(super) fn area(&self) -> Result<Area, Invalid> {
+        let edges = [
+            ("west_deg", self.west_deg),
+            ("south_deg", self.south_deg),
+            ("east_deg", self.east_deg),
+            ("north_deg", self.north_deg),
+        ];
+        let refuse = |found: String, expected: &str, remedy: &str| {
+            Err(Invalid::new("`area`", found, expected, remedy))
+        };
+        if let Some(corners) = &self.corners {
+            if let Some((key, _)) = edges.iter().find(|(_, edge)| edge.is_some()) {
+                let expected = "the polygon's corners, or the four edges of a box";
+                return refuse(format!("both `corners` and `{key}`"), expected, "leave one of them out");
+            }
+            check_corners("`area.corners`", corners)?;
+            return Ok(around(corners));
+        }
+        if let Some((key, _)) = edges.iter().find(|(_, edge)| edge.is_none()) {
+            let expected = "west_deg, south_deg, east_deg and north_deg, or corners";
+            return refuse(format!("no `{key}`"), expected, &format!("add it, or {CORNERS}"));
+        }
+        let [west_deg, south_deg, east_deg, north_deg] = edges.map(|(_, edge)| edge.unwrap_or(f64::NAN));
+        let on_earth = [west_deg, east_deg].iter().all(|lon| lon.abs() <= 180.0)
+            && [south_deg, north_deg].iter().all(|lat| lat.abs() <= 90.0);
+        // West of an area across the antimeridian is the greater longitude; 180° is both.
+        let ordered = south_deg < north_deg && (west_deg < east_deg || west_deg - east_deg > 180.0);
+        if !(on_earth && ordered) {
+            let given = format!("{west_deg} to {east_deg} E, {south_deg} to {north_deg} N");
+            let expected = "west below east (or across 180°), south below north, in degrees";
+            return refuse(given, expected, "correct it");
+        }
+        Ok(Area { west_deg, south_deg, east_deg, north_deg, corners: Vec::new() })
+    }
+}
+
+/// Refuses corners, called `thing`, that are not a valid polygon.
+fn check_corners(thing: &str, corners: &[[f64; 2]]) -> Result<(), Invalid> {
+    let refuse =
+        |found: String, expected: &str, remedy: &str| Err(Invalid::new(thing, found, expected, remedy));
+    if corners.len() < 3 {
+        return refuse(format!("{} corners", corners.len()), "at least three", &format!("write {CORNERS}"));
+    }
+    let on_earth = |[lon, lat]: &[f64; 2]| lon.abs() <= 180.0 && lat.abs() <= 90.0;
+    if let Some([lon, lat]) = corners.iter().find(|corner| !on_earth(corner)) {
+        let expected = "longitude within ±180 and latitude within ±90 degrees, longitude first";
+        return refuse(format!("the corner [{lon}, {lat}]"), expected, "correct it");
+    }
+    let flat = beyond_180(corners);
+    let [[west, east], _] = span(&flat);
+    if east - west > 180.0 {
+        let expected = "at most 180 degrees";
+        return refuse(
+            format!("corners over {} degrees of longitude", east - west),
+            expected,
+            "correct them",
+        );
+    }
+    let ring: Vec<[f64; 2]> = flat.iter().chain(flat.first()).copied().collect();
+    let corner = |edge: usize| format!("corner {}", edge + 1);
+    match ring_fault(&[ring]) {
+        None => Ok(()),
+        Some(RingFault::Crossing { one, other, .. }) => refuse(
+            format!("the edges after {} and {} cross", corner(one.1), corner(other.1)),
+            "a polygon that does not cross itself",
+            "list the corners in their order along its edge",
+        ),
+        Some(_) => refuse("corners on one line".to_owned(), "a polygon with an area", "correct them"),
+    }
+}
+
+/// Corners with longitudes beyond 180° if they are across the antimeridian.
+fn beyond_180(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let [[west, east], _] = span(corners);
+    let turned =
+        |[lon, lat]: [f64; 2]| [if east - west > 180.0 && lon < 0.0 { lon + 360.0 } else { lon }, lat];
+    corners.iter().copied().map(turned).collect()
+}
+
+/// Least and greatest longitude, and latitude.
+fn span(corners: &[[f64; 2]]) -> [[f64; 2]; 2] {
+    [0, 1].map(|k: usize| {
+        let of = corners.iter().map(|corner| corner[k]);
+        [of.clone().fold(f64::INFINITY, f64::min), of.fold(f64::NEG_INFINITY, f64::max)]
+    })
+}
+
+/// The polygon and its bounding box.
+fn around(corners: &[[f64; 2]]) -> Area {
+    let [[west_deg, east_deg], [south_deg, north_deg]] = span(&beyond_180(corners));
+    let east_deg = if east_deg > 180.0 { east_deg - 360.0 } else { east_deg };
+    Area { west_deg, south_deg, east_deg, north_deg, corners: corners.to_vec() }
 }

@@ -4,7 +4,7 @@
 use std::fs::{self, DirEntry};
 use std::path::{Path, PathBuf};
 
-use files::{DEEPEST, Error, observe_names, place_of};
+use files::{DEEPEST, Digest, Error, Provenance, observe_names, place_of};
 
 /// Names of the folder of an exchange set, and of its catalogue.
 const ENC_ROOT: &str = "ENC_ROOT";
@@ -44,9 +44,9 @@ impl CellFile {
     /// A file below `root`, or next to it.
     pub(super) fn at(path: &Path, root: &Path) -> Self {
         let whole = path.parent().and_then(|parent| here(parent).canonicalize().ok());
-        let below = whole.as_deref().and_then(|own| own.strip_prefix(root).ok());
+        let below = whole.as_deref().and_then(|folder| folder.strip_prefix(root).ok());
         let folders = below.into_iter().flat_map(Path::components);
-        let folders = folders.map(|own| own.as_os_str().to_string_lossy().to_ascii_uppercase());
+        let folders = folders.map(|folder| folder.as_os_str().to_string_lossy().to_ascii_uppercase());
         let place = folders.chain([capitals(path)]).collect();
         Self { path: path.to_path_buf(), place, special: false, length: 0 }
     }
@@ -84,8 +84,7 @@ pub(super) fn existing(path: PathBuf) -> PathBuf {
     let Some(folder) = path.parent() else { return path };
     observe_names(folder, &path.file_name().unwrap_or_default().to_string_lossy());
     let entries = fs::read_dir(here(folder)).into_iter().flatten().take(MOST_ENTRIES).flatten();
-    let mut same =
-        entries.map(|own| own.file_name()).filter(|own| capitals(Path::new(own)) == capitals(&path));
+    let mut same = entries.map(|e| e.file_name()).filter(|name| capitals(Path::new(name)) == capitals(&path));
     match (same.next(), same.next()) {
         (Some(name), None) => folder.join(name),
         _ => path,
@@ -102,12 +101,12 @@ impl ExchangeSet {
         let fails = |e| Error::io(folder, "read", e);
         let root = place_of(here(folder)).map_err(fails)?;
         let catalogue = catalogue_in(&root);
-        let mut own = Self { root: root.clone(), files: Vec::new(), catalogue, closed: 0, entries: 0 };
+        let mut set = Self { root: root.clone(), files: Vec::new(), catalogue, closed: 0, entries: 0 };
         let entries = fs::read_dir(&root).map_err(fails)?;
-        own.take(entries.flatten(), &mut Vec::new())?;
+        set.take(entries.flatten(), &mut Vec::new())?;
         observe_names(&root, "**/*.###");
-        own.files.sort_by(|a, b| a.path.cmp(&b.path));
-        Ok(own)
+        set.files.sort_by(|a, b| a.path.cmp(&b.path));
+        Ok(set)
     }
 
     fn take(
@@ -118,10 +117,10 @@ impl ExchangeSet {
         for entry in entries {
             self.entries += 1;
             if self.entries > MOST_ENTRIES {
-                let found = format!("more than {MOST_ENTRIES} files and folders below it");
+                let given = format!("more than {MOST_ENTRIES} files and folders below it");
                 let expected = "the folder of a cell, or of an exchange set";
                 let remedy = "move the cell and its updates into a folder of their own";
-                return Err(Error::refuse(&self.root, "folder", found, expected, remedy));
+                return Err(Error::refuse(&self.root, "folder", given, expected, remedy));
             }
             let path = entry.path();
             let Ok(kind) = entry.file_type() else { continue };
@@ -154,12 +153,12 @@ impl ExchangeSet {
     pub(super) fn root_of(cell: &Path) -> Result<PathBuf, Error> {
         let named = here(cell.parent().unwrap_or(Path::new("")));
         let folder = place_of(named).map_err(|e| Error::io(named, "read", e))?;
-        let is_root = |own: &&Path| capitals(own) == ENC_ROOT || catalogue_in(own).is_some();
+        let is_root = |ancestor: &&Path| capitals(ancestor) == ENC_ROOT || catalogue_in(ancestor).is_some();
         if let Some(root) = folder.ancestors().take(HIGHEST).find(is_root) {
             return Ok(root.to_path_buf());
         }
         // Folders of updates and editions are in one named as the cell.
-        let numbered = folder.ancestors().take_while(|own| is_number(&capitals(own))).take(2).count();
+        let numbered = folder.ancestors().take_while(|a| is_number(&capitals(a))).take(2).count();
         let above = folder.ancestors().nth(numbered).filter(|ancestor| is_stem(&capitals(ancestor), cell));
         let highest = folder.ancestors().nth(numbered.saturating_sub(1));
         Ok(above.or(highest).unwrap_or(&folder).to_path_buf())
@@ -192,5 +191,25 @@ fn catalogue_in(folder: &Path) -> Option<PathBuf> {
         return Some(usual);
     }
     let entries = fs::read_dir(folder).ok()?.take(MOST_ENTRIES).flatten();
-    entries.map(|own| own.path()).find(|own| is_catalogue(own) && own.is_file())
+    entries.map(|path| path.path()).find(|path| is_catalogue(path) && path.is_file())
+}
+
+/// Reads a chart's file, and notes its digest.
+pub(super) fn bytes(path: &Path, provenance: &mut Provenance) -> Result<Vec<u8>, Error> {
+    let bytes = files::read(path)?;
+    note(path, Digest::of_bytes(&bytes), provenance);
+    Ok(bytes)
+}
+
+/// Notes the digest of a chart's file by its name; with a number if another chart's file has the same name.
+pub(super) fn note(path: &Path, digest: Digest, provenance: &mut Provenance) {
+    let name = path.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
+    let roles = (1..).map(|k| if k == 1 { format!("chart:{name}") } else { format!("chart:{name} ({k})") });
+    for role in roles {
+        let known = provenance.inputs.get(&role);
+        if known.is_none_or(|known| *known == digest) {
+            provenance.inputs.insert(role, digest);
+            return;
+        }
+    }
 }

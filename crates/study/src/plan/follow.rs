@@ -6,17 +6,16 @@ use std::path::Path;
 
 use chart::Plane;
 use chart::route::Timestamp;
-use files::{Digesting, Error, Provenance, open};
+use files::{Digesting, Error, Provenance, open, read_document};
 use logs::{Format, LogError, LoggedPositions, SNIFFED, Since, foreign_format, read_positions};
 use plan::voyage::{
-    Brief, FollowLimits, Followed, Gathered, Place, PlannedTrack, RestartPoint, ShipPosition, StepState,
-    Task, TrackPoint, VoyageError,
+    Brief, FollowLimits, Followed, Gathered, Goal, ManeuverUse, Place, PlannedTrack, RestartPoint,
+    ShipPosition, StepState, Task, TrackPoint, VoyageError,
 };
 use refusal::Invalid;
 
-use super::resume::{maneuvers, rest_of, resumed};
 use crate::documents::{FollowDocument, FollowStatus, FollowedStep, PlanDocument, PlanStep, Voyage};
-use crate::track::planned_points;
+use crate::tables::track::planned_points;
 
 /// The files of a plan that is followed.
 #[derive(Clone, Copy, Debug)]
@@ -70,11 +69,11 @@ fn read_so_far(path: &Path, inputs: &[&str], provenance: &mut Provenance) -> Res
         return Err(crate::invalid(path, &foreign));
     }
     let mut source = Digesting::new(open(path)?);
-    let positions =
-        read_positions(BufReader::new(&mut source), format, inputs).map_err(|error| match error {
-            LogError::Unreadable(error) => unreadable(error),
-            LogError::Invalid(invalid) => crate::invalid(path, &invalid),
-        })?;
+    let positions = read_positions(BufReader::new(&mut source), format, inputs);
+    let positions = positions.map_err(|error| match error {
+        LogError::Unreadable(error) => unreadable(error),
+        LogError::Invalid(invalid) => crate::invalid(path, &invalid),
+    })?;
     provenance.written("positions", path, source.digest().map_err(unreadable)?)?;
     Ok(positions)
 }
@@ -106,14 +105,14 @@ impl Clock {
 
     /// Positions on `plane`, timed after the departure.
     fn placed(&self, logged: &LoggedPositions, plane: &Plane) -> Vec<ShipPosition> {
-        let place = |logged_position: &logs::LoggedPosition| ShipPosition {
-            line: logged_position.line,
-            at_s: self.origin_s + logged_position.at_s,
-            place: plane.to_plane(logged_position.longitude_deg, logged_position.latitude_deg),
-            heading_deg: logged_position.heading_deg,
-            speed_m_s: logged_position.speed_m_s,
+        let placed = |row: &logs::LoggedPosition| ShipPosition {
+            line: row.line,
+            at_s: self.origin_s + row.at_s,
+            place: plane.to_plane(row.longitude_deg, row.latitude_deg),
+            heading_deg: row.heading_deg,
+            speed_m_s: row.speed_m_s,
         };
-        logged.rows.iter().map(place).collect()
+        logged.rows.iter().map(placed).collect()
     }
 }
 
@@ -129,28 +128,27 @@ impl FollowedPlan {
         brief: &mut Brief,
         provenance: &mut Provenance,
     ) -> Result<Self, FollowError> {
-        let names: Vec<&str> =
-            brief.vessel.model.input_variables().iter().map(|own| own.name.as_str()).collect();
-        let logged = read_so_far(files.positions, &names, provenance)?;
+        let names = brief.vessel.model.input_variables().iter().map(|input| input.name.as_str());
+        let logged = read_so_far(files.positions, &names.collect::<Vec<_>>(), provenance)?;
         let (plane, _) = brief.sight()?;
         let (points, inputs) = planned_points(files.plan, &brief.vessel, &plane)?;
         check_order(&logged, &points, &plane).map_err(|e| Error::invalid(files.positions, e))?;
         // A plan with a track has a voyage.
         let voyage = plan.voyage.as_ref().ok_or_else(|| no_voyage(files.plan))?;
-        let track = PlannedTrack::new(points, &voyage.legs, &voyage.primitives, &brief.task);
-        let track = track.within(files.within_m);
+        let track =
+            PlannedTrack::new(points, &voyage.legs, &voyage.primitives, &brief.task).within(files.within_m);
         let clock = Clock::of(&logged, voyage);
         let positions = clock.placed(&logged, &plane);
         let limits = FollowLimits::of(&brief.task, &track, files.max_gap_s);
-        let mut own = logged.inputs.clone();
-        own.values_mut().flatten().for_each(|[at_s, _]| *at_s += clock.origin_s);
+        let mut recorded = logged.inputs.clone();
+        recorded.values_mut().flatten().for_each(|[at_s, _]| *at_s += clock.origin_s);
         let followed = track
-            .follow(&positions, [&inputs, &own], &limits)
+            .follow(&positions, [&inputs, &recorded], &limits)
             .map_err(|e| Error::invalid(files.positions, e))?;
         let last = &logged.rows[logged.rows.len() - 1];
         let from = goes_on([last.longitude_deg, last.latitude_deg], &followed, voyage);
         let information = brief.gathered(&plan.counts, &uses(plan, &followed))?;
-        let rest = rest_of(brief.task.clone(), plan, done(plan, &followed), place(&from));
+        let rest = rest_of(brief.task.clone(), plan, done(plan, &followed), place_of(&from));
         let status = match &rest {
             None if followed.finished => FollowStatus::Finished,
             None => FollowStatus::ManeuversDone,
@@ -162,11 +160,10 @@ impl FollowedPlan {
                 None => rest,
             };
         }
-        let left_out = (followed.spikes + logged.left_out) as u64;
         let document = FollowDocument {
             statement: statement(plan, &followed, &information, status),
             doubts: doubts(plan, &followed),
-            left_out,
+            left_out: (followed.spikes + logged.left_out) as u64,
             status,
             departure: clock.words(0.0),
             at: clock.words(followed.at_s),
@@ -197,14 +194,14 @@ fn check_order(logged: &LoggedPositions, points: &[TrackPoint], plane: &Plane) -
         ("with the longitude's sign turned", "turn", [-east, north]),
         ("with the latitude's sign turned", "turn", [east, -north]),
     ];
-    let near = others.into_iter().find(|own| nearest_m(own.2) < (0.1 * away_m).min(ELSEWHERE_M));
+    let near = others.into_iter().find(|other| nearest_m(other.2) < (0.1 * away_m).min(ELSEWHERE_M));
     let Some((how, remedy, _)) = near.filter(|_| away_m > ELSEWHERE_M) else { return Ok(()) };
-    let found = format!(
+    let given = format!(
         "longitude {east} and latitude {north}, {:.0} km from the plan; {how} they are near it",
         away_m / 1e3
     );
     let remedy = format!("{remedy} them in the file");
-    Err(Invalid::new(format!("line {}", last.line), found, "a position near the plan", remedy))
+    Err(Invalid::new(format!("line {}", last.line), given, "a position near the plan", remedy))
 }
 
 /// What is odd about the log, and does not leave the ship's place in doubt; a sentence each.
@@ -251,7 +248,7 @@ fn uses(plan: &PlanDocument, followed: &Followed) -> BTreeMap<String, u64> {
     uses
 }
 
-fn place(from: &RestartPoint) -> Place {
+fn place_of(from: &RestartPoint) -> Place {
     Place {
         longitude_deg: from.longitude_deg,
         latitude_deg: from.latitude_deg,
@@ -349,18 +346,16 @@ fn no_voyage(plan: &Path) -> Error {
 /// Where the ship goes on, at longitude and latitude `place`.
 fn goes_on([longitude_deg, latitude_deg]: [f64; 2], followed: &Followed, voyage: &Voyage) -> RestartPoint {
     let [heading_deg, speed_m_s] = followed.motion;
-    let off = |own: &(&String, &f64)| (own.1 - speed_m_s).abs();
+    let off = |mode: &(&String, &f64)| (mode.1 - speed_m_s).abs();
     let modes = voyage.lattice.modes.iter();
-    let mode = modes.min_by(|a, b| off(a).total_cmp(&off(b))).map_or(String::new(), |own| own.0.clone());
+    let mode = modes.min_by(|a, b| off(a).total_cmp(&off(b))).map_or(String::new(), |mode| mode.0.clone());
     RestartPoint { longitude_deg, latitude_deg, heading_deg, speed_m_s, mode }
 }
 
 fn states(voyage: &Voyage, track: &PlannedTrack, followed: &Followed) -> Vec<FollowedStep> {
-    let all = voyage
-        .legs
-        .iter()
-        .zip(&track.steps)
-        .zip(followed.states.iter().zip(followed.deviations_m.iter().zip(&followed.why)));
+    let steps = voyage.legs.iter().zip(&track.steps);
+    let results = followed.states.iter().zip(followed.deviations_m.iter().zip(&followed.why));
+    let all = steps.zip(results);
     all.map(|((leg, step), (state, (deviation_m, why)))| FollowedStep {
         action: step.name.clone(),
         informative: leg.informative,
@@ -380,42 +375,34 @@ fn statement(
     status: FollowStatus,
 ) -> String {
     let step = &plan.steps[followed.step];
-    let number = followed.step + 1;
+    let (number, count) = (followed.step + 1, plan.steps.len());
     let mut said = match status {
         FollowStatus::Finished => "The plan is done.".to_owned(),
         FollowStatus::ManeuversDone => {
             format!(
-                "All maneuvers are done; the ship is at step {number} of {}. Sail the plan to its end.",
-                plan.steps.len()
+                "All maneuvers are done; the ship is at step {number} of {count}. Sail the plan to its end."
             )
         }
         FollowStatus::UnderWay if followed.finished => {
             "The ship is at the end of the plan, with maneuvers left to do.".to_owned()
         }
         FollowStatus::UnderWay => {
-            let counts = if followed.in_maneuver {
-                ", whose maneuver is under way and counts as not done"
-            } else {
-                ""
-            };
-            format!("The ship is at step {number} of {}, `{}`{counts}.", plan.steps.len(), step.action)
+            let unfinished = ", whose maneuver is under way and counts as not done";
+            let unfinished = if followed.in_maneuver { unfinished } else { "" };
+            format!("The ship is at step {number} of {count}, `{}`{unfinished}.", step.action)
         }
     };
     let late = if followed.delay_s < 0.0 { "early" } else { "late" };
-    said += &format!(
-        " She is {:.0} m off the plan, and {:.0} s {late}.",
-        followed.deviation_m,
-        followed.delay_s.abs()
-    );
-    if let Some(share) = information.share {
-        let percent = 100.0 * share;
+    let (deviation_m, delay_s) = (followed.deviation_m, followed.delay_s.abs());
+    said += &format!(" She is {deviation_m:.0} m off the plan, and {delay_s:.0} s {late}.");
+    if let Some(percent) = information.share.map(|share| 100.0 * share) {
         said += &format!(" What is done has {percent:.0} % of the planned information (D-criterion).");
     }
-    let missed = |(k, (own, state)): (usize, (&PlanStep, &StepState))| {
-        (*state == StepState::Missed).then(|| format!("{} (`{}`)", k + 1, own.action))
+    let missed = |(k, (step, state)): (usize, (&PlanStep, &StepState))| {
+        (*state == StepState::Missed).then(|| format!("{} (`{}`)", k + 1, step.action))
     };
-    let missed: Vec<String> =
-        plan.steps.iter().zip(&followed.states).enumerate().filter_map(missed).collect();
+    let steps = plan.steps.iter().zip(&followed.states).enumerate();
+    let missed: Vec<String> = steps.filter_map(missed).collect();
     if !missed.is_empty() {
         said += &format!(" She did not come along all of step {}.", missed.join(", "));
     }
@@ -433,4 +420,98 @@ fn statement(
         );
     }
     said
+}
+
+// The rest of a plan, from the ship's position.
+
+/// `LONGITUDE,LATITUDE,HEADING` or `LONGITUDE,LATITUDE,HEADING,MODE`, in degrees.
+///
+/// # Errors
+/// Another text, in words.
+pub fn stated_place(text: &str) -> Result<Place, String> {
+    let cells: Vec<&str> = text.split(',').map(str::trim).collect();
+    let number = |cell: &str| cell.parse::<f64>().ok().filter(|value| value.is_finite());
+    let refused = || {
+        format!(
+            "found `{text}`, expected LONGITUDE,LATITUDE,HEADING[,MODE] in degrees, such as 24.95,60.15,45,half"
+        )
+    };
+    let (numbers, mode) = match cells.len() {
+        3 => (&cells[..], None),
+        4 => (&cells[..3], Some(cells[3].to_owned())),
+        _ => return Err(refused()),
+    };
+    let numbers: Option<Vec<f64>> = numbers.iter().map(|cell| number(cell)).collect();
+    let numbers = numbers.ok_or_else(refused)?;
+    Ok(Place { longitude_deg: numbers[0], latitude_deg: numbers[1], heading_deg: numbers[2], mode })
+}
+
+/// Reads the plan at `path`, which was begun. With a model in the vessel's place (`of_model`), it may be a plan for another
+/// vessel: for the one of before the trial.
+///
+/// # Errors
+/// A file that is refused.
+pub fn read_begun(path: &Path, of_model: bool, provenance: &mut Provenance) -> Result<PlanDocument, Error> {
+    let loaded = read_document::<PlanDocument>(path)?;
+    match of_model {
+        true => provenance.written("plan", path, loaded.digest)?,
+        false => provenance.made("plan", path, loaded.digest, &loaded.provenance)?,
+    }
+    Ok(loaded.data)
+}
+
+/// The rest of `task` after the first `done` steps of its `plan`, with the ship at `from`, which becomes a node of
+/// the lattice. Home stays the start of the whole trial.
+///
+/// # Errors
+/// More steps than the plan has; a finished plan.
+pub fn resumed(task: Task, plan: &PlanDocument, done: usize, from: Place) -> Result<Task, Invalid> {
+    if done > plan.steps.len() {
+        let expected = format!("at most {}, the steps of the plan", plan.steps.len());
+        return Err(Invalid::new("`--done`", done.to_string(), expected, "count the steps that are done"));
+    }
+    rest_of(task, plan, &plan.steps[..done], from).ok_or_else(|| {
+        let given = format!("every maneuver among the first {done} steps");
+        let remedy = "sail the plan to its end, or count the steps again";
+        Invalid::new("`--done`", given, "a maneuver that is left to do", remedy)
+    })
+}
+
+/// The rest of `task` after the `done` steps of its `plan`, as [`resumed`] has it; `None` where no maneuver is left.
+fn rest_of<'a>(
+    mut task: Task,
+    plan: &PlanDocument,
+    done: impl IntoIterator<Item = &'a PlanStep>,
+    from: Place,
+) -> Option<Task> {
+    let mut left: BTreeMap<&str, u64> = plan.counts.iter().map(|(name, c)| (name.as_str(), *c)).collect();
+    for step in done {
+        if let Some(count) = left.get_mut(step.action.as_str()) {
+            *count = count.saturating_sub(1);
+        }
+    }
+    left.retain(|_, count| *count > 0);
+    if left.is_empty() {
+        return None;
+    }
+    task.maneuvers = maneuvers(&task, left);
+    if matches!(task.goal, Goal::Home {}) {
+        task.goal = Goal::Places { places: vec![task.start] };
+    }
+    task.on_node = true;
+    task.start = from;
+    Some(task)
+}
+
+/// Uses of maneuvers, in pieces as `task` has them.
+fn maneuvers<'a>(task: &Task, counts: impl IntoIterator<Item = (&'a str, u64)>) -> Vec<ManeuverUse> {
+    let of = |(name, count): (&str, u64)| {
+        let known = task.maneuvers.iter().find(|maneuver| maneuver.name == name);
+        ManeuverUse {
+            name: name.to_owned(),
+            count: Some(count.min(u64::from(u32::MAX)) as u32),
+            piece_s: known.and_then(|maneuver| maneuver.piece_s),
+        }
+    };
+    counts.into_iter().map(of).collect()
 }

@@ -1,7 +1,7 @@
 use refusal::Invalid;
 use ship::forces::{GRAVITY, MainDimensions, usual_froude};
 use ship::model::{InputSpec, Vessel, VesselFile};
-use study::vessel_text::{Notes, vessel_text};
+use study::ship_file::{Notes, vessel_text};
 
 use super::Written;
 

@@ -1,7 +1,7 @@
 use refusal::Invalid;
 use ship::model::{Vessel, VesselFile};
 use study::ship_file::ShipFile;
-use study::vessel_text::{Notes, vessel_text};
+use study::ship_file::{Notes, vessel_text};
 
 use super::Written;
 

@@ -15,7 +15,7 @@ mod text;
 use std::path::Path;
 
 use files::Error;
-use study::hand_written;
+use study::files as hand_written;
 
 pub use chart::Charted;
 pub use looking::{Found, Looked};

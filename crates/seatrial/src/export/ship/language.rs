@@ -1,7 +1,6 @@
 //! Routines as text of the languages.
 
-use super::expression::{Expression, Function, Operation};
-use super::routine::{Line, Routine};
+use super::expression::{Expression, Function, Line, Operation, Routine};
 use crate::export::text::{comment, number, wrapped};
 
 /// Characters of an expression in a line; sums that are longer have a line for each summand.
@@ -71,8 +70,12 @@ impl Language {
             (Function::Root, "The square root, 0 below 0.", &["x"]),
             (Function::Sign, "-1, 0 or 1.", &["x"]),
         ];
-        let needed = |own: &&(Function, _, _)| used.contains(&own.0);
-        helpers.iter().filter(needed).map(|(own, says, formals)| self.helper(*own, says, formals)).collect()
+        let needed = |helper: &&(Function, _, _)| used.contains(&helper.0);
+        helpers
+            .iter()
+            .filter(needed)
+            .map(|(function, says, formals)| self.helper(*function, says, formals))
+            .collect()
     }
 
     fn helper(self, function: Function, says: &str, formals: &[&str]) -> String {
@@ -113,8 +116,8 @@ impl Language {
     }
 
     /// A value.
-    pub fn value(self, own: &Expression, names: &Names) -> String {
-        match own {
+    pub fn value(self, expression: &Expression, names: &Names) -> String {
+        match expression {
             Expression::Number(value) => number(*value),
             Expression::Quantity(i) => (names.parameter)(*i),
             Expression::Channel(i) => names.channels[*i].clone(),
@@ -122,12 +125,12 @@ impl Language {
             Expression::Item(name, i) if self == Self::Matlab => format!("{name}({})", i + 1),
             Expression::Item(name, i) => format!("{name}[{i}]"),
             Expression::Call(function, all) => {
-                let all: Vec<String> = all.iter().map(|own| self.value(own, names)).collect();
+                let all: Vec<String> = all.iter().map(|argument| self.value(argument, names)).collect();
                 format!("{}({})", self.function(*function), all.join(", "))
             }
             Expression::Binary(operation, both) => {
                 let sign = ["+", "-", "*", "/"][*operation as usize];
-                let bound = level(own);
+                let bound = level(expression);
                 // Sums and products are computed from left to right, as the program does.
                 let inner = |expression: &Expression, least: u8| {
                     let text = self.value(expression, names);
@@ -164,7 +167,7 @@ impl Language {
     }
 
     fn lines(self, lines: &[Line], names: &Names, indent: &str) -> String {
-        lines.iter().map(|own| self.line(own, names, indent)).collect()
+        lines.iter().map(|line| self.line(line, names, indent)).collect()
     }
 
     fn line(self, line: &Line, names: &Names, indent: &str) -> String {
@@ -178,8 +181,7 @@ impl Language {
                 }
             }
             Line::Results { name, routine, arguments, count, parameters } => {
-                let mut all: Vec<String> =
-                    arguments.iter().map(|argument| self.value(argument, names)).collect();
+                let mut all: Vec<String> = arguments.iter().map(|a| self.value(a, names)).collect();
                 if *parameters {
                     all.insert(0, "p".to_owned());
                 }
@@ -233,13 +235,13 @@ impl Language {
         self.function_text(routine, &formals, unpack, names)
     }
 
-    fn function_text(self, own: &Routine, formals: &[&str], unpack: &str, names: &Names) -> String {
-        let name = &own.name;
-        let results: Vec<String> = own.results.iter().map(|result| self.value(result, names)).collect();
-        let said = wrapped(&comment(&own.comment), 100);
+    fn function_text(self, routine: &Routine, formals: &[&str], unpack: &str, names: &Names) -> String {
+        let name = &routine.name;
+        let results: Vec<String> = routine.results.iter().map(|result| self.value(result, names)).collect();
+        let said = wrapped(&comment(&routine.comment), 100);
         match self {
             Self::Python => {
-                let (said, lines) = (said.join("\n    "), self.lines(&own.lines, names, "    "));
+                let (said, lines) = (said.join("\n    "), self.lines(&routine.lines, names, "    "));
                 let results = results.join(",\n        ");
                 format!(
                     "def {name}({}):\n    \"\"\"{said}\"\"\"\n{unpack}{lines}    return (\n        {results},\n    )\n\n\n",
@@ -247,7 +249,7 @@ impl Language {
                 )
             }
             Self::Matlab => {
-                let (said, lines) = (said.join("\n% "), self.lines(&own.lines, names, ""));
+                let (said, lines) = (said.join("\n% "), self.lines(&routine.lines, names, ""));
                 let results = results.join(", ...\n    ");
                 format!(
                     "function out = {name}({})\n% {said}\n{unpack}{lines}out = [{results}];\nend\n\n",
@@ -255,13 +257,13 @@ impl Language {
                 )
             }
             Self::C => {
-                let formal = |own: &&str| match *own {
-                    "p" | "state" | "input" => format!("const double *{own}"),
-                    _ => format!("double {own}"),
+                let formal = |argument: &&str| match *argument {
+                    "p" | "state" | "input" => format!("const double *{argument}"),
+                    _ => format!("double {argument}"),
                 };
                 let mut formals: Vec<String> = formals.iter().map(formal).collect();
                 formals.push("double *out".to_owned());
-                let (said, lines) = (said.join("\n * "), self.lines(&own.lines, names, "    "));
+                let (said, lines) = (said.join("\n * "), self.lines(&routine.lines, names, "    "));
                 let results: String = results
                     .iter()
                     .enumerate()

@@ -2,11 +2,7 @@
 
 mod components;
 pub(crate) mod expression;
-mod hull;
 mod language;
-mod numbers;
-mod propulsion;
-pub(crate) mod routine;
 
 use std::collections::BTreeSet;
 
@@ -14,13 +10,9 @@ use ship::forces::{Description, Forces, LEAST_SQUARE, Quantity};
 
 pub(crate) use language::{Language, Names};
 
-use crate::export::identifier::Identifiers;
-use components::{crossflow, thruster, wind};
-use expression::{Expression, Function};
-use hull::{hull, rigid_body};
-use numbers::Numbers;
-use propulsion::{propeller, rudder, taken as taken_of_wash};
-use routine::{Lines, Routine};
+use super::text::Identifiers;
+use components::{crossflow, hull, propeller, rigid_body, rudder, taken as taken_of_wash, thruster, wind};
+use expression::{Expression, Function, Lines, Numbers, Routine};
 
 /// Names that the generated code of a ship has of its own.
 pub(crate) const RESERVED: &str = "U U_s accelerations runge_kutta rigid_body rates surge sway yaw if_positive root sign sqrt exp \
@@ -53,41 +45,42 @@ impl Ship {
         let mut sums = [Expression::ZERO, Expression::ZERO, Expression::ZERO];
         let mut add = |routine: Routine, result: String| {
             lines.0.push(routine.called(&result));
-            for (d, (sum, own)) in sums.iter_mut().zip(&routine.results).enumerate() {
-                if *own != Expression::ZERO {
+            for (d, (sum, force)) in sums.iter_mut().zip(&routine.results).enumerate() {
+                if *force != Expression::ZERO {
                     *sum = sum.clone() + Expression::Item(result.clone(), d);
                 }
             }
             routines.push(routine);
         };
         let mut taken = |name: &str| [names.take(&format!("{name}_forces")), names.take(name)];
-        let own = forces.description();
-        if !(own.surge.is_empty() && own.sway.is_empty() && own.yaw.is_empty()) {
+        let description = forces.description();
+        if !(description.surge.is_empty() && description.sway.is_empty() && description.yaw.is_empty()) {
             let [name, result] = taken("hull");
             add(hull(forces, &numbers, &name), result);
         }
         let mut washes = Vec::new();
-        for (i, spec) in own.propeller.iter().enumerate() {
+        for (i, spec) in description.propeller.iter().enumerate() {
             let [name, result] = taken(&spec.name);
-            let behind = own.rudder.iter().enumerate().filter(|(k, _)| forces.rudder_input(*k).1 == Some(i));
-            let wash = behind.map(|(_, own)| taken_of_wash(own)).max().unwrap_or(0);
+            let behind =
+                description.rudder.iter().enumerate().filter(|(k, _)| forces.rudder_input(*k).1 == Some(i));
+            let wash = behind.map(|(_, rudder)| taken_of_wash(rudder)).max().unwrap_or(0);
             add(propeller(forces, i, spec, &numbers, &name, wash), result.clone());
             washes.push((spec.name.as_str(), result));
         }
-        for (i, spec) in own.rudder.iter().enumerate() {
+        for (i, spec) in description.rudder.iter().enumerate() {
             let [name, result] = taken(&spec.name);
-            let wash = forces.rudder_input(i).1.map(|own| (washes[own].0, washes[own].1.as_str()));
+            let wash = forces.rudder_input(i).1.map(|k| (washes[k].0, washes[k].1.as_str()));
             add(rudder(forces, i, spec, &numbers, &name, wash), result);
         }
-        for (i, spec) in own.thruster.iter().enumerate() {
+        for (i, spec) in description.thruster.iter().enumerate() {
             let [name, result] = taken(&spec.name);
             add(thruster(forces, i, spec, &numbers, &name), result);
         }
-        for (i, spec) in own.wind.iter().enumerate() {
+        for (i, spec) in description.wind.iter().enumerate() {
             let [name, result] = taken(&spec.name);
             add(wind(forces, i, spec, &numbers, &name), result);
         }
-        for spec in &own.crossflow {
+        for spec in &description.crossflow {
             let [name, result] = taken(&spec.name);
             add(crossflow(spec, &numbers, &name), result);
         }
@@ -103,7 +96,7 @@ impl Ship {
             lines: lines.0,
             results,
         };
-        let most = own.step_s.unwrap_or(sample_s);
+        let most = description.step_s.unwrap_or(sample_s);
         let steps = (sample_s / most - 1e-9).ceil().max(1.0) as u32;
         let accelerations = accelerations.without_unused();
         let mut ship = Self { routines, accelerations, steps, quantities: Vec::new() };
@@ -113,36 +106,37 @@ impl Ship {
 
     /// Calls `seen` for every value in it.
     pub(crate) fn visit(&self, seen: &mut impl FnMut(&Expression)) {
-        self.routines.iter().chain([&self.accelerations]).for_each(|own| own.visit(seen));
+        self.routines.iter().chain([&self.accelerations]).for_each(|routine| routine.visit(seen));
     }
 
     /// What `of` finds in its values, in the order in which they stand.
-    fn found<T>(&self, of: impl Fn(&Expression) -> Option<T>) -> Vec<T> {
-        let mut found = Vec::new();
-        self.visit(&mut |value| found.extend(of(value)));
-        found
+    fn gathered<T>(&self, of: impl Fn(&Expression) -> Option<T>) -> Vec<T> {
+        let mut gathered = Vec::new();
+        self.visit(&mut |value| gathered.extend(of(value)));
+        gathered
     }
 
     /// The indices of the variables that it takes.
     pub(crate) fn channels(&self) -> BTreeSet<usize> {
         let channel = |value: &Expression| if let Expression::Channel(i) = value { Some(*i) } else { None };
-        self.found(channel).into_iter().collect()
+        self.gathered(channel).into_iter().collect()
     }
 
     /// The indices of the quantities that it takes.
     fn taken_quantities(&self) -> BTreeSet<usize> {
         let quantity = |value: &Expression| if let Expression::Quantity(i) = value { Some(*i) } else { None };
-        self.found(quantity).into_iter().collect()
+        self.gathered(quantity).into_iter().collect()
     }
 
     /// The functions that it calls, each once.
     fn functions(&self) -> Vec<Function> {
-        let called =
-            |value: &Expression| if let Expression::Call(own, _) = value { Some(*own) } else { None };
+        let called = |value: &Expression| {
+            if let Expression::Call(function, _) = value { Some(*function) } else { None }
+        };
         let mut once = Vec::new();
-        for own in self.found(called) {
-            if !once.contains(&own) {
-                once.push(own);
+        for function in self.gathered(called) {
+            if !once.contains(&function) {
+                once.push(function);
             }
         }
         once
@@ -150,9 +144,9 @@ impl Ship {
 
     /// The names of the states that its accelerations take.
     pub(crate) fn takes_state(&self, name: &str) -> bool {
-        let mut found = false;
-        self.accelerations.visit(&mut |value| found |= *value == Expression::name(name));
-        found
+        let mut takes = false;
+        self.accelerations.visit(&mut |value| takes |= *value == Expression::name(name));
+        takes
     }
 
     /// Its routines as text, the accelerations last; `parameter` writes that at an index, `unpack` names state and inputs.
@@ -175,10 +169,9 @@ impl Ship {
 /// The degree of freedom and the text of the term whose parameter has this name.
 pub(crate) fn term(description: &Description, name: &str) -> Option<String> {
     let degrees = [("surge", &description.surge), ("sway", &description.sway), ("yaw", &description.yaw)];
-    let mut all =
-        degrees.into_iter().flat_map(|(degree, terms)| terms.iter().map(move |term| (degree, term)));
-    let (degree, own) = all.find(|(_, own)| own.parameter == name)?;
-    Some(format!("{degree}: {}", own.term))
+    let mut all = degrees.into_iter().flat_map(|(degree, t)| t.iter().map(move |term| (degree, term)));
+    let (degree, term) = all.find(|(_, term)| term.parameter == name)?;
+    Some(format!("{degree}: {}", term.term))
 }
 
 /// The whole speed, that with the sign of u, and u less the approach speed.

@@ -1,0 +1,162 @@
+//! The hand-written files of a design: the stock of maneuvers, limits.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use design::Stock;
+use files::{Digest, Error, Provenance, STUDY_ROLES, read_document, read_json};
+use maneuver::InputLimit;
+use refusal::{Invalid, check_numbers};
+use serde::Deserialize;
+use ship::model::Source;
+use trial::moments::Moments;
+use trial::refining::{STATES, StatedLimits};
+
+use crate::documents::{DesignDocument, IngestDocument, ModelDocument, MomentsDocument};
+use crate::figure_goals::FigureGoals;
+use crate::invalid;
+
+/// A design whose trial has been run, and what it was made from.
+pub struct Promised {
+    /// The design.
+    pub design: DesignDocument,
+    /// Its moments.
+    pub moments: Moments,
+    /// The parameters that its errors are relative to.
+    pub relative_to: Source,
+    /// Figures of merit, if given.
+    pub figures: Option<FigureGoals>,
+}
+
+impl Promised {
+    /// Reads the files and notes their digests.
+    ///
+    /// # Errors
+    /// A file that is refused; moments that the design was not made from.
+    pub fn read(
+        design: &Path,
+        moments: &Path,
+        figures: Option<&Path>,
+        provenance: &mut Provenance,
+    ) -> Result<Self, Error> {
+        let document = read_document::<DesignDocument>(design)?;
+        provenance.made("design", design, document.digest, &document.provenance)?;
+        let read = read_document::<MomentsDocument>(moments)?;
+        provenance.made("moments", moments, read.digest, &read.provenance)?;
+        let of = read.data.moments().map_err(|e| invalid(moments, &e))?;
+        if of.prior.is_some() {
+            let expected = "information in proportion to time, by which a promise is updated";
+            let remedy = "compare with the standard errors of the model.json";
+            let refused = Invalid::new("`data.prior`", "priors, which count once", expected, remedy);
+            return Err(invalid(moments, &refused));
+        }
+        let relative_to = document.provenance.settings.get("relative_to").and_then(|name| name.as_str());
+        let is_value = relative_to == Some(Source::Value.name());
+        Ok(Self {
+            design: document.data,
+            figures: figures.map(|path| FigureGoals::read(path, &of, provenance)).transpose()?,
+            moments: of,
+            relative_to: if is_value { Source::Value } else { Source::Nominal },
+        })
+    }
+
+    /// Reads the estimate of the trial; it may be by another vessel.toml than the design's, with other nominal values.
+    ///
+    /// # Errors
+    /// A file that is refused, or was made from another design.
+    pub fn model(&self, path: &Path, provenance: &mut Provenance) -> Result<ModelDocument, Error> {
+        let loaded = read_document::<ModelDocument>(path)?;
+        let mut from = loaded.provenance;
+        let others: Vec<&str> = STUDY_ROLES.into_iter().filter(|role| *role != "design").collect();
+        from.forget(&others);
+        provenance.made("model", path, loaded.digest, &from)?;
+        Ok(loaded.data)
+    }
+}
+
+/// Reads the available amount of every maneuver and notes the file's digest: tables `seconds` and `segments` in TOML
+/// or JSON, or the segments that `ingest.json` counts.
+///
+/// # Errors
+/// A file that is refused, a maneuver that is not in `maneuvers` or that is limited twice, a negative time.
+pub fn read_stock(path: &Path, maneuvers: &[String], provenance: &mut Provenance) -> Result<Stock, Error> {
+    let json = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+    let stock = if json {
+        let (stock, digest) = stock_of_json(path)?;
+        provenance.written("available", path, digest)?;
+        stock
+    } else {
+        provenance.read_toml("available", "available", path)?
+    };
+    check_stock(&stock, maneuvers).map_err(|e| invalid(path, &e))?;
+    Ok(stock)
+}
+
+fn stock_of_json(path: &Path) -> Result<(Stock, Digest), Error> {
+    let (value, digest) = read_json::<serde_json::Value>(path)?;
+    if value.get("schema").is_some() {
+        let loaded = read_document::<IngestDocument>(path)?;
+        let segments = loaded.data.maneuvers.into_iter().map(|m| (m.name, m.segments)).collect();
+        return Ok((Stock { seconds: BTreeMap::new(), segments }, loaded.digest));
+    }
+    Ok((read_json::<Stock>(path)?.0, digest))
+}
+
+fn check_stock(stock: &Stock, maneuvers: &[String]) -> Result<(), Invalid> {
+    let mut keys = stock.seconds.keys().chain(stock.segments.keys());
+    if let Some(unknown) = keys.find(|key| !maneuvers.contains(key)) {
+        let expected = "a maneuver of the moments".into();
+        let unknown = Invalid::unknown("maneuver", unknown, maneuvers.iter().map(String::as_str));
+        return Err(Invalid { expected, ..unknown });
+    }
+    if let Some(twice) = stock.seconds.keys().find(|key| stock.segments.contains_key(*key)) {
+        let thing = format!("maneuver `{twice}`");
+        let given = "a limit in `seconds` and one in `segments`";
+        return Err(Invalid::new(thing, given, "one limit", "remove one"));
+    }
+    let seconds = stock.seconds.iter().map(|(name, seconds)| (name, *seconds));
+    check_numbers(seconds, "a time of 0 s or more", |seconds| seconds >= 0.0)
+}
+
+/// `limits.toml` as written: largest moduli; of inputs also the lowest and the highest value.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LimitsFile {
+    u_m_s: Option<f64>,
+    v_m_s: Option<f64>,
+    r_rad_s: Option<f64>,
+    #[serde(default)]
+    inputs: BTreeMap<String, InputLimit>,
+    /// Of the inputs' rates, per second.
+    #[serde(default)]
+    rates: BTreeMap<String, f64>,
+}
+
+/// Reads `limits.toml` and notes its digest. `inputs`: their names.
+///
+/// # Errors
+/// A file that is refused; a limit of an unknown input, or one that is not positive.
+pub fn read_limits(path: &Path, inputs: &[&str], provenance: &mut Provenance) -> Result<StatedLimits, Error> {
+    let LimitsFile { u_m_s, v_m_s, r_rad_s, inputs: amplitudes, rates } =
+        provenance.read_toml("limits", "limits", path)?;
+    let limits = StatedLimits { states: [u_m_s, v_m_s, r_rad_s], inputs: amplitudes, rates };
+    check_limits(&limits, inputs).map_err(|e| invalid(path, &e))?;
+    Ok(limits)
+}
+
+fn check_limits(limits: &StatedLimits, inputs: &[&str]) -> Result<(), Invalid> {
+    let tables =
+        [("inputs", limits.inputs.keys().collect::<Vec<_>>()), ("rates", limits.rates.keys().collect())];
+    for (table, keys) in tables {
+        if let Some(unknown) = keys.into_iter().find(|key| !inputs.contains(&key.as_str())) {
+            return Err(Invalid::unknown(format!("`{table}`"), unknown, inputs.iter().copied()));
+        }
+    }
+    let mut ranges = limits.inputs.iter();
+    ranges.try_for_each(|(name, range)| range.check(format!("`inputs.{name}`")))?;
+    let states = STATES.iter().zip(limits.states);
+    let states = states.filter_map(|(key, limit)| Some(((*key).to_owned(), limit?)));
+    let rates = limits.rates.iter().map(|(key, limit)| (format!("rates.{key}"), *limit));
+    let all = states.chain(rates);
+    check_numbers(all, "a number above 0", |limit| limit > 0.0)
+}
