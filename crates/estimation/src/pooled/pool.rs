@@ -9,8 +9,8 @@ use ship::model::{Degree, DegreeOfFreedom, Model, Vessel};
 use super::windows::StateMeans;
 use super::{Scales, Searched, Unfound};
 use crate::Estimator;
-use crate::additional::AdditionalUnknowns;
 use crate::criticism::Kinds;
+use crate::estimator::AdditionalUnknowns;
 use crate::predictor::{InitialState, Unknown};
 
 /// The options of all estimates of a study.

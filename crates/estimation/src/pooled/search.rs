@@ -6,8 +6,8 @@ use ship::engine::RunView;
 
 use super::{Estimated, Follow, Pool, Scales, Searched, Unfound};
 use crate::Estimator;
-use crate::additional::Intercepts;
 use crate::criticism::{ENOUGH, Kinds, calibrated};
+use crate::estimator::Intercepts;
 use crate::predictor::{InitialState, Unknown};
 
 /// Starts are estimated if noise has at least this share of the squared errors.

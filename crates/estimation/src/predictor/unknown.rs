@@ -3,7 +3,7 @@ use ship::model::Model;
 
 use super::scores::blocks;
 use super::sums::{Linear, linearize};
-use crate::additional::{AdditionalUnknowns, UnknownCurrent};
+use crate::estimator::{AdditionalUnknowns, UnknownCurrent};
 use crate::sensitivity::{Flow, NoiseModel, Recordings, Slopes, slopes};
 
 /// The start of a simulation.

@@ -7,7 +7,7 @@ use ship::model::Vessel;
 use super::error::RunError;
 use super::found::{Found, Regressed};
 use super::refined::refined;
-use crate::additional::AdditionalUnknowns;
+use crate::estimator::AdditionalUnknowns;
 use crate::pooled::{Delivered, Surroundings};
 use crate::predictor::{InitialState, NoiseModel};
 use crate::{EstimateCovariance, Estimator, RunEstimate};

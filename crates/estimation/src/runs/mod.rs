@@ -9,7 +9,7 @@ mod physical;
 mod refined;
 mod searched;
 
-pub use crate::additional::{AdditionalUnknowns, Intercepts, UnknownCurrent};
+pub use crate::estimator::{AdditionalUnknowns, Intercepts, UnknownCurrent};
 pub use criticised::Asked;
 pub use error::RunError;
 pub use estimators::RunEstimators;

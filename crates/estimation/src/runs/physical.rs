@@ -8,7 +8,7 @@ use ship::model::{ForceModel, Vessel};
 
 use super::error::RunError;
 use super::estimators::RunEstimators;
-use crate::additional::AdditionalUnknowns;
+use crate::estimator::AdditionalUnknowns;
 use crate::predictor::{Flow, InitialState, NoiseModel};
 use crate::{EstimateCovariance, EstimateStatus, Estimator, RunEstimate};
 

@@ -8,8 +8,8 @@ use ship::model::Model;
 
 use super::estimators::RunEstimators;
 use super::found::Regressed;
-use crate::additional::Intercepts;
 use crate::criticism::{Calibrated, calibrated};
+use crate::estimator::Intercepts;
 use crate::predictor::{
     Fit, Fitted, FoundSpread, InitialState, NoiseModel, Spread, Unknown, errors_by_blocks, held, of_terms,
     output_error, prediction_error, roots, scaled,

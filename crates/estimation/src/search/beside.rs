@@ -5,8 +5,8 @@ use numerics::statistics::MeanTrajectory;
 use rayon::prelude::*;
 use ship::engine::{check_diverged, replay};
 
+use super::judged::FittedShip;
 use crate::search::judged::{Margin, NestedAverage, NestedRecording, NestedScore};
-use crate::search::physical::FittedShip;
 use crate::search::recording::{Laid, Recording};
 use crate::search::scores::{mean_of, together, varying};
 

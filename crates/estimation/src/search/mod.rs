@@ -7,39 +7,30 @@
 
 mod average;
 mod beside;
-mod bootstrap;
 mod compact;
-mod core_terms;
-mod deliver;
-mod folds;
-mod gram;
 mod judged;
-mod left_out;
 mod library;
-mod made;
-mod minimum;
 mod nested;
-mod pairs;
-mod physical;
 mod problem;
 mod recording;
 mod roles;
 mod scores;
 mod searched;
-mod wind;
 mod words;
 
-pub use average::{AverageOptions, Averaged, Member, draw_most};
+pub use average::{
+    AverageOptions, Averaged, BootstrapOptions, Member, Resampled, ResampledParameter, draw_again, draw_most,
+    folds_of_drawn,
+};
 pub use beside::{Alone, Dealt, Kind};
-pub use bootstrap::{BootstrapOptions, Resampled, ResampledParameter, draw_again, folds_of_drawn};
 pub use compact::SizeScore;
-pub use core_terms::core;
-pub use folds::folds;
-pub use judged::{Margin, NestedAverage, NestedRecording, NestedScore};
-pub use library::{library, with_channels};
+pub use judged::{
+    FittedShip, JudgedShips, Margin, NestedAverage, NestedRecording, NestedScore, ShipsWithoutFold,
+    judged_ships,
+};
+pub use library::{core, library, with_channels};
 pub use nested::Candidate;
-pub use physical::{FittedShip, JudgedShips, ShipsWithoutFold, judged_ships};
-pub use recording::{Cut, Recording};
+pub use recording::{Cut, Recording, folds};
 pub use roles::{NamedRoles, Roles};
 pub use searched::{SearchError, SearchOptions, Searched, search};
 pub use words::{averaged, fits, left_out};

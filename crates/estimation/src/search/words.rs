@@ -1,5 +1,5 @@
+use super::average::Resampled;
 use crate::pooled::FreeRunErrors;
-use crate::search::bootstrap::Resampled;
 use crate::search::compact::SizeScore;
 use crate::search::judged::{Margin, NestedAverage, NestedRecording, NestedScore};
 use crate::search::nested::{Candidate, Fitted};

@@ -1,8 +1,7 @@
 //! Inputs that act later than they are logged.
 
 use super::turned::changed;
-use crate::fitting::pass::Pass;
-use crate::fitting::{Fit, Problem};
+use crate::fitting::{Fit, Pass, Problem};
 
 /// Most steps of a fit that is only to be compared.
 const STEPS: usize = 6;

@@ -7,16 +7,473 @@
 //! cost by g²/H. Windows, or pieces of them, are independent units: z = g/√V, V the sum of their squared scores. The
 //! probability counts all candidates: signs of the units are drawn anew, and the largest |z| of a draw is compared.
 
-mod chance;
 mod columns;
-mod criticise;
 mod late;
-mod products;
-mod scores;
-mod turn;
 mod turned;
 
-pub use criticise::{AbsentTerm, Channels, Criticism, LEVEL};
+use numerics::scaled_inverse;
+use rand::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+use ship::forces::{Channel, Forces};
+
+use super::{Pass, held};
+use crate::fitting::sums::{AT_ONCE, Reduced, Sums};
+use crate::fitting::{Fit, Problem, Unfit};
+use columns::{Block, Column, Measure, Product, listed, products};
+use turned::Alternative;
+
 pub use late::{LateInput, Lateness};
-pub use turn::Turn;
-pub use turned::TurnedSign;
+pub use turned::{Turn, TurnedSign};
+
+/// A model is rejected where chance makes any candidate look as likely with less than this probability.
+pub const LEVEL: f64 = 0.05;
+/// Candidates whose gain is at least this share of the largest may be what is missing, too.
+const CLOSE: f64 = 0.8;
+/// Most inputs for which lag and dead time are compared.
+const MOST_LATE: usize = 3;
+
+/// The channels of a ship, in the order of a row.
+#[derive(Clone, Copy, Debug)]
+pub struct Channels<'a> {
+    /// Inputs, then measured disturbances.
+    pub all: &'a [Channel],
+    /// Number of inputs.
+    pub inputs: usize,
+    /// Terms of surge, sway and yaw to test in place of the usual products.
+    pub listed: Option<&'a [Vec<String>; 3]>,
+}
+
+impl Channels<'_> {
+    /// The products to test.
+    fn products(&self, forces: &Forces) -> Result<Vec<Product>, Unfit> {
+        match self.listed {
+            Some(lists) => listed(forces, self.all, lists),
+            None => Ok(products(forces, self.all, self.inputs)),
+        }
+    }
+
+    /// The number of products that `forces` lacks.
+    ///
+    /// # Errors
+    /// A listed text that is no term.
+    pub fn lacking(&self, forces: &Forces) -> Result<usize, Unfit> {
+        self.products(forces).map(|own| own.len())
+    }
+}
+
+/// A product that an equation lacks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AbsentTerm {
+    /// 0 surge, 1 sway, 2 yaw.
+    pub degree: usize,
+    /// As it is written.
+    pub term: String,
+    /// Its number if it were added, in SI units.
+    pub value: f64,
+    /// The standard error of that.
+    pub standard_error: f64,
+    /// Its SI unit.
+    pub unit: String,
+    /// What one of the prime system is in SI units; none with channels that the prime system does not scale.
+    pub prime: Option<f64>,
+    /// By which share the cost would fall.
+    pub share: f64,
+    /// How probable it is in a right model that any candidate seems as likely.
+    pub p_value: f64,
+    /// Whether it may be what is missing: no other lowers the cost by much more.
+    pub candidate: bool,
+}
+
+/// What is wrong with a fitted ship.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Criticism {
+    /// Signs that were turned, the one with the lowest cost first.
+    pub signs: Vec<TurnedSign>,
+    /// Inputs, the one that lowers the cost most first. None where a sign is wrong.
+    pub late: Vec<LateInput>,
+    /// Products, those that are not chance first, and then by how much they lower the cost. None where a sign is wrong.
+    pub terms: Vec<AbsentTerm>,
+    /// Candidates that the fitted numbers explain, in words.
+    pub hidden: Vec<String>,
+    /// Independent units of the scores.
+    pub units: usize,
+    /// Whether these are whole windows; else pieces of them.
+    pub whole: bool,
+    /// How probable it is in a right model that any candidate seems as likely; none where a sign is wrong.
+    pub p_value: Option<f64>,
+}
+
+impl Criticism {
+    /// Whether a sign is wrong.
+    pub fn has_wrong_sign(&self) -> bool {
+        self.signs.iter().any(|own| own.wrong)
+    }
+
+    /// Whether something is wrong beyond chance.
+    pub fn rejects(&self) -> bool {
+        self.has_wrong_sign() || self.p_value.is_some_and(|own| own < LEVEL)
+    }
+}
+
+impl Problem<'_> {
+    /// What is wrong with the ship of this `fit`.
+    ///
+    /// # Errors
+    /// A start of a window or a number that nothing determines.
+    pub fn criticise(&self, fit: &Fit, channels: Channels) -> Result<Criticism, Unfit> {
+        let signs = self.signs(fit, channels.all);
+        let mut found = Criticism {
+            signs,
+            late: Vec::new(),
+            terms: Vec::new(),
+            hidden: Vec::new(),
+            units: 0,
+            whole: false,
+            p_value: None,
+        };
+        if !found.has_wrong_sign() {
+            self.scored(fit, channels, &mut found)?;
+        }
+        Ok(found)
+    }
+
+    /// Why the fit from `theta` failed by `error`: a wrong sign, where one explains that it came to no end.
+    pub fn explained(&self, error: Unfit, theta: &[f64], channels: Channels) -> Unfit {
+        let Unfit::Unfinished(steps) = error else { return error };
+        let Ok((fit, _)) = Pass::new(self, None).search(theta, self.settings.most_steps) else {
+            return error;
+        };
+        let first = self.signs(&fit, channels.all).into_iter().find(|own| own.wrong);
+        first.map_or(error, |own| Unfit::WrongSign(steps, own.turn.to_string()))
+    }
+
+    fn signs(&self, fit: &Fit, channels: &[Channel]) -> Vec<TurnedSign> {
+        let alternatives = Alternative::all(self.forces, channels);
+        let count = alternatives.len();
+        let mut signs: Vec<TurnedSign> =
+            alternatives.iter().map(|alternative| self.turned(fit, alternative, count)).collect();
+        let gain = |own: &TurnedSign| own.share.unwrap_or(f64::NEG_INFINITY);
+        signs.sort_by(|one, other| gain(other).total_cmp(&gain(one)));
+        signs
+    }
+
+    /// Adds scores of late inputs and of products.
+    fn scored(&self, fit: &Fit, channels: Channels, found: &mut Criticism) -> Result<(), Unfit> {
+        let inputs = inputs(self.forces, channels.inputs);
+        let terms = channels.products(self.forces)?;
+        let (blocks, measures) = self.blocks(&inputs, &terms, channels.all)?;
+        let Scores { all, units, whole } = Pass::new(self, fit.first).scores(fit, &blocks)?;
+        let testable: Vec<&Score> = all.iter().flatten().collect();
+        let mut probabilities = probabilities(&testable).into_iter();
+        let judged = all.iter().map(|own| own.as_ref().zip(own.as_ref().and_then(|_| probabilities.next())));
+        let (late, others): (Vec<_>, Vec<_>) = judged.enumerate().partition(|(i, _)| *i < inputs.len());
+        found.p_value =
+            late.iter().chain(&others).filter_map(|(_, own)| own.map(|(_, p)| p)).reduce(f64::min);
+        found.late = late
+            .into_iter()
+            .filter_map(|(i, own)| own.map(|own| late_input(&channels.all[inputs[i]].name, own, fit)))
+            .collect();
+        self.compare_late(fit, channels.all, &mut found.late);
+        for ((product, measure), (_, own)) in terms.iter().zip(measures).zip(others) {
+            match own {
+                Some(own) => found.terms.push(absent(product, measure, own, fit)),
+                None => found.hidden.push(label(product)),
+            }
+        }
+        sort(&mut found.terms);
+        (found.units, found.whole) = (units, whole);
+        Ok(())
+    }
+
+    fn blocks(
+        &self,
+        inputs: &[usize],
+        terms: &[Product],
+        channels: &[Channel],
+    ) -> Result<(Vec<Block>, Vec<Measure>), Unfit> {
+        let mut blocks: Vec<Block> = inputs.chunks(AT_ONCE).map(|own| Block::Late(own.to_vec())).collect();
+        let mut measures = Vec::new();
+        for chunk in terms.chunks(AT_ONCE) {
+            let (block, more) = Block::terms(self.forces, chunk, channels)?;
+            blocks.push(block);
+            measures.extend(more);
+        }
+        Ok((blocks, measures))
+    }
+
+    /// Lag and dead time of the inputs that act late beyond chance.
+    fn compare_late(&self, fit: &Fit, channels: &[Channel], late: &mut [LateInput]) {
+        late.sort_by(|one, other| other.share.total_cmp(&one.share));
+        let certain = late.iter_mut().filter(|own| own.p_value < LEVEL && own.late_s > 0.0);
+        for own in certain.take(MOST_LATE) {
+            let Some(channel) = channels.iter().position(|channel| channel.name == own.input) else {
+                continue;
+            };
+            let of =
+                |kind| self.late(fit, channel, kind, own.late_s).map(|(time, share)| (kind, time, share));
+            let mut kinds: Vec<_> = [Lateness::DeadTime, Lateness::Lag].into_iter().filter_map(of).collect();
+            kinds.sort_by(|one, other| other.2.total_cmp(&one.2));
+            own.best = kinds.first().copied();
+            own.other = kinds.get(1).map(|(_, _, share)| *share);
+        }
+    }
+}
+
+/// Inputs whose lateness can be tested: those that do not go around.
+fn inputs(forces: &Forces, count: usize) -> Vec<usize> {
+    let description = forces.description();
+    let azimuths = (0..description.thruster.len()).filter_map(|i| Some(forces.thruster_inputs(i).1?.channel));
+    let winds = (0..description.wind.len()).map(|i| forces.wind_inputs(i)[1].channel);
+    let around: Vec<usize> = azimuths.chain(winds).collect();
+    (0..count).filter(|own| !around.contains(own)).collect()
+}
+
+fn late_input(name: &str, (score, p_value): (&Score, f64), fit: &Fit) -> LateInput {
+    let (late_s, standard_error) = score.value();
+    let share = fit.share(score.gain());
+    LateInput { input: name.to_owned(), late_s, standard_error, share, p_value, best: None, other: None }
+}
+
+fn absent(
+    product: &Product,
+    (unit, prime): Measure,
+    (score, p_value): (&Score, f64),
+    fit: &Fit,
+) -> AbsentTerm {
+    let (value, standard_error) = score.value();
+    AbsentTerm {
+        degree: product.degree,
+        term: product.text.clone(),
+        value,
+        standard_error,
+        unit,
+        prime,
+        share: fit.share(score.gain()),
+        p_value,
+        candidate: false,
+    }
+}
+
+fn label(product: &Product) -> String {
+    format!("`{}` in {}", product.text, ["surge", "sway", "yaw"][product.degree])
+}
+
+/// Those that are not chance first, then by their gain; marks those that may be what is missing.
+fn sort(terms: &mut [AbsentTerm]) {
+    let certain = |own: &AbsentTerm| own.p_value < LEVEL;
+    terms.sort_by(|one, other| certain(other).cmp(&certain(one)).then(other.share.total_cmp(&one.share)));
+    let most = terms.first().filter(|term| certain(term)).map(|own| own.share);
+    for own in terms.iter_mut() {
+        own.candidate = certain(own) && most.is_some_and(|most| own.share >= CLOSE * most);
+    }
+}
+
+// Scores of candidates, from which fitted numbers and starts of windows are projected out.
+
+/// A candidate whose derivatives the fitted numbers explain but for this share cannot be told from them.
+const LEFT: f64 = 1e-6;
+/// Share of the weight of priors that is kept, so that what nothing determines stays. Priors weigh more than noise does:
+/// where they are kept, candidates would make up for them.
+const KEPT: f64 = 1e-4;
+/// Windows are the independent units where there are so many for each number that they determine; else pieces are.
+const ENOUGH: f64 = 4.0;
+
+/// The score of a candidate.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Score {
+    /// g: half the derivative of the cost by its number.
+    pub gradient: f64,
+    /// H: half its second derivative.
+    pub curvature: f64,
+    /// Its part in each independent unit.
+    pub units: Vec<f64>,
+}
+
+/// The scores of all candidates.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Scores {
+    /// In order; none where the fitted numbers explain a candidate.
+    pub all: Vec<Option<Score>>,
+    /// Number of independent units.
+    pub units: usize,
+    /// Whether these are whole windows; else pieces of them.
+    pub whole: bool,
+}
+
+impl Score {
+    /// z: the gradient in its standard deviations.
+    pub fn standardised(&self) -> f64 {
+        self.gradient / self.variance().sqrt().max(f64::MIN_POSITIVE)
+    }
+
+    /// V.
+    pub fn variance(&self) -> f64 {
+        self.units.iter().map(|own| own * own).sum()
+    }
+
+    /// By how much the cost would fall if it were added.
+    pub fn gain(&self) -> f64 {
+        self.gradient * self.gradient / self.curvature
+    }
+
+    /// Its number if it were added, and the standard error of that.
+    pub fn value(&self) -> (f64, f64) {
+        (-self.gradient / self.curvature, self.variance().sqrt() / self.curvature)
+    }
+}
+
+/// The inverse second derivatives of half the cost by the free numbers, and what is left of its first ones.
+struct Fitted {
+    free: Vec<usize>,
+    inverse: Vec<f64>,
+    gradient: Vec<f64>,
+    /// Numbers that the recordings determine.
+    used: f64,
+}
+
+/// Sums over all windows for one candidate.
+struct Total {
+    across: Vec<f64>,
+    square: f64,
+    gradient: f64,
+}
+
+impl Pass<'_> {
+    /// The scores of the candidates of `blocks` after `fit`.
+    ///
+    /// # Errors
+    /// A start of a window or a number that nothing determines.
+    pub(crate) fn scores(&self, fit: &Fit, blocks: &[Block]) -> Result<Scores, Unfit> {
+        let groups: Vec<_> = self.groups.iter().zip(&fit.starts).collect();
+        let found: Result<Vec<_>, Unfit> = groups
+            .par_iter()
+            .map(|(group, starts)| self.columns(group, (&fit.theta, starts), blocks))
+            .collect();
+        let (sums, columns): (Vec<Vec<Sums>>, Vec<Vec<Vec<Column>>>) = found?.into_iter().unzip();
+        let reduced = self.determined(&sums)?;
+        let fitted = self.fitted(fit, &sums, &reduced)?;
+        let windows: Vec<(&Sums, &Reduced, &Vec<Column>)> = sums
+            .iter()
+            .zip(&reduced)
+            .zip(&columns)
+            .flat_map(|((sums, reduced), columns)| sums.iter().zip(reduced).zip(columns))
+            .map(|((sums, reduced), columns)| (sums, reduced, columns))
+            .collect();
+        let whole = windows.len() as f64 >= ENOUGH * fitted.used;
+        let count = blocks.iter().map(Block::count).sum();
+        let of = |j: usize| self.score(&fitted, &windows, j, whole);
+        let all: Vec<Option<Score>> = (0..count).into_par_iter().map(of).collect();
+        let units = match whole {
+            true => windows.len(),
+            false => windows.iter().map(|(sums, _, _)| sums.pieces.len()).sum(),
+        };
+        Ok(Scores { all, units, whole })
+    }
+
+    fn fitted(&self, fit: &Fit, sums: &[Vec<Sums>], reduced: &[Vec<Reduced>]) -> Result<Fitted, Unfit> {
+        let n = fit.theta.len();
+        let (data, mut gradient) = self.information(n, sums, reduced);
+        let pulls = self.pulls(&fit.theta);
+        let whole: Vec<f64> = gradient.iter().zip(&pulls).map(|(own, [_, pull])| own + pull).collect();
+        let held = held(self.forces, &fit.theta, &whole);
+        gradient.iter_mut().zip(&pulls).for_each(|(sum, [_, own])| *sum += KEPT * own);
+        let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
+        let m = free.len();
+        let mut bread: Vec<f64> = (0..m * m).map(|k| data[free[k / m] * n + free[k % m]]).collect();
+        (0..m).for_each(|i| bread[i * m + i] += KEPT * pulls[free[i]][0]);
+        let inverse = scaled_inverse(m, &bread).ok_or_else(|| self.undetermined(&free, &bread))?;
+        let used = m as f64 - (0..m).map(|i| KEPT * inverse[i * m + i] * pulls[free[i]][0]).sum::<f64>();
+        let gradient = free.iter().map(|i| gradient[*i]).collect();
+        Ok(Fitted { free, inverse, gradient, used })
+    }
+
+    fn total(&self, n: usize, windows: &[(&Sums, &Reduced, &Vec<Column>)], j: usize) -> Total {
+        let mut total = Total { across: vec![0.0; n], square: 0.0, gradient: 0.0 };
+        for (sums, _, columns) in windows {
+            let (weight, own) = (self.weight(&sums.errors), &columns[j]);
+            total.across.iter_mut().zip(&own.across).for_each(|(sum, own)| *sum += weight * own);
+            total.square += weight * own.square;
+            total.gradient += weight * own.scores.iter().sum::<f64>();
+        }
+        total
+    }
+
+    fn score(
+        &self,
+        fitted: &Fitted,
+        windows: &[(&Sums, &Reduced, &Vec<Column>)],
+        j: usize,
+        whole: bool,
+    ) -> Option<Score> {
+        let n = self.forces.parameters().len();
+        let total = self.total(n, windows, j);
+        let across: Vec<f64> = fitted.free.iter().map(|i| total.across[*i]).collect();
+        let m = across.len();
+        // How the fitted numbers would follow the candidate.
+        let follows: Vec<f64> =
+            (0..m).map(|i| numerics::dot(&fitted.inverse[i * m..(i + 1) * m], &across)).collect();
+        let curvature = total.square - numerics::dot(&follows, &across);
+        if !(curvature > LEFT * total.square && curvature.is_finite()) {
+            return None;
+        }
+        let gradient = total.gradient - numerics::dot(&follows, &fitted.gradient);
+        let mut units = Vec::new();
+        for (sums, reduced, columns) in windows {
+            let weight = self.weight(&sums.errors);
+            let pieces = sums.scores(reduced, n).into_iter().zip(&columns[j].scores).map(|(known, own)| {
+                let known: f64 = fitted.free.iter().zip(&follows).map(|(i, own)| own * known[*i]).sum();
+                weight * (own - known)
+            });
+            match whole {
+                true => units.push(pieces.sum()),
+                false => units.extend(pieces),
+            }
+        }
+        // Numbers that the recordings determine use up units.
+        let count = units.len() as f64;
+        let correction = (count / (count - fitted.used).max(1.0)).sqrt();
+        units.iter_mut().for_each(|unit| *unit *= correction);
+        Some(Score { gradient, curvature, units })
+    }
+}
+
+// How often chance makes any candidate look as likely.
+
+/// Number of draws.
+const DRAWS: usize = 2000;
+
+/// For each score the probability that, if no candidate were missing, any of them had as large a score. Signs of the
+/// independent units are drawn, the same ones for all scores, so that candidates that resemble each other count as one.
+fn probabilities(scores: &[&Score]) -> Vec<f64> {
+    let rows = scores.first().map_or(0, |own| own.units.len());
+    let deviations: Vec<f64> =
+        scores.iter().map(|own| own.variance().sqrt().max(f64::MIN_POSITIVE)).collect();
+    let standardised: Vec<Vec<f64>> = (0..rows)
+        .map(|row| {
+            scores.iter().zip(&deviations).map(|(own, deviation)| own.units[row] / deviation).collect()
+        })
+        .collect();
+    let draws: Vec<f64> =
+        (0..DRAWS as u64).into_par_iter().map(|seed| largest(&standardised, seed)).collect();
+    let probability = |own: &&Score| {
+        let as_large = draws.iter().filter(|draw| **draw >= own.standardised().abs()).count();
+        (as_large + 1) as f64 / (DRAWS + 1) as f64
+    };
+    scores.iter().map(probability).collect()
+}
+
+/// The largest score of draw number `seed`.
+fn largest(rows: &[Vec<f64>], seed: u64) -> f64 {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let mut sums = vec![0.0; rows.first().map_or(0, Vec::len)];
+    let mut bits = 0;
+    for (k, row) in rows.iter().enumerate() {
+        if k % 64 == 0 {
+            bits = random.next_u64();
+        }
+        let sign = if bits >> (k % 64) & 1 == 0 { 1.0 } else { -1.0 };
+        sums.iter_mut().zip(row).for_each(|(sum, own)| *sum += sign * own);
+    }
+    sums.iter().fold(0.0, |most, own| own.abs().max(most))
+}
