@@ -17,10 +17,10 @@ pub mod refine;
 pub mod runs;
 pub mod search;
 mod sensitivity;
-mod signs;
 mod validate;
 
 pub use estimator::{EstimateCovariance, EstimateStatus, Estimator, RunEstimate, ScoreStatus};
+pub use pooled::statements::against_nominal;
 pub use recommendation::{
     Contender, MOST_WITHOUT_ESTIMATE, Other, PairedDifference, Quantiles, Recommendation, RepeatedEstimates,
     Share, TRUSTED, relative_norms,
@@ -28,7 +28,6 @@ pub use recommendation::{
 pub use sensitivity::{
     OutputInformation, Simulated, output_information, output_informations, prediction_weights,
 };
-pub use signs::against_nominal;
 pub use validate::{
     Candidate, FreeRun, RunScore, ValidationRuns, free_runs, not_relative, parameter_error, rmse_norm,
 };

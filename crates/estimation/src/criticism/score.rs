@@ -1,6 +1,11 @@
 use numerics::distributions::log_chi_square_tail;
 use numerics::{inverse, times};
 
+use super::chance::Draws;
+use super::found::{Absent, Criticism, Verdict, called};
+use super::library::{Candidate, Lifted};
+use super::noise::{Noise, NoiseKind};
+use super::problems::{Problems, State};
 use crate::predictor::{Linear, scaled_inverse};
 
 /// A signal cannot be distinguished from the estimated unknowns if less than this share of it is left after
@@ -113,4 +118,94 @@ impl Projected {
             values,
         })
     }
+}
+
+// Score tests of all candidates for what a model lacks.
+
+/// A model is rejected if the likeliest candidate has a smaller probability than this under the model.
+pub const LEVEL: f64 = 0.05;
+/// Size in standard errors at which a trial nearly always detects an absent term.
+const SEEN: f64 = 3.9;
+/// Candidates within this distance in −2 log p of the first may be what is missing too.
+const CLOSE: f64 = 6.0;
+
+/// The tests of all candidates, the likeliest first, and the names of those that cannot be tested.
+pub(super) fn tested(lifted: &Lifted, draws: &Draws, projected: &Projected) -> (Vec<Absent>, Vec<String>) {
+    let scored = lifted.candidates.iter().map(|candidate| (candidate, projected.score(&candidate.group)));
+    let (testable, hidden): (Vec<_>, Vec<_>) = scored.partition(|(_, score)| score.is_some());
+    let testable: Vec<(&Candidate, Score)> =
+        testable.into_iter().filter_map(|(c, score)| Some((c, score?))).collect();
+    let groups = testable.iter().map(|(candidate, score)| (&candidate.group, score)).collect::<Vec<_>>();
+    let probabilities = draws.adjusted(projected, &groups);
+    let most = testable.iter().map(|(_, score)| -2.0 * score.log_p).fold(0.0, f64::max);
+    let all = testable.iter().zip(&probabilities);
+    let mut found: Vec<Absent> = all.map(|((c, score), p)| absent(c, score, *p, most)).collect();
+    found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    (found, hidden.into_iter().map(|(candidate, _)| called(&candidate.name, candidate.place())).collect())
+}
+
+/// The test of `candidate`, where `most` is the evidence of the likeliest.
+fn absent(candidate: &Candidate, score: &Score, p_value: f64, most: f64) -> Absent {
+    let evidence = -2.0 * score.log_p;
+    Absent {
+        name: candidate.name.clone(),
+        degree: candidate.place().map(str::to_owned),
+        unit: candidate.unit.clone(),
+        value: score.values.clone(),
+        standard_error: score.standard_errors.clone(),
+        visible_from: SEEN * score.standard_errors.iter().copied().fold(0.0, f64::max),
+        p_value,
+        evidence,
+        candidate: most - evidence <= CLOSE,
+    }
+}
+
+// Tests under white noise when another kind seems likelier: a missing term may look like drifting noise.
+
+/// Twice the log-likelihood by which another kind may be ahead due to a missing term.
+const TAKEN: f64 = 30.0;
+/// Factor on probabilities under white noise: two tests are made.
+const TESTS: f64 = 2.0;
+
+/// The tests of every estimate under white noise if that is not the likeliest kind but plausible.
+pub(super) fn under_white(
+    problems: &Problems,
+    lifted: &Lifted,
+    draws: &Draws,
+    states: &[State],
+) -> Vec<Option<Vec<Absent>>> {
+    let white = |state: &State| {
+        let likeliest = state.noise.as_ref().filter(|noise| noise.guess.kind != NoiseKind::White)?;
+        let guess = *likeliest.within(TAKEN).find(|own| own.kind == NoiseKind::White)?;
+        Some(Noise { guess, ..likeliest.clone() })
+    };
+    let under = |state: &State| State { parameters: state.parameters.clone(), noise: white(state) };
+    let own: Vec<State> = states.iter().map(under).collect();
+    if own.iter().all(|state| state.noise.is_none()) {
+        return vec![None; states.len()];
+    }
+    let (sums, _) = problems.look(lifted, &own);
+    let each = sums.into_iter().zip(&own);
+    each.map(|(sums, own)| Some(tested(lifted, draws, &Projected::new(&sums?, own.parameters.len())?).0))
+        .collect()
+}
+
+/// Rejects a model by the tests under white noise if these are the stronger evidence against it; returns whether they
+/// are.
+pub(super) fn reject_under_white(found: &mut Criticism, white: Option<Vec<Absent>>) -> bool {
+    let Some(white) = white.and_then(|white| clearer_under_white(&found.absent, white)) else { return false };
+    (found.rejected, found.verdict) = (true, Verdict::Rejected);
+    (found.p_value, found.absent) = (Some(least(&white)), white);
+    true
+}
+
+/// The tests under white noise of a model whose `likeliest` noise is another, if they reject it and are the stronger
+/// evidence. Their probabilities are doubled, since two tests are made; `None` if they are not.
+pub fn clearer_under_white(likeliest: &[Absent], mut white: Vec<Absent>) -> Option<Vec<Absent>> {
+    white.iter_mut().for_each(|own| own.p_value = (TESTS * own.p_value).min(1.0));
+    Some(white).filter(|white| least(white) < least(likeliest).min(LEVEL))
+}
+
+fn least(found: &[Absent]) -> f64 {
+    found.iter().map(|own| own.p_value).fold(1.0, f64::min)
 }

@@ -3,13 +3,14 @@ use std::f64::consts::TAU;
 
 use numerics::distributions::student_half_width;
 use numerics::statistics::Z;
+use numerics::symmetric;
 use regression::pooled::{AnyParts, Part, PartView, Regression, Unread};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use ship::engine::RunView;
-use ship::model::{DegreeOfFreedom, Model, Variable};
+use ship::engine::{RunView, Streams};
+use ship::model::{DegreeOfFreedom, Model, Variable, Vessel};
 
-use super::{DegreeTrust, Estimated, ParameterTrust, Pool, Score, SourceErrors, Surroundings};
+use super::{DegreeTrust, Estimated, ParameterTrust, Pool, Score, Searched, SourceErrors};
 
 /// The model that an estimate delivers, whole: with it others simulate what was validated.
 #[derive(Clone, Debug, PartialEq)]
@@ -324,4 +325,107 @@ pub fn covered(model: &Model, parts: &[Part]) -> Vec<Covered> {
     let mut ranges = Ranges::new(model);
     parts.iter().for_each(|part| ranges.add(&part.view()));
     ranges.covered()
+}
+
+/// A current over ground that was found with a model in one run, or in a part of one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Surroundings {
+    /// The run or recording.
+    pub source: String,
+    /// Which of the parts that simulations start anew with, from 0.
+    pub part: u64,
+    /// What was found, along and across the vessel as she heads where the part starts.
+    pub found: Vec<FoundUnknown>,
+}
+
+/// An unknown beside the parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FoundUnknown {
+    /// What it is: `current along` and the like.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// The estimate.
+    pub value: f64,
+    /// Its standard error; null where it has none, as where it makes no difference.
+    pub standard_error: Option<f64>,
+}
+
+impl Surroundings {
+    /// The current in part `part` of `source`: values and standard errors.
+    pub(crate) fn of((source, part): (&str, usize), [values, errors]: [[f64; 2]; 2]) -> Self {
+        let found = |(i, name): (usize, &str)| FoundUnknown {
+            name: name.to_owned(),
+            unit: "m/s".to_owned(),
+            value: values[i],
+            standard_error: Some(errors[i]).filter(|error| *error > 0.0),
+        };
+        let found = ["current along", "current across"].into_iter().enumerate().map(found).collect();
+        Self { source: source.to_owned(), part: part as u64, found }
+    }
+
+    /// The surroundings of all parts that were `searched`.
+    ///
+    /// # Errors
+    /// Parts that cannot be read.
+    pub(super) fn all(parts: &AnyParts, searched: &Searched) -> Result<Vec<Self>, Unread> {
+        let mut all = Vec::new();
+        if !searched.currents.is_empty() {
+            parts.each(&mut |part| {
+                all.push(Self::of((part.source, all.len()), searched.currents[all.len()]))
+            })?;
+        }
+        Ok(all)
+    }
+}
+
+/// Parameters and what an estimate leaves uncertain of them.
+pub struct Uncertain {
+    parameters: Vec<f64>,
+    /// Place of each uncertain parameter.
+    places: Vec<usize>,
+    /// A root of their covariance, n × n, row-major.
+    root: Vec<f64>,
+    /// Ends of what each may be.
+    ends: Vec<[f64; 2]>,
+}
+
+impl Uncertain {
+    /// Of `vessel` with `parameters`; what the covariance says of constants is left out. `None` where it is no covariance.
+    pub fn new(vessel: &Vessel, parameters: Vec<f64>, covariance: &Covariance) -> Option<Self> {
+        let names: Vec<&str> = vessel.model.parameter_names().collect();
+        let place = |name: &String| names.iter().position(|own| own == name);
+        let known: Vec<(usize, usize)> =
+            covariance.names.iter().enumerate().filter_map(|(row, name)| Some((row, place(name)?))).collect();
+        let (n, width) = (known.len(), covariance.names.len());
+        let entry = |k: usize| covariance.entries[known[k / n].0 * width + known[k % n].0];
+        let part: Vec<f64> = (0..n * n).map(entry).collect();
+        let (values, vectors) = symmetric(n, &part)?;
+        let root = (0..n * n).map(|k| vectors[k] * values[k % n].max(0.0).sqrt()).collect();
+        let places: Vec<usize> = known.into_iter().map(|(_, place)| place).collect();
+        let ends = places.iter().map(|place| ends(vessel, *place)).collect();
+        Some(Self { parameters, places, root, ends })
+    }
+
+    /// Parameters of draw `draw`; numbers of forces stay within their bounds, as estimates do.
+    pub fn drawn(&self, streams: &Streams, draw: u32) -> Vec<f64> {
+        let n = self.places.len();
+        let mut normals = vec![0.0; n];
+        streams.normals(draw, 0, &mut normals);
+        let mut parameters = self.parameters.clone();
+        for ((row, place), [low, high]) in self.root.chunks_exact(n.max(1)).zip(&self.places).zip(&self.ends)
+        {
+            let off = row.iter().zip(&normals).map(|(a, z)| a * z).sum::<f64>();
+            parameters[*place] = (parameters[*place] + off).clamp(*low, *high);
+        }
+        parameters
+    }
+}
+
+/// The bounds of a number of forces; open for terms.
+fn ends(vessel: &Vessel, place: usize) -> [f64; 2] {
+    let open = [f64::NEG_INFINITY, f64::INFINITY];
+    vessel.model.forces.as_ref().map_or(open, |own| own.forces.parameters()[place].bounds)
 }

@@ -6,9 +6,8 @@ use ship::engine::RunView;
 use ship::model::DegreeOfFreedom;
 use thiserror::Error;
 
-use super::entangled::entangled;
 use super::resampler::{Resampler, Resampling};
-use super::statements::statements;
+use super::statements::{against_nominal, entangled, statements};
 use super::trust::Judge;
 use super::{
     DegreeTrust, Delivered, Estimated, Follow, Judgement, NoEstimate, Pool, Resample, SourceErrors, Unfound,
@@ -16,7 +15,6 @@ use super::{
 use crate::criticism::{Criticism, Subject, Verdict, criticise_after};
 use crate::predictor::{InitialState, Unknown};
 use crate::sensitivity::Flow;
-use crate::signs::against_nominal;
 use crate::{EstimateStatus, Estimator, RunEstimate};
 
 /// One estimate from all runs, and how far it can be trusted.

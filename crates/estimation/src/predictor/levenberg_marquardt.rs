@@ -1,4 +1,4 @@
-use super::sums::Linear;
+use super::linear::Linear;
 use crate::sensitivity::Slopes;
 use numerics::{dot, times};
 

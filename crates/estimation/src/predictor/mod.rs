@@ -9,22 +9,19 @@
 
 mod errors;
 mod levenberg_marquardt;
+mod linear;
 mod output_error;
 mod prediction_error;
-mod scores;
-mod sums;
-mod unknown;
 
 pub(crate) use errors::{held, of_terms, roots, scaled};
 pub(crate) use levenberg_marquardt::{
     Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
 };
+pub use linear::{InitialState, Linear, Unknown};
+pub(crate) use linear::{linearize, linearize_each};
 pub use output_error::{Fit, Fitted, FoundSpread, Spread, output_error};
 pub(crate) use prediction_error::errors_by_blocks;
 pub use prediction_error::{innovations, prediction_error};
-pub use sums::Linear;
-pub(crate) use sums::{linearize, linearize_each};
-pub use unknown::{InitialState, Unknown};
 
 pub use crate::sensitivity::{
     Drift, Flow, ForceNoise, NoiseModel, Recordings, Sensitivities, Slopes, Step, free_sweep, slopes,

@@ -10,9 +10,7 @@ use ship::model::{Model, ParameterLayout};
 
 use super::errors::{Errors, of_terms};
 use super::levenberg_marquardt::{Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize};
-use super::scores::disturbed_scores;
-use super::sums::{Linear, linearize_and_keep};
-use super::unknown::Unknown;
+use super::linear::{Linear, Unknown, disturbed_scores, linearize_and_keep};
 use crate::sensitivity::{NoiseModel, Recordings, Sensitivities, Slopes, groups, of_one_length, with_states};
 
 /// How standard errors are computed.

@@ -1,15 +1,319 @@
 //! Estimates of single runs, by every estimator.
 
-mod criticised;
-mod error;
-mod estimators;
-mod found;
-mod instrumented;
+mod outcome;
 mod physical;
-mod refined;
 mod searched;
 
+use regression::pooled::{PartView, Regression};
+use regression::runs::{CollinearRun, RunInstruments, collinear_run};
+use regression::{InstrumentKind, MeanRemoval};
+use ship::engine::{Run, RunView};
+use ship::model::{Model, Vessel};
+
+use crate::criticism::{Subject, criticise_each};
+use crate::pooled::{Delivered, Surroundings};
+use crate::predictor::{InitialState, NoiseModel};
+use crate::{EstimateCovariance, EstimateStatus, Estimator, RunEstimate};
+use outcome::{Found, Regressed, refined};
+
 pub use crate::estimator::{AdditionalUnknowns, Intercepts, UnknownCurrent};
-pub use criticised::Asked;
-pub use error::RunError;
-pub use estimators::RunEstimators;
+pub use outcome::RunError;
+
+/// Estimates runs one by one, each by every requested estimator.
+pub struct RunEstimators<'a> {
+    /// The vessel.
+    pub vessel: &'a Vessel,
+    /// In the order of the estimates.
+    pub estimators: Vec<Estimator>,
+    /// How the instruments' mean is removed.
+    pub removal: MeanRemoval,
+    /// The start of simulations.
+    pub initial: InitialState,
+    /// Additional unknowns of searches.
+    pub additional: AdditionalUnknowns,
+    /// The disturbances of the runs, if stated.
+    pub levels: Option<NoiseModel>,
+}
+
+/// The results of all estimators on some runs; empty for those not needed.
+#[derive(Default)]
+struct Everything {
+    ls: Vec<Regressed>,
+    iv: Vec<Regressed>,
+    simulated: Vec<Found>,
+    predicted: Vec<Found>,
+}
+
+impl Everything {
+    /// The result of an estimator on the first run.
+    fn first(&self, estimator: Estimator) -> Option<&Found> {
+        match estimator {
+            Estimator::Ls => self.ls.first().map(|own| &own.found),
+            Estimator::Iv | Estimator::Auto => self.iv.first().map(|own| &own.found),
+            Estimator::OutputError => self.simulated.first(),
+            Estimator::PredictionError => self.predicted.first(),
+        }
+    }
+
+    /// The estimates by one estimator, with their covariances.
+    fn by<'f>(
+        &'f self,
+        all: &RunEstimators,
+        estimator: Estimator,
+        runs: &[Run],
+    ) -> Vec<(RunEstimate, Option<&'f [f64]>)> {
+        let rows = |found: &mut dyn Iterator<Item = &'f Found>, excited: &[Regressed]| {
+            let each = found.zip(excited).zip(runs);
+            let row = |((found, excited), run): ((&'f Found, &Regressed), &Run)| {
+                let row = all.estimate(estimator, run, found, excited);
+                let covariance = found.covariance.as_deref().filter(|_| row.estimate.is_some());
+                (row, covariance)
+            };
+            each.map(row).collect()
+        };
+        match estimator {
+            Estimator::Ls => rows(&mut self.ls.iter().map(|r| &r.found), &self.ls),
+            Estimator::Iv | Estimator::Auto => rows(&mut self.iv.iter().map(|r| &r.found), &self.iv),
+            Estimator::OutputError => rows(&mut self.simulated.iter(), &self.iv),
+            Estimator::PredictionError => rows(&mut self.predicted.iter(), &self.iv),
+        }
+    }
+}
+
+impl RunEstimators<'_> {
+    /// One estimate per run and estimator, run by run.
+    ///
+    /// # Errors
+    /// A diverging nominal simulation, a run that is too short.
+    pub fn estimates(&self, runs: &[Run]) -> Result<Vec<RunEstimate>, RunError> {
+        self.estimates_from(runs, None)
+    }
+
+    /// The same, with searches from the estimates `near`, if known, by run.
+    ///
+    /// # Errors
+    /// See [`RunEstimators::estimates`].
+    pub fn estimates_from(
+        &self,
+        runs: &[Run],
+        near: Option<&[Option<Vec<f64>>]>,
+    ) -> Result<Vec<RunEstimate>, RunError> {
+        if let Some(moved) = &self.vessel.model.forces {
+            return Ok(self.by_forces(moved, runs)?.into_iter().map(|(row, _)| row).collect());
+        }
+        let found = self.found(runs, near)?;
+        Ok(self.rows(&found, runs).into_iter().map(|(row, _)| row).collect())
+    }
+
+    /// The same, each with its covariance.
+    ///
+    /// # Errors
+    /// See [`RunEstimators::estimates`].
+    pub fn estimates_with_covariances(
+        &self,
+        runs: &[Run],
+    ) -> Result<Vec<(RunEstimate, EstimateCovariance)>, RunError> {
+        if let Some(moved) = &self.vessel.model.forces {
+            return self.by_forces(moved, runs);
+        }
+        let found = self.found(runs, None)?;
+        let rows = self.rows(&found, runs).into_iter();
+        Ok(rows.map(|(row, covariance)| (row, covariance.map(<[f64]>::to_vec))).collect())
+    }
+
+    /// All estimates with their covariances, run by run.
+    fn rows<'f>(&self, found: &'f Everything, runs: &[Run]) -> Vec<(RunEstimate, Option<&'f [f64]>)> {
+        let columns = self.estimators.iter().map(|e| found.by(self, *e, runs).into_iter());
+        let mut columns: Vec<_> = columns.collect();
+        let row = |_| columns.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();
+        runs.iter().flat_map(row).collect()
+    }
+
+    /// The model of the first estimator from `run`, which is called `name`, with that by least squares; `None`
+    /// without an estimate, and of a ship with forces, whose model `estimate pool` delivers.
+    ///
+    /// # Errors
+    /// See [`RunEstimators::estimates`].
+    pub fn delivered(&self, run: &Run, name: &str) -> Result<Option<(RunEstimate, Delivered)>, RunError> {
+        let (runs, model) = (std::slice::from_ref(run), &self.vessel.model);
+        let Some(estimator) = self.estimators.first().copied().filter(|_| model.forces.is_none()) else {
+            return Ok(None);
+        };
+        let found = self.found(runs, None)?;
+        let (intercepts, current) =
+            found.first(estimator).map_or((None, None), |own| (own.intercepts, own.current));
+        let surroundings = current.map(|current| Surroundings::of((name, 0), current));
+        let row = found.by(self, estimator, runs).pop().map(|(row, _)| row);
+        let Some((row, theta)) = row.and_then(|row| Some((row.clone(), row.estimate?.0))) else {
+            return Ok(None);
+        };
+        let simple = self.regressed(InstrumentKind::Regressors, runs)?;
+        let simple = simple.first().and_then(|own| own.found.theta()).map(<[f64]>::to_vec);
+        let whole = RunView::measured(&run.measured, &run.exogenous);
+        let part = PartView { label: "", source: name, run: whole };
+        let left = |theta: &[f64]| match self.removal {
+            MeanRemoval::None => [0.0; 3],
+            _ => Regression::of(model, &part).left(theta),
+        };
+        let simple = simple.map(|theta| {
+            let own = left(&theta);
+            (theta, own)
+        });
+        let unwrap_or_else = intercepts.unwrap_or_else(|| left(&theta));
+        Ok(Some((row, Delivered::of_run(model, &part, (theta, unwrap_or_else), simple, surroundings))))
+    }
+
+    /// Everything that the requested estimators need, each computed once; searches begin at `near`, if known.
+    fn found(&self, runs: &[Run], near: Option<&[Option<Vec<f64>>]>) -> Result<Everything, RunError> {
+        use Estimator::{Ls, OutputError, PredictionError};
+        let wanted = |any: &[Estimator]| self.estimators.iter().any(|e| any.contains(e));
+        let mut found = Everything::default();
+        if wanted(&[Ls]) {
+            found.ls = self.regressed(InstrumentKind::Regressors, runs)?;
+        }
+        if self.estimators.iter().any(|e| *e != Ls) {
+            found.iv = self.instrumented(runs)?;
+        }
+        if wanted(&[OutputError, PredictionError]) {
+            let levels = self.levels.as_ref();
+            let near = match near {
+                Some(near) => {
+                    let or_iv = |(near, iv): (&Option<Vec<f64>>, &Regressed)| {
+                        near.as_deref().or(iv.found.theta()).map(<[f64]>::to_vec)
+                    };
+                    near.iter().zip(&found.iv).map(or_iv).collect()
+                }
+                None => refined(self.vessel, runs, &found.iv, self.removal, levels),
+            };
+            let free = self.output_error(runs, &near, &found.iv, wanted(&[OutputError]));
+            found.simulated = free.iter().map(Found::from).collect();
+            if wanted(&[PredictionError]) {
+                let fits = match levels {
+                    Some(levels) => self.prediction_error(runs, &free, &near, levels),
+                    None => self.calibrated(runs, &free, &near),
+                };
+                found.predicted = fits.iter().map(Found::from).collect();
+            }
+        }
+        Ok(found)
+    }
+
+    fn regressed(&self, kind: InstrumentKind, runs: &[Run]) -> Result<Vec<Regressed>, RunError> {
+        let outcomes = RunInstruments::new(self.vessel, kind).estimates(runs, self.removal)?;
+        let each = runs.iter().zip(outcomes);
+        each.map(|(run, (outcome, excitation))| Regressed::new(run, outcome, excitation)).collect()
+    }
+
+    /// The terms that a measured run's instruments cannot distinguish; for estimators that need instruments. Others
+    /// work with collinear columns.
+    pub fn collinear(&self, run: &Run) -> Option<CollinearRun> {
+        let instrumented = self.estimators.iter().any(|e| e.by_instruments());
+        instrumented.then(|| collinear_run(self.vessel, run, self.removal)).flatten()
+    }
+
+    fn estimate(&self, estimator: Estimator, run: &Run, found: &Found, excited: &Regressed) -> RunEstimate {
+        let collinear = estimator.by_instruments().then(|| self.collinear(run)).flatten();
+        match collinear {
+            Some(at) => {
+                let none = excited.clone().unidentified(at.degree, at.parameter);
+                none.estimate(self.vessel, run, estimator, &none.found)
+            }
+            None => excited.estimate(self.vessel, run, estimator, found),
+        }
+    }
+}
+
+refusal::choices! {
+    /// Which runs are asked what the model lacks.
+    pub enum Asked {
+        /// Those whose disturbances are stated.
+        Stated = "stated",
+        /// All; noise that is not stated is looked for in every run, which takes a third of a second for each.
+        Always = "always",
+        /// None.
+        Never = "never",
+    }
+}
+
+impl RunEstimators<'_> {
+    /// Whether runs are tested; those of a ship with forces are not. The noise of a sensor is never exactly zero.
+    pub fn asks(&self, asked: Asked) -> bool {
+        if self.vessel.model.forces.is_some() {
+            return false;
+        }
+        let stated = self.levels.is_some_and(|levels| levels.measurement.iter().all(|std| *std > 0.0));
+        match asked {
+            Asked::Stated => stated,
+            Asked::Always => true,
+            Asked::Never => false,
+        }
+    }
+
+    /// Seconds of a test per row and thread, order of magnitude; see [`crate::Estimator::seconds_per_row`].
+    pub fn seconds_per_row_asked(&self) -> f64 {
+        if self.asks(Asked::Stated) { 6e-6 } else { 2.5e-4 }
+    }
+
+    /// Tests on every run by itself what the model lacks; the estimates of runs that reject it are marked. Estimates
+    /// are first refined under the noise, so that the verdict depends on model and run, not on the estimator, and one
+    /// is enough for all of them. `estimates`: those of `runs`, as [`RunEstimators::estimates`] orders them.
+    pub fn criticise(&self, runs: &[Run], estimates: &mut [RunEstimate]) {
+        let each = self.estimators.len().max(1);
+        let (layout, model) =
+            (self.vessel.model.layout().with_intercepts(), self.vessel.model.with_intercepts());
+        // The last estimator with an estimate: those that simulate come after those that regress.
+        let found = |own: &[RunEstimate]| {
+            own.iter().rev().find_map(|e| e.estimate.as_ref().map(|(theta, _)| theta.clone()))
+        };
+        let mut alike: Vec<Alike> = Vec::new();
+        for (run, own) in estimates.chunks(each).enumerate() {
+            if let Some(theta) = found(own) {
+                Alike::add(&mut alike, model.held_at_bounds(&layout.woven(&theta, [0.0; 3])), run);
+            }
+        }
+        for Alike { model, runs: asked, thetas } in &alike {
+            let views: Vec<RunView> = asked.iter().map(|run| runs[*run].view()).collect();
+            let subject = Subject {
+                model,
+                runs: &views,
+                rate_hz: self.vessel.sample_rate_hz,
+                known_start: self.initial == InitialState::Known,
+                levels: self.levels.filter(|_| self.asks(Asked::Stated)),
+                names: &[],
+            };
+            for (run, found) in asked.iter().zip(criticise_each(&subject, thetas)) {
+                if found.is_some_and(|found| found.rejected) {
+                    reject(&mut estimates[run * each..(run + 1) * each]);
+                }
+            }
+        }
+    }
+}
+
+/// Runs that are tested together: their estimates are held at the same bounds, if at any.
+struct Alike {
+    model: Model,
+    runs: Vec<usize>,
+    thetas: Vec<Vec<f64>>,
+}
+
+impl Alike {
+    /// Adds a run, whose estimate is that of a model `held` at its bounds, to those with the same bounds.
+    fn add(all: &mut Vec<Self>, held: (Model, Vec<f64>), run: usize) {
+        let (model, theta) = held;
+        match all.iter_mut().find(|alike| alike.model == model) {
+            Some(alike) => {
+                alike.runs.push(run);
+                alike.thetas.push(theta);
+            }
+            None => all.push(Self { model, runs: vec![run], thetas: vec![theta] }),
+        }
+    }
+}
+
+/// Marks the estimates of a run that rejects the model.
+fn reject(estimates: &mut [RunEstimate]) {
+    for estimate in estimates.iter_mut().filter(|estimate| estimate.estimate.is_some()) {
+        estimate.status = EstimateStatus::Rejected;
+    }
+}

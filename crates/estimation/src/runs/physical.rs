@@ -6,8 +6,8 @@ use refusal::Invalid;
 use ship::engine::Run;
 use ship::model::{ForceModel, Vessel};
 
-use super::error::RunError;
-use super::estimators::RunEstimators;
+use super::RunEstimators;
+use super::outcome::RunError;
 use crate::estimator::AdditionalUnknowns;
 use crate::predictor::{Flow, InitialState, NoiseModel};
 use crate::{EstimateCovariance, EstimateStatus, Estimator, RunEstimate};

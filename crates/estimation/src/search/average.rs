@@ -8,12 +8,11 @@ use ship::model::Model;
 
 use super::compact::{delivered, without_intercepts};
 use super::judged::ships;
-use super::recording::folds;
+use super::{Laid, Recording};
+use super::{folds, scores_of_mean, together, varying};
 use crate::pooled::Delivered;
 use crate::search::nested::{Fitted, Nested, Study};
 use crate::search::problem::limit;
-use crate::search::recording::{Laid, Recording};
-use crate::search::scores::{scores_of_mean, together, varying};
 
 /// How many models are averaged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

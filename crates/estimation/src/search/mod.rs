@@ -6,31 +6,233 @@
 //! adds forces to a ship is scored in the same way ([`judged_ships`]).
 
 mod average;
-mod beside;
 mod compact;
 mod judged;
 mod library;
 mod nested;
 mod problem;
-mod recording;
 mod roles;
-mod scores;
 mod searched;
-mod words;
+
+use std::cmp::Reverse;
+
+use numerics::statistics::{mean, spread};
+use numerics::{LANES, Lane};
+use rayon::prelude::*;
+use regression::pooled::{Part, PooledRuns};
+use ship::engine::RunView;
+use ship::model::Model;
+
+use crate::pooled::{FreeRunErrors, Score, deviations};
+use problem::{squares, squares_of_mean};
 
 pub use average::{
     AverageOptions, Averaged, BootstrapOptions, Member, Resampled, ResampledParameter, draw_again, draw_most,
     folds_of_drawn,
 };
-pub use beside::{Alone, Dealt, Kind};
 pub use compact::SizeScore;
 pub use judged::{
-    FittedShip, JudgedShips, Margin, NestedAverage, NestedRecording, NestedScore, ShipsWithoutFold,
-    judged_ships,
+    Alone, Dealt, FittedShip, JudgedShips, Kind, Margin, NestedAverage, NestedRecording, NestedScore,
+    ShipsWithoutFold, judged_ships,
 };
 pub use library::{core, library, with_channels};
 pub use nested::Candidate;
-pub use recording::{Cut, Recording, folds};
 pub use roles::{NamedRoles, Roles};
-pub use searched::{SearchError, SearchOptions, Searched, search};
-pub use words::{averaged, fits, left_out};
+pub use searched::{SearchError, SearchOptions, Searched, averaged, fits, left_out, search};
+
+/// How recordings are cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cut {
+    /// Samples of a window that is fitted.
+    pub window: usize,
+    /// Samples from the start of one window to that of the next.
+    pub every: usize,
+    /// Samples of a window that models are scored on; none: whole runs.
+    pub scored: Option<usize>,
+}
+
+/// The layout of the windows that models are scored on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Laid {
+    /// Consecutive from the start of a run, as in other comparisons of models.
+    SideBySide,
+    /// One begins at every quarter of another, so that a score hardly depends on where the first begins.
+    Overlapping,
+    /// The same if windows are scored. If whole runs are, windows of the fitted length, or a shorter run: a ridge
+    /// chosen over whole runs is too large, because a few long ones dominate.
+    Choosing,
+}
+
+/// One recording: left out as a whole.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    /// Its name.
+    pub name: String,
+    /// Its runs, with consecutive ones joined.
+    pub whole: Vec<Part>,
+    cut: Cut,
+}
+
+impl Recording {
+    /// All recordings of `runs`.
+    pub fn all(runs: &PooledRuns, cut: Cut) -> Vec<Self> {
+        runs.windows(None).into_iter().map(|(name, whole)| Self::new(name, whole, cut)).collect()
+    }
+
+    /// The recording with this name and the runs `whole`.
+    pub fn new(name: String, whole: Vec<Part>, cut: Cut) -> Self {
+        Self { name, whole, cut }
+    }
+
+    /// Its windows to score, all of one length; whole runs without a length.
+    pub(crate) fn scored(&self, laid: Laid) -> impl Iterator<Item = RunView<'_>> + Clone {
+        let Cut { window, scored, .. } = self.cut;
+        self.whole.iter().flat_map(move |whole| {
+            let samples = whole.samples();
+            let unscored = if laid == Laid::Choosing { window.min(samples) } else { samples };
+            let length = scored.unwrap_or(unscored).max(1);
+            let every = if laid == Laid::SideBySide { length } else { length.div_ceil(4) };
+            let starts = (0..=samples.saturating_sub(length)).step_by(every);
+            starts
+                .filter(move |start| start + length <= samples)
+                .map(move |start| whole.view().part(start..start + length))
+        })
+    }
+
+    /// Its windows to fit, overlapping. The last ones are shorter, so that the end of the recording counts too.
+    pub fn overlapping(&self) -> impl Iterator<Item = RunView<'_>> {
+        let Cut { window, every, .. } = self.cut;
+        self.whole.iter().flat_map(move |whole| {
+            let samples = whole.samples();
+            // A remainder that is shorter than a step belongs to the windows before it.
+            let starts =
+                (0..samples).step_by(every).filter(move |start| *start == 0 || start + every <= samples);
+            starts.map(move |start| whole.view().part(start..(start + window).min(samples)))
+        })
+    }
+
+    /// Number of its windows that models are scored on, side by side.
+    pub fn windows(&self) -> usize {
+        self.scored(Laid::SideBySide).count()
+    }
+
+    /// Number of its samples.
+    pub fn samples(&self) -> usize {
+        self.whole.iter().map(Part::samples).sum()
+    }
+
+    /// Number of errors in its windows.
+    pub fn errors(&self) -> f64 {
+        self.overlapping().map(|window| 3 * window.samples()).sum::<usize>() as f64
+    }
+
+    /// The kind of trial: its name up to the first digit or sign, or its maneuver's.
+    pub fn kind(&self) -> &str {
+        let end = self.name.find(|c: char| !c.is_alphabetic()).unwrap_or(self.name.len());
+        &self.name[..end]
+    }
+}
+
+/// The fold of each of `recordings`, below `count`. Those of one kind are dealt out one to each fold in turn, so that each fold has
+/// some of every kind. The longest come first, each to the fold with the fewest samples so far, so that folds are
+/// about equally long.
+pub fn folds(recordings: &[&Recording], count: usize) -> Vec<usize> {
+    let samples = |i: &usize| recordings[*i].samples();
+    let kind = |i: &usize| recordings[*i].kind();
+    let mut order: Vec<usize> = (0..recordings.len()).collect();
+    order.sort_by_key(|i| (kind(i), Reverse(samples(i))));
+    let (mut folds, mut samples_by_fold) = (vec![0; recordings.len()], vec![0; count]);
+    for of_one_kind in order.chunk_by(|a, b| kind(a) == kind(b)) {
+        let mut dealt = vec![0_usize; count];
+        for recording in of_one_kind {
+            let least = (0..count).min_by_key(|fold| (dealt[*fold], samples_by_fold[*fold]));
+            let fold = least.unwrap_or(0);
+            dealt[fold] += 1;
+            samples_by_fold[fold] += samples(recording);
+            folds[*recording] = fold;
+        }
+    }
+    folds
+}
+
+/// Standard deviations of u, v, r over the windows of `recordings` that models are scored on.
+fn varying<'r>(recordings: impl Iterator<Item = &'r Recording> + Clone, laid: Laid) -> [f64; 3] {
+    deviations(recordings.flat_map(move |r| r.scored(laid)).map(|window| window.measured))
+}
+
+/// Scores `model` with `theta` on each of `recordings`; a window in which it exceeds `limit` counts as diverged.
+fn scores(
+    model: &Model,
+    theta: &[f64],
+    recordings: &[&Recording],
+    laid: Laid,
+    limit: [f64; 3],
+) -> Vec<Score> {
+    let theta = lanes(theta);
+    scored(recordings, laid, |windows| squares(model, &theta, windows, limit))
+}
+
+/// Scores the mean trajectory of several `models` with their θ.
+fn scores_of_mean(
+    models: &[(&Model, &[f64])],
+    recordings: &[&Recording],
+    laid: Laid,
+    limit: [f64; 3],
+) -> Vec<Score> {
+    let models: Vec<(&Model, Vec<Lane>)> =
+        models.iter().map(|(model, theta)| (*model, lanes(theta))).collect();
+    scored(recordings, laid, |windows| squares_of_mean(&models, windows, limit))
+}
+
+fn lanes(theta: &[f64]) -> Vec<Lane> {
+    theta.iter().copied().map(Lane::splat).collect()
+}
+
+fn scored(
+    recordings: &[&Recording],
+    laid: Laid,
+    squares: impl Fn(&[RunView]) -> Vec<Option<[f64; 3]>> + Sync,
+) -> Vec<Score> {
+    let of = |recording: &&Recording| {
+        let windows: Vec<RunView> = recording.scored(laid).collect();
+        let mut score = Score::default();
+        for group in windows.chunks(LANES) {
+            for (window, found) in group.iter().zip(squares(group)) {
+                match found {
+                    Some(squares) => {
+                        (0..3).for_each(|d| score.squares[d] += squares[d]);
+                        score.samples += window.samples() as u64;
+                    }
+                    None => score.diverged += 1,
+                }
+            }
+        }
+        score
+    };
+    recordings.par_iter().map(of).collect()
+}
+
+/// All of `scores` together.
+fn together<'s>(scores: impl Iterator<Item = &'s Score>) -> Score {
+    scores.fold(Score::default(), |mut all, own| {
+        all.merge(own);
+        all
+    })
+}
+
+/// Mean fit of the states that vary \[%\]; `None` if a window diverged or there is no window.
+fn mean_fit(score: &Score, std: [f64; 3]) -> Option<f64> {
+    mean_of(&score.errors(std)?)
+}
+
+fn mean_of(errors: &FreeRunErrors) -> Option<f64> {
+    mean(&errors.fits().into_iter().flatten().collect::<Vec<_>>())
+}
+
+/// Standard error of the mean fit over all of `scores`, by leaving each out in turn.
+fn standard_error(scores: &[Score], std: [f64; 3]) -> Option<f64> {
+    let others = |i: usize| scores.iter().enumerate().filter(move |(j, _)| *j != i).map(|(_, score)| score);
+    let without: Vec<f64> = (0..scores.len()).filter_map(|i| mean_fit(&together(others(i)), std)).collect();
+    let n = without.len() as f64;
+    spread(&without).map(|spread| spread * (n - 1.0) / n.sqrt())
+}

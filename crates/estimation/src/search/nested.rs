@@ -7,10 +7,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::model::Model;
 
+use super::{Laid, Recording, mean_fit, scores, standard_error, together};
 use crate::pooled::Score;
 use crate::search::problem::{Looked, Problem, Slopes, limit};
-use crate::search::recording::{Laid, Recording};
-use crate::search::scores::{mean_fit, scores, standard_error, together};
 
 /// For the fits of a path: the next ridge starts where they end.
 const ALONG: Ending = Ending { steps: 2, enough: 1e-3 };

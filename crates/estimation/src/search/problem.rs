@@ -6,9 +6,9 @@ use regression::pooled::Part;
 use ship::engine::{Compiled, RunView, SideBySide, Weather, simulate};
 use ship::model::Model;
 
+use super::Recording;
 use crate::pooled::deviations;
 use crate::predictor::{Recordings, Step, free_sweep};
-use crate::search::recording::Recording;
 
 /// If the RMS of a window's errors over the states' standard deviations exceeds this, they count linearly instead of
 /// squared: a single window may have a quarter of all squared errors.

@@ -11,12 +11,10 @@ use numerics::{LANES, Lane, lanes};
 use regression::Noise;
 use ship::model::Model;
 
-use super::adjoint::{add_draws, backward};
-use super::levels::{Flow, NoiseModel};
+use super::dynamics::{Flow, NoiseModel};
 use super::products::Products;
-use super::recordings::Recordings;
-use super::sweep::{Sensitivities, Step, sweep};
-use super::unknowns::Unknowns;
+use super::sweep::{Sensitivities, Step, add_draws, backward, sweep};
+use super::{Recordings, Unknowns};
 
 /// Information of one run about the parameters with intercepts, per sample: n × n matrices, row-major, symmetric, in the order
 /// of [`ship::model::ParameterLayout`].

@@ -1,9 +1,7 @@
 use numerics::Lane;
 
-use super::dynamics::{Dynamics, Local, Motion};
-use super::levels::{Flow, NoiseModel};
-use super::recordings::Recordings;
-use super::unknowns::Unknowns;
+use super::dynamics::{Dynamics, Flow, Local, Motion, NoiseModel};
+use super::{Recordings, Unknowns};
 
 /// The gain of an extended Kalman filter at a measurement.
 #[derive(Clone, Debug)]

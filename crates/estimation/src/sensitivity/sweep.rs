@@ -1,11 +1,10 @@
-use numerics::Lane;
+use numerics::{LANES, Lane};
 use ship::model::Model;
 
-use super::dynamics::Dynamics;
+use super::dynamics::{Dynamics, Flow, Local, NoiseModel};
 use super::kalman::Gain;
-use super::levels::NoiseModel;
-use super::recordings::Recordings;
-use super::unknowns::Unknowns;
+use super::products::{Backward, Products};
+use super::{Recordings, Unknowns};
 
 /// One pass over recordings: predicts, compares, and propagates the sensitivities. `unknowns`: one number each, as
 /// [`Recordings::unknowns`] orders them, then the initial disturbances if not zero; `free`: those whose sensitivities
@@ -216,4 +215,197 @@ impl<X: Unknowns> Sensitivities<X> {
     pub(crate) fn state(&self, k: usize) -> &[X; 3] {
         &self.states.as_chunks().0[k]
     }
+}
+
+/// The backward pass over `path`, the simulation of `recordings` with `unknowns`: adjoints λ(k) = Aᵀλ(k+1) + W s(k),
+/// a column each, are the derivatives of Σ sᵀWx by the states at k. `between` is called for k from N − 1 to 0 with
+/// the dynamics at k and λ(k+1); λ(0) is returned.
+pub(crate) fn backward<X: Unknowns, const N: usize>(
+    recordings: &Recordings<X>,
+    unknowns: &[X],
+    path: &Sensitivities<X>,
+    weights: [X; 3],
+    levels: Option<&NoiseModel>,
+    between: impl FnMut(&Local<X>, &[[Lane; N]]),
+) -> Vec<[Lane; N]> {
+    let (model, (theta, _)) = (recordings.model, unknowns.split_at(recordings.model.parameters()));
+    let spread = levels.map(NoiseModel::spread);
+    let dynamics = Dynamics::new(model, theta, spread.as_ref());
+    numerics::vectorized!(narrow: backward_pass(dynamics, recordings, path, weights, between))
+}
+
+#[inline(always)]
+fn backward_pass<X: Unknowns, const N: usize>(
+    mut dynamics: Dynamics<X, N>,
+    recordings: &Recordings<X>,
+    path: &Sensitivities<X>,
+    weights: [X; 3],
+    mut between: impl FnMut(&Local<X>, &[[Lane; N]]),
+) -> Vec<[Lane; N]> {
+    let weights = weights.map(X::lane);
+    let mut adjoints = vec![[Lane::ZERO; N]; path.columns()];
+    for k in (0..=recordings.longest()).rev() {
+        let mut slopes = None;
+        if k < recordings.longest() {
+            let mut z = [X::ZERO; N];
+            z[..3].copy_from_slice(path.state(k));
+            let local = dynamics.at(&z, recordings.exogenous(k));
+            between(&local, &adjoints);
+            if N == 3 {
+                slopes = Some(local.slopes.map(|own| own.map(X::lane)));
+            } else {
+                adjoints.iter_mut().for_each(|a| *a = dynamics.backward(&local, a));
+            }
+        }
+        Backward { slopes, weights, sensitivities: path.at(k), adjoints: &mut adjoints }.go();
+    }
+    adjoints
+}
+
+/// Adds the effect of the draws between two samples; `adjoints` are those of the later one.
+#[inline(always)]
+pub(crate) fn add_draws<X: Unknowns, const N: usize>(
+    draws: &mut Products<X>,
+    adjoints: &[[Lane; N]],
+    local: &Local<X>,
+    levels: &NoiseModel,
+) {
+    if let Flow::White { std } = levels.current {
+        for i in 0..2 {
+            let [surge, sway, yaw] = &local.slopes;
+            let std = X::from(std);
+            let (by_u, by_v, by_r) = (std * surge[i], std * sway[i], std * yaw[i]);
+            draws.weigh(adjoints, [by_u, by_v, by_r].map(X::lane));
+            draws.advance();
+        }
+    }
+    let measured = levels.drift.is_some();
+    for (i, std, factor) in levels.spread::<f64>().processes::<N>() {
+        add_state(draws, adjoints, i, std * (1.0 - factor * factor).max(0.0).sqrt(), measured);
+    }
+}
+
+/// Adds the effect of the disturbances' first values.
+pub(crate) fn add_start<X: Unknowns, const N: usize>(
+    draws: &mut Products<X>,
+    adjoints: &[[Lane; N]],
+    levels: &NoiseModel,
+) {
+    let all = levels.spread::<f64>().processes::<N>();
+    let measured = levels.drift.is_some();
+    all.for_each(|(i, std, _)| add_state(draws, adjoints, i, std, measured));
+}
+
+/// Adds the effect of a change of standard deviation `std` in state `i`; that of a sensor's drift is `measured` at
+/// once.
+#[inline(always)]
+fn add_state<X: Unknowns, const N: usize>(
+    draws: &mut Products<X>,
+    adjoints: &[[Lane; N]],
+    i: usize,
+    std: f64,
+    measured: bool,
+) {
+    if std <= 0.0 {
+        return;
+    }
+    if measured {
+        for (column, adjoint) in adjoints.iter().enumerate() {
+            draws.set(column, Lane::splat(std) * (adjoint[i + 3 - N] + adjoint[i]));
+        }
+    } else {
+        draws.scale(adjoints, i, Lane::splat(std));
+    }
+    draws.advance();
+}
+
+/// Squared errors of a free simulation, and their gradient by the unknowns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Slopes {
+    /// Σ e² of u, v, r.
+    pub squares: [f64; 3],
+    /// Σ_d w_d Σ s_d e_d, an entry per free unknown.
+    pub gradient: Vec<f64>,
+}
+
+/// The gradient for `recordings` simulated with `unknowns`, per lane, by the unknowns in `free`. `weights` is called
+/// with lane and squared errors, `path` is a buffer for the states. Sample 0 counts where `from_start`. One adjoint, λ(k) = Aᵀλ(k+1) + W e(k), replaces
+/// all sensitivities: a parameter's entry is Σ φ(k) λ(k+1).
+pub fn slopes(
+    recordings: &Recordings,
+    unknowns: &[Lane],
+    free: &[usize],
+    from_start: bool,
+    weights: impl Fn(usize, [f64; 3]) -> [f64; 3],
+    path: &mut Vec<[Lane; 3]>,
+) -> Vec<Slopes> {
+    let (model, first) = (recordings.model, usize::from(!from_start));
+    let theta = &unknowns[..model.parameters()];
+    let dynamics = Dynamics::new(model, theta, None);
+    let (squares, gradient) =
+        numerics::vectorized!(narrow: there_and_back(dynamics, recordings, unknowns, first, weights, path));
+    let own = |lane: usize| Slopes {
+        squares: squares.map(|sum| sum[lane]),
+        gradient: free.iter().map(|i| gradient[*i][lane]).collect(),
+    };
+    (0..LANES).map(own).collect()
+}
+
+/// Squared errors and their gradient by every unknown, by a forward and a backward pass. Samples count from `first`
+/// on.
+#[inline(always)]
+fn there_and_back(
+    mut dynamics: Dynamics<Lane, 3>,
+    recordings: &Recordings,
+    unknowns: &[Lane],
+    first: usize,
+    weights: impl Fn(usize, [f64; 3]) -> [f64; 3],
+    path: &mut Vec<[Lane; 3]>,
+) -> ([Lane; 3], Vec<Lane>) {
+    let (layout, last) = (recordings.model.layout(), recordings.longest());
+    let (all, degrees) = (layout.parameters(), [0, 1, 2].map(|d| layout.degree(d)));
+    let even = recordings.samples.iter().all(|samples| *samples == last);
+    let counted = |k: usize, z: [Lane; 3]| {
+        let error = recordings.error(k, z);
+        if even { error } else { error.map(|e| e * recordings.lasting(k)) }
+    };
+    let mut z = [0, 1, 2].map(|d: usize| recordings.initial[d] + unknowns[all + d]);
+    path.clear();
+    path.reserve(last + 1);
+    let mut squares = [Lane::ZERO; 3];
+    for k in 0..=last {
+        path.push(z);
+        if k >= first {
+            let error = counted(k, z);
+            for d in 0..3 {
+                squares[d] = error[d].fused(error[d], squares[d]);
+            }
+        }
+        if k < last {
+            z = dynamics.step(z, recordings.exogenous(k));
+        }
+    }
+    let by_lane: [[f64; 3]; LANES] = std::array::from_fn(|lane| weights(lane, squares.map(|sum| sum[lane])));
+    let weights = [0, 1, 2].map(|d: usize| Lane(by_lane.map(|own| own[d])));
+    let mut gradient = vec![Lane::ZERO; all + 3];
+    let mut adjoint = [Lane::ZERO; 3];
+    for (k, z) in path.iter().enumerate().rev() {
+        if k < last {
+            let local = dynamics.at(z, recordings.exogenous(k));
+            for d in 0..3 {
+                for i in degrees[d].clone() {
+                    gradient[i] = dynamics.term(i).fused(adjoint[d], gradient[i]);
+                }
+            }
+            adjoint = dynamics.backward(&local, &adjoint);
+        }
+        if k >= first {
+            let error = counted(k, *z);
+            for d in 0..3 {
+                adjoint[d] += weights[d] * error[d];
+            }
+        }
+    }
+    gradient[all..].copy_from_slice(&adjoint);
+    (squares, gradient)
 }

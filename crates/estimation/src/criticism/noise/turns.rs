@@ -3,11 +3,9 @@ use rayon::prelude::*;
 use ship::engine::RunView;
 use ship::model::Model;
 
-use super::begin::{Seen, after};
-use super::kind::{Guess, NoiseKind};
-use super::line::Line;
-use super::pass::Found;
-use super::search::{Best, STEPS, Search};
+use super::likelihood::{Found, Line};
+use super::search::{Best, STEPS, Search, Seen, after};
+use super::{Guess, NoiseKind};
 
 /// Maximum number of alternations between noise and parameters.
 const TURNS: usize = 8;

@@ -8,7 +8,6 @@
 //! probability counts all candidates: signs of the units are drawn anew, and the largest |z| of a draw is compared.
 
 mod columns;
-mod late;
 mod turned;
 
 use numerics::scaled_inverse;
@@ -23,8 +22,7 @@ use crate::fitting::{Fit, Problem, Unfit};
 use columns::{Block, Column, Measure, Product, listed, products};
 use turned::Alternative;
 
-pub use late::{LateInput, Lateness};
-pub use turned::{Turn, TurnedSign};
+pub use turned::{LateInput, Lateness, Turn, TurnedSign};
 
 /// A model is rejected where chance makes any candidate look as likely with less than this probability.
 pub const LEVEL: f64 = 0.05;

@@ -1,0 +1,262 @@
+use std::f64::consts::TAU;
+
+use libm::cos;
+use numerics::distributions::{chi_square_tail, log_chi_square_tail, normal_tails};
+use numerics::statistics::median;
+use numerics::{quadratic_of_inverse, times};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use ship::engine::RunView;
+use ship::model::Model;
+
+use super::found::Apart;
+use super::problems::{Problems, Series, State, Subject};
+use crate::predictor::{Linear, scaled_inverse};
+
+/// Largest probability, and least correlation, for an input's response to be reported.
+const UNLIKELY: f64 = 1e-3;
+const WEAK: f64 = 0.1;
+
+/// Innovations of an input are clipped at this many times their median, so that a few steps of a course do not
+/// dominate.
+const MOST: f64 = 3.0;
+
+/// An input that answers what was measured at the same sample.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Feedback {
+    /// The input.
+    pub input: String,
+    /// The measured state, whose error by prediction it goes with: `u`, `v` or `r`.
+    pub state: String,
+    /// Correlation of the input's news with that error.
+    pub correlation: f64,
+    /// Probability of a larger one, of any input and state, where inputs know nothing of the errors.
+    pub p_value: f64,
+}
+
+/// The input that responds most to the white errors of `series`, if any does. Only its innovations, which its last
+/// two values do not predict, are used: white errors can correlate with them only if something responds within the
+/// sample. An autopilot with its own sensor responds to the ship's true motion alone, so only to the part of an error
+/// that is not noise.
+pub(super) fn feedback(model: &Model, runs: &[RunView], series: &Series) -> Option<Feedback> {
+    let width = model.exogenous();
+    let tests = 3 * model.inputs;
+    let mut most: Option<Feedback> = None;
+    for input in 0..model.inputs {
+        let value = |run: usize, k: usize| runs[run].exogenous[k * width + input];
+        let Some(innovations) = innovations(series, value, runs) else { continue };
+        for (state, name) in ["u", "v", "r"].into_iter().enumerate() {
+            let (mut both, mut own, mut errors, mut n) = (0.0, 0.0, 0.0, 0.0);
+            for ((_, white), innovations) in series.iter().zip(&innovations) {
+                // White errors begin at sample 1, innovations at sample 2.
+                for (a, b) in innovations.iter().zip(&white[state][1..]) {
+                    both += a * b;
+                    own += a * a;
+                    errors += b * b;
+                    n += 1.0;
+                }
+            }
+            let correlation = both / (own * errors).sqrt();
+            if !correlation.is_finite()
+                || most.as_ref().is_some_and(|m| m.correlation.abs() >= correlation.abs())
+            {
+                continue;
+            }
+            let p_value = (tests as f64 * normal_tails(correlation * f64::sqrt(n))).min(1.0);
+            let input = model.input_variables()[input].name.clone();
+            most = Some(Feedback { input, state: name.to_owned(), correlation, p_value });
+        }
+    }
+    most.filter(|found| found.p_value < UNLIKELY && found.correlation.abs() > WEAK)
+}
+
+/// Innovations of an input per run of `series`, from sample 2 on: what its last two values do not predict; `None` if
+/// they always predict it.
+fn innovations(
+    series: &Series,
+    value: impl Fn(usize, usize) -> f64,
+    runs: &[RunView],
+) -> Option<Vec<Vec<f64>>> {
+    let row = |run: usize, k: usize| [value(run, k - 1), value(run, k - 2), 1.0];
+    let (mut normal, mut gradient) = ([0.0; 9], [0.0; 3]);
+    let mut squares = 0.0;
+    for (run, _) in series {
+        for k in 2..runs[*run].samples() {
+            let (row, y) = (row(*run, k), value(*run, k));
+            numerics::add_outer(&mut normal, &row, &row);
+            gradient.iter_mut().zip(row).for_each(|(sum, x)| *sum += x * y);
+            squares += y * y;
+        }
+    }
+    let mut foretold = gradient;
+    // Inputs that hardly vary are predicted well enough by one of the two.
+    (0..3).for_each(|i| normal[4 * i] *= 1.0 + 1e-9);
+    numerics::solve(3, &mut normal, &mut foretold)?;
+    let of = |run: usize, k: usize| value(run, k) - numerics::dot(&foretold, &row(run, k));
+    let all: Vec<Vec<f64>> =
+        series.iter().map(|(run, _)| (2..runs[*run].samples()).map(|k| of(*run, k)).collect()).collect();
+    let left: f64 = all.iter().flatten().map(|x| x * x).sum();
+    let typical = median(all.iter().flatten().map(|x| x.abs()).collect())?;
+    let held = |x: f64| x.clamp(-MOST * typical, MOST * typical);
+    let all = all.into_iter().map(|own| own.into_iter().map(held).collect()).collect();
+    (left > 1e-12 * squares && typical > 0.0).then_some(all)
+}
+
+// Errors that oscillate, as those of a ship that waves move: a narrow peak of their spectrum.
+
+/// Lags of the windows of spectra, in periods.
+const LAGS: usize = 3;
+/// Periods that are tried per octave.
+const TRIED: f64 = 8.0;
+/// How far a peak is above the spectrum an octave below and above.
+const NARROW: f64 = 3.0;
+/// White errors have a peak this rarely.
+const CHANCE: f64 = 1e-3;
+/// Shortest period \[samples\], longest \[s\]: waves are no longer.
+const PERIODS: [f64; 2] = [4.0, 20.0];
+
+/// The period \[s\] of waves in the whitened errors of runs, if they have one and no input oscillates alike.
+pub(super) fn waves(subject: &Subject, errors: &Series) -> Option<f64> {
+    let of = |d: usize| -> Vec<Vec<f64>> { errors.iter().map(|(_, own)| own[d].clone()).collect() };
+    let found = (0..3).filter_map(|d| oscillation(&of(d), subject.rate_hz));
+    let (period, _) = found.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let inputs = subject.model.exogenous();
+    let steered = (0..inputs).any(|i| {
+        let of = |(run, _): &(usize, _)| {
+            let own = subject.runs[*run].exogenous.iter().skip(i).step_by(inputs);
+            centred(own.copied().collect())
+        };
+        let own: Vec<Vec<f64>> = errors.iter().map(of).collect();
+        let period = period * subject.rate_hz;
+        peak(&covariances(&own, period), period).is_some()
+    });
+    (!steered).then_some(period)
+}
+
+/// The period \[s\] at which `errors`, recording by recording, have their highest narrow peak, and its height over that of
+/// white errors.
+pub fn oscillation(errors: &[Vec<f64>], rate_hz: f64) -> Option<(f64, f64)> {
+    let errors = &without_trend(errors);
+    let (samples, longest) =
+        (errors.iter().map(Vec::len).sum::<usize>() as f64, errors.iter().map(Vec::len).max()?);
+    let most = (PERIODS[1] * rate_hz).min(longest as f64 / 4.0);
+    let steps = (most / PERIODS[0]).log2() * TRIED;
+    let tried = (0..=steps.max(-1.0) as i64).map(|i| PERIODS[0] * (i as f64 / TRIED).exp2());
+    let covariances = covariances(errors, most);
+    let found = tried.filter_map(|period| Some((period, peak(&covariances, period)?)));
+    let (period, height) = found.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let freedom = 8.0 * samples / (3.0 * LAGS as f64 * period);
+    (chi_square_tail(freedom * height, freedom) < CHANCE / steps.max(1.0))
+        .then_some((period / rate_hz, height))
+}
+
+/// The spectrum at `period` \[samples\] over its mean, if it is narrow.
+fn peak(covariances: &[f64], period: f64) -> Option<f64> {
+    let [low, own, high] = [2.0, 1.0, 0.5].map(|factor| spectrum(covariances, factor * period));
+    (own > NARROW * low.max(high)).then_some(own)
+}
+
+/// By the window of Hann over the autocovariances.
+fn spectrum(covariances: &[f64], period: f64) -> f64 {
+    let last = LAGS as f64 * period;
+    let term = |lag: usize| {
+        let window = 0.5 + 0.5 * cos(TAU * 0.5 * lag as f64 / last);
+        2.0 * window * cos(TAU * lag as f64 / period) * covariances[lag]
+    };
+    let power = covariances[0];
+    if power > 0.0 { 1.0 + (1..last as usize).map(term).sum::<f64>() / power } else { 0.0 }
+}
+
+/// What is left after the autocorrelation of neighbours.
+fn without_trend(errors: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let [power, next] = [0, 1].map(|lag| covariance(errors, lag));
+    let keep = if power > 0.0 { next / power } else { 0.0 };
+    errors.iter().map(|e| e.windows(2).map(|pair| pair[1] - keep * pair[0]).collect()).collect()
+}
+
+/// By lag, as many as the spectra about periods of up to `longest` samples take.
+fn covariances(errors: &[Vec<f64>], longest: f64) -> Vec<f64> {
+    (0..=(2.0 * LAGS as f64 * longest) as usize).map(|lag| covariance(errors, lag)).collect()
+}
+
+/// Σ e(k) e(k − lag) over all recordings.
+fn covariance(errors: &[Vec<f64>], lag: usize) -> f64 {
+    let one = |e: &Vec<f64>| -> f64 { e.iter().skip(lag).zip(e).map(|(a, b)| a * b).sum() };
+    errors.iter().map(one).sum()
+}
+
+fn centred(mut all: Vec<f64>) -> Vec<f64> {
+    let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
+    all.iter_mut().for_each(|x| *x -= mean);
+    all
+}
+
+// Whether recordings are of one ship: for every recording, whether its own parameters may be those of the others.
+
+/// A recording contradicts the others if chance explains any of them with a smaller probability than this.
+const LEVEL: f64 = 1e-4;
+/// A parameter depends on the others if less than this share of its signal is independent of theirs.
+const LEFT: f64 = 1e-6;
+
+/// Recordings that contradict the others, the farthest first: they are removed one by one until the rest agree. At
+/// most half of the recordings are named.
+pub(super) fn apart(problems: &Problems, state: &State) -> Vec<Apart> {
+    let mut left = recordings(problems, state);
+    let mut out = Vec::new();
+    let most = left.len() / 2;
+    while left.len() > 2 && out.len() < most {
+        let count = left.len() as f64;
+        let Some((farthest, log_p)) = farthest(&left) else { break };
+        let p_value = (count * libm::exp(log_p)).min(1.0);
+        if p_value >= LEVEL {
+            break;
+        }
+        out.push(Apart { recording: left.remove(farthest).0, p_value });
+    }
+    out
+}
+
+/// White errors of every recording, and their derivatives by the parameters.
+fn recordings(problems: &Problems, state: &State) -> Vec<(String, Linear)> {
+    let mut all: Vec<(String, Linear)> = Vec::new();
+    for (run, found) in problems.by_run(state) {
+        let name = problems.subject.names[run];
+        match all.iter_mut().find(|(own, _)| own == name) {
+            Some((_, sums)) => sums.add(&found),
+            None => all.push((name.to_owned(), found)),
+        }
+    }
+    all.retain(|(_, sums)| sums.finite());
+    all
+}
+
+/// The recording that is least probable given the others, with the logarithm of its probability.
+fn farthest(all: &[(String, Linear)]) -> Option<(usize, f64)> {
+    let mut total = all.first()?.1.clone();
+    all[1..].iter().for_each(|(_, sums)| total.add(sums));
+    let (normal, gradient) = total.weighted([1.0; 3]);
+    let p = gradient.len();
+    let inverse = scaled_inverse(&normal, p).ok()?;
+    let change = times(&inverse, &gradient);
+    let explained: f64 = change.iter().zip(&gradient).map(|(a, b)| a * b).sum();
+    let freedom = (3.0 * total.samples - p as f64).max(1.0);
+    let variance = (total.squares.iter().sum::<f64>() - explained) / freedom;
+    let tested = all.iter().enumerate().filter_map(|(i, (_, sums))| {
+        let (own, scores) = sums.weighted([1.0; 3]);
+        // Scores of the recording at the estimate from all recordings, and their covariance over the variance.
+        let scores: Vec<f64> =
+            scores.iter().zip(times(&own, &change)).map(|(s, explained)| s - explained).collect();
+        let rows: Vec<f64> = own.chunks_exact(p).flat_map(|row| times(&inverse, row)).collect();
+        let covariance: Vec<f64> = (0..p * p)
+            .map(|k| {
+                let (i, j) = (k / p, k % p);
+                own[k] - numerics::dot(&rows[i * p..(i + 1) * p], &own[j * p..(j + 1) * p])
+            })
+            .collect();
+        let whole: Vec<f64> = (0..p).map(|i| own[i * p + i]).collect();
+        let (statistic, rank) = quadratic_of_inverse(covariance, scores, &whole, LEFT);
+        (rank > 0).then(|| (i, log_chi_square_tail(statistic / variance, rank)))
+    });
+    tested.min_by(|a, b| a.1.total_cmp(&b.1))
+}

@@ -1,0 +1,262 @@
+use numerics::lanes::{groups, interleave};
+use refusal::Invalid;
+use regression::runs::{NominalDiverged, Prepared};
+use regression::{Direction, Excitation, MeanRemoval, Noise, Outcome, estimate_prefiltered};
+use ship::engine::Run;
+use ship::model::Vessel;
+use thiserror::Error;
+
+use crate::predictor::{Fit, NoiseModel};
+use crate::{EstimateStatus, Estimator, RunEstimate};
+
+/// The result of an estimator on one run.
+#[derive(Clone)]
+pub(super) struct Found {
+    pub status: EstimateStatus,
+    pub estimate: Option<(Vec<f64>, Vec<f64>)>,
+    /// The covariance of the parameters, if known.
+    pub covariance: Option<Vec<f64>>,
+    /// Intercepts, if they were estimated with the parameters; else they are the mean residuals.
+    pub intercepts: Option<[f64; 3]>,
+    /// The current, and its standard errors, if estimated.
+    pub current: Option<[[f64; 2]; 2]>,
+}
+
+/// The result of instrumental variables, or least squares, on one run, and its excitation.
+#[derive(Clone)]
+pub(super) struct Regressed {
+    pub found: Found,
+    pub condition: [f64; 3],
+    /// Per degree of freedom the index of the parameter.
+    pub weakest: [usize; 3],
+}
+
+impl Found {
+    /// θ̂, where there is one.
+    pub(super) fn theta(&self) -> Option<&[f64]> {
+        self.estimate.as_ref().map(|(theta, _)| theta.as_slice())
+    }
+
+    fn none(status: EstimateStatus) -> Self {
+        Self { status, estimate: None, covariance: None, intercepts: None, current: None }
+    }
+}
+
+impl From<&Fit> for Found {
+    fn from(fit: &Fit) -> Self {
+        match fit {
+            Fit::Converged(found) => Self {
+                status: if found.standard_errors.iter().any(|error| error.is_nan()) {
+                    EstimateStatus::Waves
+                } else if found.approximate {
+                    EstimateStatus::Approximate
+                } else {
+                    EstimateStatus::Identified
+                },
+                estimate: Some((found.parameters.clone(), found.standard_errors.clone())),
+                covariance: found.covariance.clone(),
+                intercepts: Some(found.intercepts),
+                current: found.current,
+            },
+            Fit::NotConverged(_) => Self::none(EstimateStatus::NotConverged),
+            Fit::NotIdentifiable(_) => Self::none(EstimateStatus::NotIdentifiable),
+        }
+    }
+}
+
+impl Regressed {
+    /// The `outcome` of `run`.
+    ///
+    /// # Errors
+    /// A run that is too short.
+    pub(super) fn new(run: &Run, outcome: Outcome, excitation: [Excitation; 3]) -> Result<Self, RunError> {
+        let weakest = [0, 1, 2].map(|d: usize| excitation[d].weakest);
+        let condition = excitation.map(|e| e.condition);
+        match outcome {
+            Outcome::Identified(found) => {
+                let estimate = Some((found.parameters, found.standard_errors));
+                let covariance = Some(found.covariance);
+                let found = Found { estimate, covariance, ..Found::none(EstimateStatus::Identified) };
+                Ok(Self { found, condition, weakest })
+            }
+            Outcome::NotIdentifiable(Direction { degree, parameter }) => {
+                let found = Found::none(EstimateStatus::NotIdentifiable);
+                Ok(Self { found, condition, weakest }.unidentified(degree, parameter))
+            }
+            Outcome::TooShort => {
+                Err(RunError::TooShort { design: run.design.clone(), run: run.run, samples: run.samples() })
+            }
+        }
+    }
+
+    /// The same without an estimate.
+    pub(super) fn without(mut self, status: EstimateStatus) -> Self {
+        self.found = Found::none(status);
+        self
+    }
+
+    /// The same without an estimate, because of this parameter.
+    pub(super) fn unidentified(mut self, degree: usize, parameter: usize) -> Self {
+        self.found = Found::none(EstimateStatus::NotIdentifiable);
+        self.weakest[degree] = parameter;
+        self.condition[degree] = f64::INFINITY;
+        self
+    }
+
+    /// The estimate `found` of `run`, with this excitation.
+    pub(super) fn estimate(
+        &self,
+        vessel: &Vessel,
+        run: &Run,
+        estimator: Estimator,
+        found: &Found,
+    ) -> RunEstimate {
+        let named = |d: usize| vessel.model.degrees[d].parameters[self.weakest[d]].clone();
+        RunEstimate {
+            design: run.design.clone(),
+            run: run.run,
+            estimator,
+            status: found.status,
+            estimate: found.estimate.clone(),
+            condition: self.condition,
+            weakest: [0, 1, 2].map(named),
+        }
+    }
+}
+
+/// Why runs cannot be estimated at all.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum RunError {
+    /// There are no instruments.
+    #[error(transparent)]
+    Diverged(#[from] NominalDiverged),
+    /// Estimates of a ship with forces that cannot be.
+    #[error("{0}")]
+    Forces(Invalid),
+    /// A degree of freedom has no fewer unknowns (parameters and intercepts) than the run has samples.
+    #[error("design {design}, run {run} has {samples} samples, no more than unknowns")]
+    TooShort {
+        /// The run's design.
+        design: String,
+        /// The run's number.
+        run: i32,
+        /// Its samples.
+        samples: usize,
+    },
+}
+
+impl RunError {
+    /// The invalid part: of the vessel if its nominal model diverges, else of the runs.
+    pub fn invalid(&self) -> Invalid {
+        match self {
+            Self::Diverged(diverged) => diverged.invalid(),
+            Self::Forces(invalid) => invalid.clone(),
+            Self::TooShort { design, run, samples } => Invalid::new(
+                format!("design {design}, run {run}"),
+                format!("{samples} samples"),
+                "more samples than unknowns (parameters and intercepts of a degree of freedom)",
+                "lengthen the run, or remove the mean over the whole run",
+            ),
+        }
+    }
+}
+
+// Instrumental variables whose instruments and prefilter come from the estimate: the start of searches.
+
+/// Refinements after which the estimate is a good start for searches.
+const ROUNDS: usize = 2;
+/// Converged if a round changes no parameter by more than this share of its standard error.
+const ENOUGH: f64 = 0.01;
+
+/// Parameters near those of `runs`, from the estimates `iv`; none without such an estimate. If the simulation with the first one
+/// diverges, the nominal model's instruments and filter are used instead; if the second does, or its instruments identify nothing,
+/// the last good estimate is kept.
+pub(super) fn refined(
+    vessel: &Vessel,
+    runs: &[Run],
+    iv: &[Regressed],
+    removal: MeanRemoval,
+    levels: Option<&NoiseModel>,
+) -> Vec<Option<Vec<f64>>> {
+    let noise = levels.and_then(NoiseModel::white);
+    let lengths: Vec<usize> = runs.iter().map(Run::samples).collect();
+    let group = |group: std::ops::Range<usize>| {
+        let mut batch = Refinement::new(vessel, &runs[group.clone()], &iv[group], removal, noise);
+        for round in 0..ROUNDS {
+            if batch.done.iter().all(|done| *done) {
+                break;
+            }
+            batch.round(round == 0);
+        }
+        batch.found
+    };
+    groups(&lengths).into_iter().flat_map(group).collect()
+}
+
+/// Up to [`numerics::LANES`] runs.
+struct Refinement<'a> {
+    vessel: &'a Vessel,
+    removal: MeanRemoval,
+    noise: Option<Noise>,
+    /// The runs with the latest simulations as instruments.
+    runs: Prepared<'a>,
+    found: Vec<Option<Vec<f64>>>,
+    /// The models of the simulations.
+    models: Vec<Vec<f64>>,
+    done: Vec<bool>,
+}
+
+impl<'a> Refinement<'a> {
+    fn new(
+        vessel: &'a Vessel,
+        runs: &[Run],
+        iv: &[Regressed],
+        removal: MeanRemoval,
+        noise: Option<Noise>,
+    ) -> Self {
+        let found: Vec<Option<Vec<f64>>> = iv.iter().map(|r| r.found.theta().map(<[f64]>::to_vec)).collect();
+        Self {
+            vessel,
+            removal,
+            noise,
+            runs: Prepared::regressed(vessel, runs),
+            models: found.iter().map(|own| own.as_ref().unwrap_or(&vessel.nominal).clone()).collect(),
+            done: found.iter().map(Option::is_none).collect(),
+            found,
+        }
+    }
+
+    fn round(&mut self, first: bool) {
+        let parameters = interleave(&self.models.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        self.runs.simulate(&parameters);
+        let batch = self.runs.batch();
+        let outcomes = estimate_prefiltered(&batch, &parameters, self.removal, self.noise.as_ref());
+        for (lane, outcome) in outcomes.into_iter().enumerate().take(self.found.len()) {
+            let diverged = self.runs.diverged(lane).is_some();
+            if diverged && first && self.models[lane] != self.vessel.nominal {
+                self.models[lane].clone_from(&self.vessel.nominal);
+            } else {
+                self.take(lane, (!diverged).then_some(outcome));
+            }
+        }
+    }
+
+    /// Takes the outcome of a run's round; `None` if its simulation diverged.
+    fn take(&mut self, lane: usize, outcome: Option<Outcome>) {
+        if self.done[lane] {
+            return;
+        }
+        let Some(Outcome::Identified(next)) = outcome else {
+            self.done[lane] = true;
+            return;
+        };
+        if let Some(theta) = &self.found[lane] {
+            let moves = next.parameters.iter().zip(theta).zip(&next.standard_errors);
+            // At a bound a parameter neither moves nor has an error.
+            let still = |moved: f64| moved <= ENOUGH || moved.is_nan();
+            self.done[lane] = moves.map(|((a, b), se)| (a - b).abs() / se).all(still);
+        }
+        self.models[lane].clone_from(&next.parameters);
+        self.found[lane] = Some(next.parameters);
+    }
+}
