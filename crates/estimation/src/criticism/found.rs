@@ -5,8 +5,6 @@ use serde::{Deserialize, Serialize};
 use ship::model::DegreeOfFreedom;
 
 use super::noise::{LASTING, Noise, NoiseKind};
-use super::residuals::Feedback;
-use super::score::LEVEL;
 
 /// What becomes of a model that runs are asked about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -353,4 +351,21 @@ fn number(x: f64) -> String {
         -4..=5 => format!("{x:.*}", (2 - exponent).max(0) as usize),
         _ => format!("{x:.2e}"),
     }
+}
+
+/// A model is rejected if the likeliest candidate has a smaller probability than this under the model.
+pub const LEVEL: f64 = 0.05;
+
+/// An input that answers what was measured at the same sample.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Feedback {
+    /// The input.
+    pub input: String,
+    /// The measured state, whose error by prediction it goes with: `u`, `v` or `r`.
+    pub state: String,
+    /// Correlation of the input's news with that error.
+    pub correlation: f64,
+    /// Probability of a larger one, of any input and state, where inputs know nothing of the errors.
+    pub p_value: f64,
 }

@@ -7,7 +7,6 @@
 //! V those of the sensitivities; sums add over runs. Joint draws of all scores correct for the number of candidates.
 //! If no noise is stated, it is found by its likelihood.
 
-mod chance;
 mod found;
 mod library;
 mod noise;
@@ -22,22 +21,23 @@ use ship::engine::{RunView, SideBySide};
 use ship::model::Model;
 
 use crate::sensitivity::{Flow, NoiseModel, Recordings, filter, with_states};
-use chance::Draws;
 use found::statements;
 use library::{Candidate, Lifted, with_effects};
 use noise::{Guess, LASTING};
 use problems::{Problems, Refinement, Series, State, each_with_noise, with_noise};
 use residuals::{apart, feedback, waves};
-use score::{Projected, reject_under_white, tested, under_white};
+use score::{Draws, Projected, reject_under_white, tested, under_white};
 
-pub use found::{Absent, Apart, Criticism, FoundDrift, FoundNoise, OtherNoise, Verdict};
+pub use found::{
+    Absent, Apart, Criticism, Feedback, FoundDrift, FoundNoise, LEVEL, OtherNoise, Verdict,
+};
 pub use noise::NoiseKind;
 pub(crate) use noise::{ENOUGH, Kinds};
 pub use problems::{Subject, restricted_likelihood};
-pub use residuals::{Feedback, oscillation};
-pub use score::{LEVEL, clearer_under_white};
+pub use residuals::oscillation;
+pub use score::clearer_under_white;
 
-/// Tests what the model lacks by score tests of whitened errors, see [`super`]. `parameters`: θ̂ of all runs, in the
+/// Tests what the model lacks by score tests of whitened errors, see [`self`]. `parameters`: θ̂ of all runs, in the
 /// order of the model. `None` if the model diverges, or the runs determine nothing.
 pub fn criticise(subject: &Subject, parameters: &[f64]) -> Option<Criticism> {
     criticise_after(subject, parameters, &[])

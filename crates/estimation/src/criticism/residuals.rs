@@ -4,12 +4,10 @@ use libm::cos;
 use numerics::distributions::{chi_square_tail, log_chi_square_tail, normal_tails};
 use numerics::statistics::median;
 use numerics::{quadratic_of_inverse, times};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use ship::engine::RunView;
 use ship::model::Model;
 
-use super::found::Apart;
+use super::found::{Apart, Feedback};
 use super::problems::{Problems, Series, State, Subject};
 use crate::predictor::{Linear, scaled_inverse};
 
@@ -20,20 +18,6 @@ const WEAK: f64 = 0.1;
 /// Innovations of an input are clipped at this many times their median, so that a few steps of a course do not
 /// dominate.
 const MOST: f64 = 3.0;
-
-/// An input that answers what was measured at the same sample.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Feedback {
-    /// The input.
-    pub input: String,
-    /// The measured state, whose error by prediction it goes with: `u`, `v` or `r`.
-    pub state: String,
-    /// Correlation of the input's news with that error.
-    pub correlation: f64,
-    /// Probability of a larger one, of any input and state, where inputs know nothing of the errors.
-    pub p_value: f64,
-}
 
 /// The input that responds most to the white errors of `series`, if any does. Only its innovations, which its last
 /// two values do not predict, are used: white errors can correlate with them only if something responds within the

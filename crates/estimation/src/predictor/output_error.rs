@@ -4,70 +4,14 @@ use std::convert::Infallible;
 
 use numerics::lanes::lane;
 use numerics::{LANES, Lane, congruence, times};
-use regression::{Direction, jackknife};
+use regression::jackknife;
 use ship::engine::{RunView, SideBySide};
-use ship::model::{Model, ParameterLayout};
+use ship::model::Model;
 
-use super::errors::{Errors, of_terms};
 use super::levenberg_marquardt::{Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize};
 use super::linear::{Linear, Unknown, disturbed_scores, linearize_and_keep};
+use super::{Errors, Fit, FoundSpread, Spread, fit};
 use crate::sensitivity::{NoiseModel, Recordings, Sensitivities, Slopes, groups, of_one_length, with_states};
-
-/// How standard errors are computed.
-#[derive(Clone, Copy)]
-pub enum Spread<'a> {
-    /// By leaving out each of ten blocks of samples: for any kind of errors, and approximate.
-    Blocks,
-    /// From stated disturbances, propagated through the model to first order.
-    Stated(&'a NoiseModel),
-    /// The same from disturbances found for a run, by its index, at its estimate.
-    Found(&'a (dyn Fn(usize, &[f64]) -> FoundSpread + Sync)),
-}
-
-/// Disturbances that were found for a run.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FoundSpread {
-    /// The plausible ones, of which the largest standard error is used; if empty, blocks are left out.
-    pub levels: Vec<NoiseModel>,
-    /// Factor on standard errors.
-    pub factor: f64,
-    /// Whether waves move the ship, so that there are no standard errors.
-    pub waves: bool,
-}
-
-/// The outcome for one run.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Fit {
-    /// An estimate.
-    Converged(Fitted),
-    /// No minimum after this many steps, or none at all from a start that diverges.
-    NotConverged(usize),
-    /// A direction of the parameters does not change the prediction.
-    NotIdentifiable(Direction),
-}
-
-/// An estimate of one run.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Fitted {
-    /// θ̂: surge, sway, yaw.
-    pub parameters: Vec<f64>,
-    /// Standard error of each.
-    pub standard_errors: Vec<f64>,
-    /// Their covariance, as many rows, row-major; none where the errors are the largest under several kinds of noise.
-    pub covariance: Option<Vec<f64>>,
-    /// One per degree of freedom; zero if the model has none.
-    pub intercepts: [f64; 3],
-    /// Estimated minus given initial state.
-    pub offset: [f64; 3],
-    /// The current \[m/s\] and its standard errors, if estimated.
-    pub current: Option<[[f64; 2]; 2]>,
-    /// Root mean square errors of the prediction in u, v \[m/s\], r \[rad/s\].
-    pub rmse: [f64; 3],
-    /// Steps of the search.
-    pub steps: usize,
-    /// Whether standard errors are approximate, since errors follow no known kind of noise.
-    pub approximate: bool,
-}
 
 /// Floor of the variances of output errors, as a share of the measured state's mean square, for data without noise.
 const EXACT: f64 = 1e-12;
@@ -284,53 +228,6 @@ pub(super) fn side_by_side(points: &[impl AsRef<[f64]>], free: &[usize], all: us
             lane(points.len(), |run| points[run].as_ref().get(place).copied().unwrap_or(0.0));
     }
     unknowns
-}
-
-pub(super) fn fit(
-    recordings: &Recordings,
-    minimum: &Minimum,
-    errors: Option<Errors>,
-    unknown: Unknown,
-) -> Fit {
-    let layout = recordings.model.layout();
-    let (point, all) = (&minimum.point, layout.parameters());
-    let free = unknown.free(recordings.model);
-    let entry =
-        |of: &[f64], i: usize| free.iter().position(|own| *own == all + i).map_or(0.0, |place| of[place]);
-    let place = |unknown: usize| {
-        let mut terms = (0..3).map(|d| (d, layout.terms(d)));
-        terms.find(|(_, terms)| terms.contains(&unknown)).map(|(d, terms)| (d, unknown - terms.start))
-    };
-    match (minimum.status, errors) {
-        (Ended::Singular(unknown), _) => place(unknown)
-            .map_or(Fit::NotConverged(minimum.steps), |(degree, parameter)| {
-                Fit::NotIdentifiable(Direction { degree, parameter })
-            }),
-        // Every parameter of a degree of freedom is at a bound: there is no estimate.
-        (Ended::Converged, Some(_)) if all_held(layout, minimum).is_some() => {
-            let degree = all_held(layout, minimum).unwrap_or_default();
-            Fit::NotIdentifiable(Direction { degree, parameter: 0 })
-        }
-        (Ended::Converged, Some(Errors { each: errors, covariance, approximate })) => {
-            Fit::Converged(Fitted {
-                parameters: layout.theta(&point[..all]),
-                standard_errors: layout.theta(&errors[..all]),
-                covariance: covariance.map(|covariance| of_terms(layout, &covariance)),
-                intercepts: layout.intercepts(point),
-                offset: [0, 1, 2].map(|d| entry(point, d)),
-                current: unknown.current.map(|_| [point, &errors].map(|of| [3, 4].map(|i| entry(of, i)))),
-                rmse: minimum.linear.squares.map(|s| (s / minimum.linear.samples).sqrt()),
-                steps: minimum.steps,
-                approximate,
-            })
-        }
-        _ => Fit::NotConverged(minimum.steps),
-    }
-}
-
-/// A degree of freedom whose parameters are all held at bounds.
-fn all_held(layout: ParameterLayout, minimum: &Minimum) -> Option<usize> {
-    (0..3).find(|d| layout.terms(*d).all(|i| minimum.held.contains(&i)))
 }
 
 /// Runs of one length in one search: [`LANES`] of them at once, and lanes of finished runs are reused.

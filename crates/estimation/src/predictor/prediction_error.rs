@@ -6,12 +6,12 @@ use regression::jackknife;
 use ship::engine::{RunView, SideBySide};
 use ship::model::Model;
 
-use super::errors::Errors;
 use super::levenberg_marquardt::{
     Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
 };
 use super::linear::{InitialState, Linear, blocks, linearize};
-use super::output_error::{Fit, better, fit, side_by_side};
+use super::output_error::{better, side_by_side};
+use super::{Errors, Fit, fit};
 use crate::sensitivity::{Gain, NoiseModel, Recordings, filter, groups, with_states};
 
 /// Maximum number of computations of the filter's gains, the first at the start.

@@ -12,7 +12,7 @@ use super::{Laid, Recording};
 use super::{folds, scores_of_mean, together, varying};
 use crate::pooled::Delivered;
 use crate::search::nested::{Fitted, Nested, Study};
-use crate::search::problem::limit;
+use crate::search::limit;
 
 /// How many models are averaged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,7 +10,8 @@ use super::nested::{Ending, minimum};
 use super::{Laid, Recording, scores, together};
 use crate::pooled::{Delivered, RecordingConstant, covered};
 use crate::search::nested::{Fitted, Study, widened};
-use crate::search::problem::{Problem, Slopes, limit};
+use crate::search::limit;
+use crate::search::problem::{Problem, Slopes};
 
 /// For refits during the search.
 const REFIT: Ending = Ending { steps: 2, enough: 1e-3 };

@@ -16,15 +16,14 @@ mod searched;
 
 use std::cmp::Reverse;
 
-use numerics::statistics::{mean, spread};
+use numerics::statistics::{MeanTrajectory, mean, spread};
 use numerics::{LANES, Lane};
 use rayon::prelude::*;
 use regression::pooled::{Part, PooledRuns};
-use ship::engine::RunView;
+use ship::engine::{RunView, SideBySide, Weather, simulate};
 use ship::model::Model;
 
 use crate::pooled::{FreeRunErrors, Score, deviations};
-use problem::{squares, squares_of_mean};
 
 pub use average::{
     AverageOptions, Averaged, BootstrapOptions, Member, Resampled, ResampledParameter, draw_again, draw_most,
@@ -235,4 +234,68 @@ fn standard_error(scores: &[Score], std: [f64; 3]) -> Option<f64> {
     let without: Vec<f64> = (0..scores.len()).filter_map(|i| mean_fit(&together(others(i)), std)).collect();
     let n = without.len() as f64;
     spread(&without).map(|spread| spread * (n - 1.0) / n.sqrt())
+}
+
+/// A simulation has failed if it exceeds the largest measured state times this.
+const BEYOND: f64 = 5.0;
+
+/// Squared errors of u, v, r of up to [`LANES`] windows; `None` for one that exceeds `limit`.
+pub(crate) fn squares(
+    model: &Model,
+    theta: &[Lane],
+    windows: &[RunView],
+    limit: [f64; 3],
+) -> Vec<Option<[f64; 3]>> {
+    let runs = SideBySide::of(windows);
+    errors(&states(model, theta, &runs), &runs, limit)
+}
+
+/// Squared errors of the mean trajectory of several models; `None` for a window in which one of them exceeds `limit`.
+pub(crate) fn squares_of_mean(
+    models: &[(&Model, Vec<Lane>)],
+    windows: &[RunView],
+    limit: [f64; 3],
+) -> Vec<Option<[f64; 3]>> {
+    let runs = SideBySide::of(windows);
+    let mut within = vec![true; windows.len()];
+    let mut mean = MeanTrajectory::default();
+    for (model, theta) in models {
+        let own = states(model, theta, &runs);
+        let found = errors(&own, &runs, limit);
+        within.iter_mut().zip(found).for_each(|(within, own)| *within &= own.is_some());
+        mean.add(&own);
+    }
+    let found = errors(mean.mean(), &runs, limit);
+    found.into_iter().zip(within).map(|(own, within)| own.filter(|_| within)).collect()
+}
+
+fn states(model: &Model, theta: &[Lane], runs: &SideBySide) -> Vec<Lane> {
+    let mut states = vec![Lane::ZERO; runs.measured.len()];
+    simulate(model, theta, runs.initial, &runs.exogenous, &Weather::CALM, &mut states);
+    states
+}
+
+fn errors(states: &[Lane], runs: &SideBySide, limit: [f64; 3]) -> Vec<Option<[f64; 3]>> {
+    let mut sums = vec![Some([0.0; 3]); runs.runs];
+    for (i, (state, measured)) in states.iter().zip(&runs.measured).enumerate().skip(3) {
+        let (k, d) = (i / 3, i % 3);
+        for (lane, sum) in sums.iter_mut().enumerate().filter(|(lane, _)| k <= runs.samples[*lane]) {
+            // NaN exceeds it too.
+            let within = state[lane].abs() <= limit[d];
+            *sum = sum.filter(|_| within).map(|mut sum: [f64; 3]| {
+                sum[d] += (measured[lane] - state[lane]).powi(2);
+                sum
+            });
+        }
+    }
+    sums
+}
+
+/// The limits of the states.
+pub(crate) fn limit(recordings: &[&Recording]) -> [f64; 3] {
+    let mut largest = [0.0_f64; 3];
+    for row in recordings.iter().flat_map(|r| &r.whole).flat_map(|p| p.measured.as_chunks::<3>().0) {
+        (0..3).for_each(|d| largest[d] = largest[d].max(row[d].abs()));
+    }
+    largest.map(|largest| BEYOND * largest)
 }

@@ -9,7 +9,8 @@ use ship::model::Model;
 
 use super::{Laid, Recording, mean_fit, scores, standard_error, together};
 use crate::pooled::Score;
-use crate::search::problem::{Looked, Problem, Slopes, limit};
+use crate::search::limit;
+use crate::search::problem::{Looked, Problem, Slopes};
 
 /// For the fits of a path: the next ridge starts where they end.
 const ALONG: Ending = Ending { steps: 2, enough: 1e-3 };
