@@ -75,9 +75,9 @@ where
     let samples = (reference.len() / 3 - 1) as f64;
     let initial = [0, 1, 2].map(|d| Lane::splat(reference[d]));
     let first_beyond = |group: usize, lane: usize| {
-        let own: Vec<Lane> = parameters.iter().map(|p| Lane::splat(p.0[group][lane])).collect();
+        let theta: Vec<Lane> = parameters.iter().map(|p| Lane::splat(p.0[group][lane])).collect();
         let mut states = vec![Lane::ZERO; reference.len()];
-        simulate(model, &own, initial, exogenous, &Weather::CALM, &mut states);
+        simulate(model, &theta, initial, exogenous, &Weather::CALM, &mut states);
         diverged_lanes(&states)[0].map_or(0, |at| at.sample)
     };
     std::array::from_fn(|group| {
@@ -317,8 +317,8 @@ impl Score {
             return;
         }
         self.samples += window.samples() as u64;
-        for (i, (own, measured)) in states.iter().zip(window.measured).enumerate().skip(3) {
-            self.squares[i % 3] += (own - measured).powi(2);
+        for (i, (state, measured)) in states.iter().zip(window.measured).enumerate().skip(3) {
+            self.squares[i % 3] += (state - measured).powi(2);
         }
     }
 

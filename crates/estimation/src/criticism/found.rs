@@ -75,12 +75,12 @@ impl From<&Noise> for FoundNoise {
         };
         let forces = guess.forces().map(|(std, times)| of("force", std, times));
         let sensors = guess.sensors().map(|(std, time)| of("sensor", std, [time; 3]));
-        let others = found.kinds.iter().filter(|(own, _)| own.kind != guess.kind);
+        let others = found.kinds.iter().filter(|(other, _)| other.kind != guess.kind);
         Self {
             kind: guess.kind,
             drifts: forces.or(sensors).unwrap_or_default(),
             others: others
-                .map(|(own, likelihood)| OtherNoise { kind: own.kind, below: best - likelihood })
+                .map(|(guess, likelihood)| OtherNoise { kind: guess.kind, below: best - likelihood })
                 .collect(),
             turns: found.turns as u64,
             at_rest: found.at_rest,
@@ -181,11 +181,11 @@ impl Criticism {
         let optional = [self.p_value, self.current_time_s].into_iter().flatten();
         let found = self.noise.iter().flat_map(|noise| {
             let drifts = noise.drifts.iter().flat_map(|drift| [drift.std, drift.time_s]);
-            drifts.chain(noise.others.iter().map(|own| own.below))
+            drifts.chain(noise.others.iter().map(|other| other.below))
         });
         noise.into_iter().chain(found).chain(white).chain(optional).all(f64::is_finite)
             && self.absent.iter().all(absent)
-            && self.apart.iter().all(|own| own.p_value.is_finite())
+            && self.apart.iter().all(|apart| apart.p_value.is_finite())
     }
 }
 
@@ -279,7 +279,7 @@ pub(super) fn statements(found: &Criticism, under_white: bool) -> Vec<String> {
 fn contradictions(apart: &[Apart]) -> Option<String> {
     let first = apart.first()?;
     let p = if first.p_value < 1e-4 { "p < 0.0001".to_owned() } else { format!("p {:.4}", first.p_value) };
-    let named: Vec<String> = apart.iter().take(NAMED).map(|own| format!("`{}`", own.recording)).collect();
+    let named: Vec<String> = apart.iter().take(NAMED).map(|one| format!("`{}`", one.recording)).collect();
     let more = match apart.len() - named.len() {
         0 => String::new(),
         more => format!(" and {more} more"),
@@ -294,29 +294,34 @@ fn contradictions(apart: &[Apart]) -> Option<String> {
 /// The noise that was found, its size, and the distance of the next kind.
 fn noise_found(found: &Criticism, noise: &FoundNoise) -> String {
     let [u, v, r] = [found.noise_u, found.noise_v, found.noise_r].map(number);
-    let mut own = vec![format!("white noise of u {u}, v {v} m/s, r {r} rad/s")];
+    let mut parts = vec![format!("white noise of u {u}, v {v} m/s, r {r} rad/s")];
     for (of, name) in [("force", "forces, in a sample"), ("sensor", "sensors that drift by")] {
-        let each = noise.drifts.iter().filter(|own| own.of == of);
+        let each = noise.drifts.iter().filter(|drift| drift.of == of);
         let each: Vec<String> = each
             .map(|each| {
                 format!("{} {} {} over {} s", each.state, number(each.std), each.unit, number(each.time_s))
             })
             .collect();
         if !each.is_empty() {
-            own.push(format!("{name} {}", each.join(", ")));
+            parts.push(format!("{name} {}", each.join(", ")));
         }
     }
     if found.current_std > 0.0 {
         let drifting = |time| format!("drifting over {} s", number(time));
         let time = found.current_time_s.map_or("new at every sample".to_owned(), drifting);
-        own.push(format!("a current of {} m/s, {time}", number(found.current_std)));
+        parts.push(format!("a current of {} m/s, {time}", number(found.current_std)));
     }
     let turns = if noise.turns == 1 { "turn" } else { "turns" };
     let rest = if noise.at_rest { "" } else { ", without coming to rest" };
     let next = noise.others.first().map_or(String::new(), |next| {
         format!("; next likely: {}, {:.1} below in twice the log-likelihood", next.kind.words(), next.below)
     });
-    format!("noise found in {} {turns}{rest}: {}: {}{next}", noise.turns, noise.kind.words(), own.join("; "))
+    format!(
+        "noise found in {} {turns}{rest}: {}: {}{next}",
+        noise.turns,
+        noise.kind.words(),
+        parts.join("; ")
+    )
 }
 
 impl Criticism {

@@ -81,9 +81,9 @@ impl Lifted {
         let (mut known, mut others, mut candidates) = (Vec::new(), Vec::new(), Vec::new());
         let mut effects = Effect::ALL.map(|_| Vec::new());
         let mut place = 0;
-        for (degree, own) in DegreeOfFreedom::ALL.into_iter().zip(&mut lifted.degrees) {
-            known.extend(place..place + own.terms.len());
-            place += own.terms.len();
+        for (degree, lifted_degree) in DegreeOfFreedom::ALL.into_iter().zip(&mut lifted.degrees) {
+            known.extend(place..place + lifted_degree.terms.len());
+            place += lifted_degree.terms.len();
             for (name, term) in absent(model, degree, &names) {
                 candidates.push(Candidate {
                     degree: Some(degree),
@@ -91,12 +91,12 @@ impl Lifted {
                     name,
                     group: Group { unknowns: vec![vec![others.len()]] },
                 });
-                push(own, term, &mut others, &mut place);
+                push(lifted_degree, term, &mut others, &mut place);
             }
             for (effect, columns) in Effect::ALL.into_iter().zip(&mut effects) {
                 let Ok(term) = Term::parse(&effect.channel(degree as usize), &names) else { continue };
                 columns.push(others.len());
-                push(own, term, &mut others, &mut place);
+                push(lifted_degree, term, &mut others, &mut place);
             }
         }
         let [lag, delay, north, east] = effects;
@@ -129,7 +129,7 @@ fn push(degree: &mut Degree, term: Term, others: &mut Vec<usize>, place: &mut us
 
 /// Terms of the library that `degree` of `model` lacks; the constant if it has none.
 fn absent(model: &Model, degree: DegreeOfFreedom, names: &[&str]) -> Vec<(String, Term)> {
-    let own = &model.degrees[degree as usize].terms;
+    let terms = &model.degrees[degree as usize].terms;
     let texts: &[&str] = if degree == DegreeOfFreedom::Surge { &EVEN } else { &ODD };
     let parsed = texts.iter().filter_map(|text| Some(((*text).to_owned(), Term::parse(text, names).ok()?)));
     let sorted = |term: &Term| {
@@ -138,7 +138,7 @@ fn absent(model: &Model, degree: DegreeOfFreedom, names: &[&str]) -> Vec<(String
         factors
     };
     // Fixed and tied terms are tested too: they may be fixed or tied wrongly.
-    let has = |term: &Term| own.iter().any(|known| known.tied.is_empty() && sorted(known) == sorted(term));
+    let has = |term: &Term| terms.iter().any(|known| known.tied.is_empty() && sorted(known) == sorted(term));
     parsed.filter(|(_, term)| !has(term)).collect()
 }
 

@@ -28,9 +28,7 @@ use problems::{Problems, Refinement, Series, State, each_with_noise, with_noise}
 use residuals::{apart, feedback, waves};
 use score::{Draws, Projected, reject_under_white, tested, under_white};
 
-pub use found::{
-    Absent, Apart, Criticism, Feedback, FoundDrift, FoundNoise, LEVEL, OtherNoise, Verdict,
-};
+pub use found::{Absent, Apart, Criticism, Feedback, FoundDrift, FoundNoise, LEVEL, OtherNoise, Verdict};
 pub use noise::NoiseKind;
 pub(crate) use noise::{ENOUGH, Kinds};
 pub use problems::{Subject, restricted_likelihood};
@@ -114,8 +112,8 @@ fn judged(
     let (found, hidden) = tested(lifted, draws, projected);
     let p_value = found.iter().map(|a| a.p_value).reduce(f64::min);
     let whiteness = [0, 1, 2].map(|d: usize| {
-        let own: Vec<Vec<f64>> = series.iter().map(|(_, white)| white[d].clone()).collect();
-        whiteness(&own, LAGS)
+        let errors: Vec<Vec<f64>> = series.iter().map(|(_, white)| white[d].clone()).collect();
+        whiteness(&errors, LAGS)
     });
     let ([noise_u, noise_v, noise_r], (current_std, current_time_s)) = noise(subject, state);
     let rejected = p_value.is_some_and(|p| p < LEVEL);
@@ -195,8 +193,8 @@ fn white_once_named(
     for _ in 1..MOST {
         let exogenous = std::mem::take(&mut richer.exogenous);
         let model = richer.model.clone();
-        let own = runs.iter().zip(&exogenous);
-        let views: Vec<RunView> = own
+        let pairs = runs.iter().zip(&exogenous);
+        let views: Vec<RunView> = pairs
             .map(|(run, exogenous)| RunView { exogenous, instrument_exogenous: exogenous, ..*run })
             .collect();
         let subject = Subject { model: &model, runs: &views, ..*problems.subject };
@@ -208,8 +206,8 @@ fn white_once_named(
         let (mut sums, mut series) = problems.look(&lifted, std::slice::from_ref(&state));
         let (Some(Some(sums)), Some(series)) = (sums.pop(), series.pop()) else { return false };
         let white = (0..3).all(|d| {
-            let own: Vec<Vec<f64>> = series.iter().map(|(_, white)| white[d].clone()).collect();
-            is_white(&whiteness(&own, LAGS))
+            let errors: Vec<Vec<f64>> = series.iter().map(|(_, white)| white[d].clone()).collect();
+            is_white(&whiteness(&errors, LAGS))
         });
         if white {
             return true;
@@ -247,14 +245,14 @@ impl Richer {
             candidate.group.unknowns.iter().flatten().map(|column| lifted.others[*column]).collect();
         let (mut first, mut parameters) = (0, Vec::new());
         let mut known = self.state.parameters.iter();
-        for (degree, own) in self.model.degrees.iter_mut().zip(&lifted.model.degrees) {
+        for (degree, richer) in self.model.degrees.iter_mut().zip(&lifted.model.degrees) {
             parameters.extend(known.by_ref().take(degree.terms.len()));
-            for place in places.iter().filter(|place| (first..first + own.terms.len()).contains(place)) {
-                degree.terms.push(own.terms[place - first].clone());
-                degree.parameters.push(own.parameters[place - first].clone());
+            for place in places.iter().filter(|place| (first..first + richer.terms.len()).contains(place)) {
+                degree.terms.push(richer.terms[place - first].clone());
+                degree.parameters.push(richer.parameters[place - first].clone());
                 parameters.push(0.0);
             }
-            first += own.terms.len();
+            first += richer.terms.len();
         }
         self.state.parameters = parameters;
         true

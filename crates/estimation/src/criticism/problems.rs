@@ -67,8 +67,8 @@ impl<'a> Problems<'a> {
 
     /// The runs of one problem, with their indices.
     pub fn runs_of(&self, problem: usize) -> impl Iterator<Item = (usize, RunView<'a>)> + '_ {
-        let own = self.subject.runs.iter().copied().enumerate().zip(&self.of_run);
-        own.filter(move |(_, of)| **of == problem).map(|(run, _)| run)
+        let runs = self.subject.runs.iter().copied().enumerate().zip(&self.of_run);
+        runs.filter(move |(_, of)| **of == problem).map(|(run, _)| run)
     }
 
     /// The search for the noise of one problem.
@@ -97,10 +97,10 @@ impl<'a> Problems<'a> {
     pub fn by_run(&self, state: &State) -> Vec<(usize, Linear)> {
         let free: Vec<usize> = (0..self.subject.model.parameters()).collect();
         let kind = state.noise.as_ref().map(|noise| noise.guess.kind);
-        let own = Levelled(kind.map_or(self.states(), NoiseKind::states));
+        let states_of = Levelled(kind.map_or(self.states(), NoiseKind::states));
         let states = vec![state.clone(); self.count()];
         let each = self.groups.iter().flat_map(|(group, runs)| {
-            let found = with_states!(own, white(self, group, runs, &states, &free));
+            let found = with_states!(states_of, white(self, group, runs, &states, &free));
             group.iter().copied().zip(found)
         });
         each.collect()
@@ -125,20 +125,20 @@ impl<'a> Problems<'a> {
     pub fn look(&self, lifted: &Lifted, states: &[State]) -> (Vec<Option<Linear>>, Vec<Series>) {
         let mut sums = Sums(vec![None; self.count()]);
         let mut series: Vec<Series> = vec![Vec::new(); self.count()];
-        let mut look = |group: &[usize], runs: &SideBySide, own: &Levelled| {
-            let (found, white) = with_states!(own, look_at(self, lifted, group, runs, states));
+        let mut look = |group: &[usize], runs: &SideBySide, count: &Levelled| {
+            let (found, white) = with_states!(count, look_at(self, lifted, group, runs, states));
             sums.add(group, &self.of_run, found);
             group.iter().zip(white).for_each(|(run, white)| series[self.of_run[*run]].push((*run, white)));
         };
         if self.subject.levels.is_some() {
-            let own = Levelled(self.states());
-            self.groups.iter().for_each(|(group, runs)| look(group, runs, &own));
+            let count = Levelled(self.states());
+            self.groups.iter().for_each(|(group, runs)| look(group, runs, &count));
         } else {
             for kind in NoiseKind::ALL {
                 let of = |run: &usize| states[self.of_run[*run]].noise.as_ref().map(|noise| noise.guess.kind);
                 let chosen = (0..self.subject.runs.len()).filter(|run| of(run) == Some(kind));
-                let own = Levelled(kind.states());
-                groups(self.subject.runs, chosen).for_each(|(group, runs)| look(&group, &runs, &own));
+                let count = Levelled(kind.states());
+                groups(self.subject.runs, chosen).for_each(|(group, runs)| look(&group, &runs, &count));
             }
         }
         (sums.finite(), series)
@@ -181,10 +181,10 @@ struct Sums(Vec<Option<Linear>>);
 
 impl Sums {
     fn add(&mut self, group: &[usize], of_run: &[usize], found: Vec<Linear>) {
-        for (run, own) in group.iter().zip(found) {
+        for (run, sums) in group.iter().zip(found) {
             match &mut self.0[of_run[*run]] {
-                Some(total) => total.add(&own),
-                none => *none = Some(own),
+                Some(total) => total.add(&sums),
+                none => *none = Some(sums),
             }
         }
     }
@@ -217,9 +217,9 @@ fn look_at<const N: usize>(
 ) -> (Vec<Linear>, Vec<[Vec<f64>; 3]>) {
     let (subject, levels) = (problems.subject, problems.levels(group, states));
     let parameters = problems.parameters(group, states);
-    let own = Recordings::of(subject.model, runs);
+    let own_recordings = Recordings::of(subject.model, runs);
     let (gains, innovations) =
-        filter_each::<N>(&own, &with_start(parameters.clone()), &levels, subject.known_start);
+        filter_each::<N>(&own_recordings, &with_start(parameters.clone()), &levels, subject.known_start);
     let predicted: Vec<Lane> = runs.measured.iter().zip(&innovations).map(|(y, e)| *y - *e).collect();
     let exogenous = with_effects(subject.model, &parameters, &predicted, &runs.exogenous, subject.rate_hz);
     let wider = SideBySide { exogenous, instrument_exogenous: Vec::new(), ..runs.clone() };
@@ -243,11 +243,11 @@ fn errors<const N: usize>(
 ) -> Vec<[Vec<f64>; 3]> {
     let all: Vec<[Lane; 3]> =
         gains.iter().zip(innovations.as_chunks().0).map(|(gain, error)| gain.white(error)).collect();
-    let own = |lane: usize| {
+    let by_lane = |lane: usize| {
         let rows = &all[1..=run.samples[lane].min(all.len() - 1)];
         [0, 1, 2].map(|d: usize| rows.iter().map(|white| white[d][lane]).collect())
     };
-    (0..run.runs.min(LANES)).map(own).collect()
+    (0..run.runs.min(LANES)).map(by_lane).collect()
 }
 
 /// The change of the unknowns to the least errors of white `sums`, and the decrease of the errors.
@@ -339,8 +339,8 @@ impl<'a> Refinement<'a> {
             }
             let mut trials = self.states.clone();
             for (problem, step) in &left {
-                let own = trials[*problem].parameters.iter_mut().zip(step);
-                own.for_each(|(p, s)| *p += share * s);
+                let steps = trials[*problem].parameters.iter_mut().zip(step);
+                steps.for_each(|(p, s)| *p += share * s);
             }
             let tried: Vec<usize> = left.iter().map(|(problem, _)| *problem).collect();
             let mut found = self.problems.white(&tried, &trials);

@@ -31,17 +31,17 @@ pub(super) fn feedback(model: &Model, runs: &[RunView], series: &Series) -> Opti
         let value = |run: usize, k: usize| runs[run].exogenous[k * width + input];
         let Some(innovations) = innovations(series, value, runs) else { continue };
         for (state, name) in ["u", "v", "r"].into_iter().enumerate() {
-            let (mut both, mut own, mut errors, mut n) = (0.0, 0.0, 0.0, 0.0);
+            let (mut both, mut squares, mut errors, mut n) = (0.0, 0.0, 0.0, 0.0);
             for ((_, white), innovations) in series.iter().zip(&innovations) {
                 // White errors begin at sample 1, innovations at sample 2.
                 for (a, b) in innovations.iter().zip(&white[state][1..]) {
                     both += a * b;
-                    own += a * a;
+                    squares += a * a;
                     errors += b * b;
                     n += 1.0;
                 }
             }
-            let correlation = both / (own * errors).sqrt();
+            let correlation = both / (squares * errors).sqrt();
             if !correlation.is_finite()
                 || most.as_ref().is_some_and(|m| m.correlation.abs() >= correlation.abs())
             {
@@ -83,7 +83,7 @@ fn innovations(
     let left: f64 = all.iter().flatten().map(|x| x * x).sum();
     let typical = median(all.iter().flatten().map(|x| x.abs()).collect())?;
     let held = |x: f64| x.clamp(-MOST * typical, MOST * typical);
-    let all = all.into_iter().map(|own| own.into_iter().map(held).collect()).collect();
+    let all = all.into_iter().map(|errors| errors.into_iter().map(held).collect()).collect();
     (left > 1e-12 * squares && typical > 0.0).then_some(all)
 }
 
@@ -102,18 +102,18 @@ const PERIODS: [f64; 2] = [4.0, 20.0];
 
 /// The period \[s\] of waves in the whitened errors of runs, if they have one and no input oscillates alike.
 pub(super) fn waves(subject: &Subject, errors: &Series) -> Option<f64> {
-    let of = |d: usize| -> Vec<Vec<f64>> { errors.iter().map(|(_, own)| own[d].clone()).collect() };
+    let of = |d: usize| -> Vec<Vec<f64>> { errors.iter().map(|(_, white)| white[d].clone()).collect() };
     let found = (0..3).filter_map(|d| oscillation(&of(d), subject.rate_hz));
     let (period, _) = found.max_by(|a, b| a.1.total_cmp(&b.1))?;
     let inputs = subject.model.exogenous();
     let steered = (0..inputs).any(|i| {
         let of = |(run, _): &(usize, _)| {
-            let own = subject.runs[*run].exogenous.iter().skip(i).step_by(inputs);
-            centred(own.copied().collect())
+            let input = subject.runs[*run].exogenous.iter().skip(i).step_by(inputs);
+            centred(input.copied().collect())
         };
-        let own: Vec<Vec<f64>> = errors.iter().map(of).collect();
+        let steered: Vec<Vec<f64>> = errors.iter().map(of).collect();
         let period = period * subject.rate_hz;
-        peak(&covariances(&own, period), period).is_some()
+        peak(&covariances(&steered, period), period).is_some()
     });
     (!steered).then_some(period)
 }
@@ -137,8 +137,8 @@ pub fn oscillation(errors: &[Vec<f64>], rate_hz: f64) -> Option<(f64, f64)> {
 
 /// The spectrum at `period` \[samples\] over its mean, if it is narrow.
 fn peak(covariances: &[f64], period: f64) -> Option<f64> {
-    let [low, own, high] = [2.0, 1.0, 0.5].map(|factor| spectrum(covariances, factor * period));
-    (own > NARROW * low.max(high)).then_some(own)
+    let [low, here, high] = [2.0, 1.0, 0.5].map(|factor| spectrum(covariances, factor * period));
+    (here > NARROW * low.max(high)).then_some(here)
 }
 
 /// By the window of Hann over the autocovariances.
@@ -206,7 +206,7 @@ fn recordings(problems: &Problems, state: &State) -> Vec<(String, Linear)> {
     let mut all: Vec<(String, Linear)> = Vec::new();
     for (run, found) in problems.by_run(state) {
         let name = problems.subject.names[run];
-        match all.iter_mut().find(|(own, _)| own == name) {
+        match all.iter_mut().find(|(subject, _)| subject == name) {
             Some((_, sums)) => sums.add(&found),
             None => all.push((name.to_owned(), found)),
         }
@@ -227,18 +227,18 @@ fn farthest(all: &[(String, Linear)]) -> Option<(usize, f64)> {
     let freedom = (3.0 * total.samples - p as f64).max(1.0);
     let variance = (total.squares.iter().sum::<f64>() - explained) / freedom;
     let tested = all.iter().enumerate().filter_map(|(i, (_, sums))| {
-        let (own, scores) = sums.weighted([1.0; 3]);
+        let (information, scores) = sums.weighted([1.0; 3]);
         // Scores of the recording at the estimate from all recordings, and their covariance over the variance.
         let scores: Vec<f64> =
-            scores.iter().zip(times(&own, &change)).map(|(s, explained)| s - explained).collect();
-        let rows: Vec<f64> = own.chunks_exact(p).flat_map(|row| times(&inverse, row)).collect();
+            scores.iter().zip(times(&information, &change)).map(|(s, explained)| s - explained).collect();
+        let rows: Vec<f64> = information.chunks_exact(p).flat_map(|row| times(&inverse, row)).collect();
         let covariance: Vec<f64> = (0..p * p)
             .map(|k| {
                 let (i, j) = (k / p, k % p);
-                own[k] - numerics::dot(&rows[i * p..(i + 1) * p], &own[j * p..(j + 1) * p])
+                information[k] - numerics::dot(&rows[i * p..(i + 1) * p], &information[j * p..(j + 1) * p])
             })
             .collect();
-        let whole: Vec<f64> = (0..p).map(|i| own[i * p + i]).collect();
+        let whole: Vec<f64> = (0..p).map(|i| information[i * p + i]).collect();
         let (statistic, rank) = quadratic_of_inverse(covariance, scores, &whole, LEFT);
         (rank > 0).then(|| (i, log_chi_square_tail(statistic / variance, rank)))
     });

@@ -174,17 +174,17 @@ pub(super) fn under_white(
 ) -> Vec<Option<Vec<Absent>>> {
     let white = |state: &State| {
         let likeliest = state.noise.as_ref().filter(|noise| noise.guess.kind != NoiseKind::White)?;
-        let guess = *likeliest.within(TAKEN).find(|own| own.kind == NoiseKind::White)?;
+        let guess = *likeliest.within(TAKEN).find(|guess| guess.kind == NoiseKind::White)?;
         Some(Noise { guess, ..likeliest.clone() })
     };
     let under = |state: &State| State { parameters: state.parameters.clone(), noise: white(state) };
-    let own: Vec<State> = states.iter().map(under).collect();
-    if own.iter().all(|state| state.noise.is_none()) {
+    let white_states: Vec<State> = states.iter().map(under).collect();
+    if white_states.iter().all(|state| state.noise.is_none()) {
         return vec![None; states.len()];
     }
-    let (sums, _) = problems.look(lifted, &own);
-    let each = sums.into_iter().zip(&own);
-    each.map(|(sums, own)| Some(tested(lifted, draws, &Projected::new(&sums?, own.parameters.len())?).0))
+    let (sums, _) = problems.look(lifted, &white_states);
+    let each = sums.into_iter().zip(&white_states);
+    each.map(|(sums, state)| Some(tested(lifted, draws, &Projected::new(&sums?, state.parameters.len())?).0))
         .collect()
 }
 
@@ -200,12 +200,12 @@ pub(super) fn reject_under_white(found: &mut Criticism, white: Option<Vec<Absent
 /// The tests under white noise of a model whose `likeliest` noise is another, if they reject it and are the stronger
 /// evidence. Their probabilities are doubled, since two tests are made; `None` if they are not.
 pub fn clearer_under_white(likeliest: &[Absent], mut white: Vec<Absent>) -> Option<Vec<Absent>> {
-    white.iter_mut().for_each(|own| own.p_value = (TESTS * own.p_value).min(1.0));
+    white.iter_mut().for_each(|absent| absent.p_value = (TESTS * absent.p_value).min(1.0));
     Some(white).filter(|white| least(white) < least(likeliest).min(LEVEL))
 }
 
 fn least(found: &[Absent]) -> f64 {
-    found.iter().map(|own| own.p_value).fold(1.0, f64::min)
+    found.iter().map(|absent| absent.p_value).fold(1.0, f64::min)
 }
 
 /// Number of draws of the scores under the model.
@@ -273,9 +273,10 @@ fn forms(n: usize, correlation: &[f64], groups: &[(&Group, &Score)]) -> Vec<(usi
     let form = |(group, _): &(&Group, &Score)| {
         let (from, q) = (first, group.unknowns.len());
         first += q;
-        let mut own: Vec<f64> = (0..q * q).map(|k| correlation[(from + k / q) * n + from + k % q]).collect();
+        let mut block: Vec<f64> =
+            (0..q * q).map(|k| correlation[(from + k / q) * n + from + k % q]).collect();
         let mut inverted = vec![0.0; q * q];
-        numerics::inverse(q, &mut own, &mut inverted)?;
+        numerics::inverse(q, &mut block, &mut inverted)?;
         Some((from, inverted, q))
     };
     groups.iter().filter_map(form).collect()

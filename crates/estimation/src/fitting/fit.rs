@@ -152,13 +152,13 @@ impl Pass<'_> {
         let at = self.at(theta.to_vec(), self.measured_starts());
         let sums = self.all_sums(&at.theta, &at.starts);
         let mut slopes = vec![0.0; theta.len()];
-        for own in sums.iter().flatten() {
-            let weight = 2.0 * self.weight(&own.errors);
-            for piece in &own.pieces {
-                slopes.iter_mut().zip(piece).for_each(|(sum, own)| *sum += weight * own);
+        for window in sums.iter().flatten() {
+            let weight = 2.0 * self.weight(&window.errors);
+            for piece in &window.pieces {
+                slopes.iter_mut().zip(piece).for_each(|(sum, slope)| *sum += weight * slope);
             }
         }
-        slopes.iter_mut().zip(self.pulls(theta)).for_each(|(sum, [_, own])| *sum += 2.0 * own);
+        slopes.iter_mut().zip(self.pulls(theta)).for_each(|(sum, [_, slope])| *sum += 2.0 * slope);
         (at.cost, slopes)
     }
 
@@ -184,12 +184,12 @@ impl Pass<'_> {
             groups.par_iter().map(|(group, starts)| self.errors(group, &theta, starts)).collect();
         let knee = self.settings.knee;
         let (mut cost, mut squares) = (0.0, [0.0; 3]);
-        for own in all.iter().flatten() {
-            cost += self.share(own) * own.cost(knee);
-            squares.iter_mut().zip(own.squares).for_each(|(sum, own)| *sum += own);
+        for window in all.iter().flatten() {
+            cost += self.share(window) * window.cost(knee);
+            squares.iter_mut().zip(window.squares).for_each(|(sum, square)| *sum += square);
         }
         cost += self.prior_cost() * distance(&theta, &self.priors);
-        At { theta, starts, cost, rms: squares.map(|own| (own / self.samples as f64).sqrt()) }
+        At { theta, starts, cost, rms: squares.map(|square| (square / self.samples as f64).sqrt()) }
     }
 
     /// A window's share in the mean over windows, by its samples.
@@ -224,7 +224,7 @@ impl Pass<'_> {
         let theta = moved(self.forces, &at.theta, &free, steps);
         let change: Vec<f64> = theta.iter().zip(&at.theta).map(|(new, old)| new - old).collect();
         let starts = at.starts.iter().zip(&windows).map(|(starts, windows)| {
-            starts.iter().zip(windows).map(|(own, window)| window.start(*own, &change)).collect()
+            starts.iter().zip(windows).map(|(start, window)| window.start(*start, &change)).collect()
         });
         let slope = |i: usize| {
             let row: f64 = (0..n).map(|j| products[i * n + j] * change[j]).sum();
@@ -241,15 +241,16 @@ impl Pass<'_> {
     /// A window whose start is not determined.
     pub(crate) fn determined(&self, sums: &[Vec<Sums>]) -> Result<Vec<Vec<Reduced>>, Unfit> {
         let n = self.forces.parameters().len();
-        let own = |(window, own)| reduced(own, n, 0.0).ok_or_else(|| self.without_start(window));
+        let reduce =
+            |(window, window_sums)| reduced(window_sums, n, 0.0).ok_or_else(|| self.without_start(window));
         let all = self.groups.iter().zip(sums);
-        all.map(|(group, sums)| group.windows.iter().zip(sums).map(own).collect()).collect()
+        all.map(|(group, sums)| group.windows.iter().zip(sums).map(reduce).collect()).collect()
     }
 
     /// Every window reduced to θ.
     fn reduced(&self, sums: &[Vec<Sums>], damping: f64) -> Option<Vec<Vec<Reduced>>> {
         let n = self.forces.parameters().len();
-        sums.iter().map(|group| group.iter().map(|own| reduced(own, n, damping)).collect()).collect()
+        sums.iter().map(|group| group.iter().map(|window| reduced(window, n, damping)).collect()).collect()
     }
 
     /// The second and first derivatives of half the cost by θ.
@@ -271,10 +272,10 @@ impl Pass<'_> {
         windows: &[Vec<Reduced>],
     ) -> (Vec<f64>, Vec<f64>) {
         let (mut products, mut gradient) = (vec![0.0; n * n], vec![0.0; n]);
-        for (own, window) in sums.iter().flatten().zip(windows.iter().flatten()) {
-            let weight = self.weight(&own.errors);
-            products.iter_mut().zip(&window.products).for_each(|(sum, own)| *sum += weight * own);
-            gradient.iter_mut().zip(&window.gradient).for_each(|(sum, own)| *sum += weight * own);
+        for (window_sums, window) in sums.iter().flatten().zip(windows.iter().flatten()) {
+            let weight = self.weight(&window_sums.errors);
+            products.iter_mut().zip(&window.products).for_each(|(sum, entry)| *sum += weight * entry);
+            gradient.iter_mut().zip(&window.gradient).for_each(|(sum, slope)| *sum += weight * slope);
         }
         (products, gradient)
     }
@@ -294,9 +295,9 @@ impl Pass<'_> {
         for (group, starts) in self.groups.iter().zip(&at.starts) {
             let errors = self.errors(group, &at.theta, starts);
             let pairs = group.windows.iter().zip(&errors);
-            if let Some((own, _)) = pairs.into_iter().find(|(_, own)| !own.rms().is_finite()) {
-                let recording = self.recordings[own.recording].name.to_owned();
-                return Unfit::Diverged { recording, first_s: own.first as f64 * self.settings.sample_s };
+            if let Some((window, _)) = pairs.into_iter().find(|(_, error)| !error.rms().is_finite()) {
+                let recording = self.recordings[window.recording].name.to_owned();
+                return Unfit::Diverged { recording, first_s: window.first as f64 * self.settings.sample_s };
             }
         }
         Unfit::Boundless
@@ -322,7 +323,7 @@ impl Reduced {
         let n = change.len();
         [0, 1, 2].map(|d: usize| {
             let followed: f64 = (0..n).map(|i| self.follows[d * n + i] * change[i]).sum();
-            old[d] + self.own[d] + followed
+            old[d] + self.stays[d] + followed
         })
     }
 }
@@ -378,10 +379,14 @@ impl Pass<'_> {
         let windows = self.determined(&sums)?;
         let (data, gradient) = self.information(n, &sums, &windows);
         let (mut meat, mut pieces) = (vec![0.0; n * n], 0);
-        for (own, window) in sums.iter().flatten().zip(windows.iter().flatten()) {
-            let weight = self.weight(&own.errors);
-            for score in own.scores(window, n).into_iter().filter(|own| own.iter().any(|own| *own != 0.0)) {
-                let score: Vec<f64> = score.iter().map(|own| weight * own).collect();
+        for (window_sums, window) in sums.iter().flatten().zip(windows.iter().flatten()) {
+            let weight = self.weight(&window_sums.errors);
+            for score in window_sums
+                .scores(window, n)
+                .into_iter()
+                .filter(|score| score.iter().any(|entry| *entry != 0.0))
+            {
+                let score: Vec<f64> = score.iter().map(|entry| weight * entry).collect();
                 numerics::add_outer(&mut meat, &score, &score);
                 pieces += 1;
             }
@@ -399,8 +404,8 @@ impl Pass<'_> {
     ) -> Result<Estimates, Unfit> {
         let n = fit.theta.len();
         let pulls = self.pulls(&fit.theta);
-        gradient.iter_mut().zip(&pulls).for_each(|(sum, [_, own])| *sum += own);
-        let pulls: Vec<f64> = pulls.iter().map(|[own, _]| *own).collect();
+        gradient.iter_mut().zip(&pulls).for_each(|(sum, [_, slope])| *sum += slope);
+        let pulls: Vec<f64> = pulls.iter().map(|[pull, _]| *pull).collect();
         let held = held(self.forces, &fit.theta, &gradient);
         let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
         let m = free.len();
@@ -414,24 +419,24 @@ impl Pass<'_> {
         // Parameters that the recordings determine use up pieces.
         let used = m as f64 - shares.iter().sum::<f64>();
         let correction = pieces as f64 / (pieces as f64 - used).max(1.0);
-        meat.iter_mut().for_each(|own| *own *= correction);
+        meat.iter_mut().for_each(|entry| *entry *= correction);
         let mut meat = inner(&meat);
         (0..m).for_each(|i| {
             meat[i * m + i] +=
-                self.priors[free[i]].map_or(0.0, |own| (pulls[free[i]] * own.deviation).powi(2));
+                self.priors[free[i]].map_or(0.0, |prior| (pulls[free[i]] * prior.deviation).powi(2));
         });
-        let own = congruence(m, &inverse, &meat);
+        let inner_covariance = congruence(m, &inverse, &meat);
         let mut covariance = vec![0.0; n * n];
-        (0..m * m).for_each(|k| covariance[free[k / m] * n + free[k % m]] = own[k]);
+        (0..m * m).for_each(|k| covariance[free[k / m] * n + free[k % m]] = inner_covariance[k]);
         let (condition, inflations) = conditioned(m, &information);
         let parameter = |i: usize| {
-            let place = free.iter().position(|own| *own == i);
+            let place = free.iter().position(|free_one| *free_one == i);
             Parameter {
                 name: self.forces.parameters()[i].name.clone(),
                 value: fit.theta[i],
                 standard_error: place.map(|_| covariance[i * n + i].sqrt()),
                 prior_share: place.map_or(0.0, |k| shares[k].clamp(0.0, 1.0)),
-                inflation: place.and_then(|k| inflations.as_ref().map(|own| own[k])),
+                inflation: place.and_then(|k| inflations.as_ref().map(|growth| growth[k])),
             }
         };
         let parameters = (0..n).map(parameter).collect();
@@ -440,7 +445,7 @@ impl Pass<'_> {
 
     pub(crate) fn undetermined(&self, free: &[usize], bread: &[f64]) -> Unfit {
         let m = free.len();
-        let weakest = numerics::weakest(m, bread).map_or(0, |own| own.dominant(m));
+        let weakest = numerics::weakest(m, bread).map_or(0, |weakest| weakest.dominant(m));
         Unfit::Undetermined(self.forces.parameters()[free[weakest]].name.clone())
     }
 }
@@ -448,8 +453,8 @@ impl Pass<'_> {
 /// The condition index of an information, and by what each standard error grows because of the others.
 pub(crate) fn conditioned(n: usize, information: &[f64]) -> (f64, Option<Vec<f64>>) {
     let scale: Vec<f64> = (0..n).map(|i| information[i * n + i].sqrt()).collect();
-    let own: Vec<f64> = (0..n * n).map(|k| information[k] / (scale[k / n] * scale[k % n])).collect();
-    let Some((values, vectors)) = symmetric(n, &own) else { return (f64::INFINITY, None) };
+    let scaled: Vec<f64> = (0..n * n).map(|k| information[k] / (scale[k / n] * scale[k % n])).collect();
+    let Some((values, vectors)) = symmetric(n, &scaled) else { return (f64::INFINITY, None) };
     let (low, high) = (values.first().copied().unwrap_or(1.0), values.last().copied().unwrap_or(1.0));
     if low <= OPEN * high {
         return (f64::INFINITY, None);

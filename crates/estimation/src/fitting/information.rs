@@ -94,7 +94,7 @@ impl SimulatedRun<'_> {
         for first in (0..n.max(1)).step_by(AT_ONCE) {
             states = self.columns(forces, theta, (first, inputs), &mut by_theta);
         }
-        let finite = states.iter().flatten().chain(&by_theta).all(|own| own.is_finite());
+        let finite = states.iter().flatten().chain(&by_theta).all(|entry| entry.is_finite());
         finite.then_some(Slopes { states, by_theta })
     }
 
@@ -107,8 +107,8 @@ impl SimulatedRun<'_> {
         out: &mut [f64],
     ) -> Vec<[f64; 3]> {
         let (n, width) = (theta.len(), self.width);
-        let own = |(i, value): (usize, &f64)| Dual::<f64, AT_ONCE>::unknown(*value, i.wrapping_sub(first));
-        let parameters: Vec<_> = theta.iter().enumerate().map(own).collect();
+        let dual = |(i, value): (usize, &f64)| Dual::<f64, AT_ONCE>::unknown(*value, i.wrapping_sub(first));
+        let parameters: Vec<_> = theta.iter().enumerate().map(dual).collect();
         let body = forces.body(&parameters);
         let mut state = self.initial.map(Dual::constant);
         let mut states = vec![self.initial];
@@ -122,11 +122,11 @@ impl SimulatedRun<'_> {
                     body.step(state, row, end, self.sample_s)
                 }
             };
-            for (d, own) in state.iter().enumerate() {
+            for (d, dual) in state.iter().enumerate() {
                 let to = &mut out[(3 * (k + 1) + d) * n + first..(3 * (k + 1) + d + 1) * n];
-                to.iter_mut().zip(own.tangents).for_each(|(to, tangent)| *to = tangent);
+                to.iter_mut().zip(dual.tangents).for_each(|(to, tangent)| *to = tangent);
             }
-            states.push(state.map(|own| own.value));
+            states.push(state.map(|dual| dual.value));
         }
         states
     }
@@ -146,7 +146,7 @@ impl SimulatedRun<'_> {
             true => self.carried(forces, theta, &slopes, (weights, noise.current)),
             false => vec![0.0; n * n],
         };
-        let finite = measurement.iter().chain(&current).all(|own| own.is_finite());
+        let finite = measurement.iter().chain(&current).all(|entry| entry.is_finite());
         finite.then_some(RunInformation { measurement, current })
     }
 
@@ -159,14 +159,14 @@ impl SimulatedRun<'_> {
         (weights, std): ([f64; 3], f64),
     ) -> Vec<f64> {
         let n = theta.len();
-        let constants: Vec<Dual<f64, 5>> = theta.iter().map(|own| Dual::constant(*own)).collect();
+        let constants: Vec<Dual<f64, 5>> = theta.iter().map(|value| Dual::constant(*value)).collect();
         let body = forces.body(&constants);
         let (mut sum, mut draw) = (vec![0.0; n * n], vec![0.0; n]);
         let mut adjoint = vec![0.0; 3 * n];
         for k in (0..self.samples()).rev() {
-            let own = &slopes.by_theta[3 * (k + 1) * n..3 * (k + 2) * n];
+            let slope = &slopes.by_theta[3 * (k + 1) * n..3 * (k + 2) * n];
             for (d, weight) in weights.iter().enumerate() {
-                (0..n).for_each(|i| adjoint[d * n + i] += weight * own[d * n + i]);
+                (0..n).for_each(|i| adjoint[d * n + i] += weight * slope[d * n + i]);
             }
             let (by_state, by_current) = self.transition(&body, slopes.states[k], k);
             for column in by_current {
@@ -192,7 +192,8 @@ impl SimulatedRun<'_> {
         let by_state =
             [0, 1, 2].map(|d: usize| [0, 1, 2].map(|j: usize| change[d].tangents[j] + stays(d, j)));
         // The state relative to the water is that over the ground less the current.
-        let by_current = [0, 1].map(|i: usize| change.map(|own| own.tangents[3 + i] - own.tangents[i]));
+        let by_current =
+            [0, 1].map(|i: usize| change.map(|component| component.tangents[3 + i] - component.tangents[i]));
         (by_state, by_current)
     }
 }
@@ -208,19 +209,19 @@ impl RunInformation {
         let m = places.len();
         let inner =
             |of: &[f64]| -> Vec<f64> { (0..m * m).map(|k| of[places[k / m] * n + places[k % m]]).collect() };
-        let own = inner(&self.measurement);
-        let mut bread = own.clone();
+        let information = inner(&self.measurement);
+        let mut bread = information.clone();
         (0..m).for_each(|i| bread[i * m + i] += prior[places[i]]);
         let inverted = scaled_inverse(m, &bread)?;
-        let meat: Vec<f64> = bread.iter().zip(inner(&self.current)).map(|(own, more)| own + more).collect();
+        let meat: Vec<f64> = bread.iter().zip(inner(&self.current)).map(|(left, more)| left + more).collect();
         let known = congruence(m, &inverted, &meat);
         let mut covariance = vec![0.0; n * n];
         (0..m * m).for_each(|k| covariance[places[k / m] * n + places[k % m]] = known[k]);
         let scaled: Vec<f64> =
             (0..m * m).map(|k| bread[k] / (bread[k / m * (m + 1)] * bread[k % m * (m + 1)]).sqrt()).collect();
-        let weakest = numerics::weakest(m, &scaled).map_or(0, |own| own.dominant(m));
+        let weakest = numerics::weakest(m, &scaled).map_or(0, |weakest| weakest.dominant(m));
         let weakest = places.get(weakest).copied().unwrap_or(0);
-        Some(PredictedErrors { covariance, condition: conditioned(m, &own).0, weakest })
+        Some(PredictedErrors { covariance, condition: conditioned(m, &information).0, weakest })
     }
 }
 
@@ -234,8 +235,8 @@ impl Slopes {
     pub(crate) fn weighted(&self, parameters: usize, weights: [f64; 3]) -> Vec<f64> {
         let (n, roots) = (parameters, weights.map(f64::sqrt));
         let (mut sum, mut scaled) = (vec![0.0; n * n], vec![0.0; n]);
-        for (row, own) in self.by_theta.chunks_exact(n.max(1)).enumerate() {
-            scaled.iter_mut().zip(own).for_each(|(to, own)| *to = roots[row % 3] * own);
+        for (row, row_slopes) in self.by_theta.chunks_exact(n.max(1)).enumerate() {
+            scaled.iter_mut().zip(row_slopes).for_each(|(to, slope)| *to = roots[row % 3] * slope);
             add_outer(&mut sum, &scaled, &scaled);
         }
         sum
@@ -309,16 +310,16 @@ impl Search<'_> {
             let held = held(self.forces, &theta, &normal.gradient);
             let free: Vec<usize> = (0..theta.len()).filter(|i| !held[*i]).collect();
             let newton = self.step(&normal, &free, 0.0)?;
-            let promised: f64 = free.iter().zip(&newton).map(|(i, own)| -normal.gradient[*i] * own).sum();
+            let promised: f64 = free.iter().zip(&newton).map(|(i, step)| -normal.gradient[*i] * step).sum();
             if promised < ENOUGH {
                 return Ok(theta);
             }
             loop {
                 let step = self.step(&normal, &free, damping)?;
                 let next = moved(self.forces, &theta, &free, step.into_iter());
-                let own = self.cost(&next);
-                if own < cost {
-                    (theta, cost, damping) = (next, own, 0.1 * damping);
+                let next_cost = self.cost(&next);
+                if next_cost < cost {
+                    (theta, cost, damping) = (next, next_cost, 0.1 * damping);
                     break;
                 }
                 damping *= 5.0;
@@ -336,8 +337,8 @@ impl Search<'_> {
         let MeasuredRun { run, measured, noise } = self.of;
         let states = run.states(self.forces, theta);
         let errors = states.iter().zip(measured.as_chunks::<3>().0).skip(1);
-        let square = |(own, measured): (&[f64; 3], &[f64; 3])| -> f64 {
-            (0..3).map(|d| ((own[d] - measured[d]) / noise[d]).powi(2)).sum()
+        let square = |(state, measured): (&[f64; 3], &[f64; 3])| -> f64 {
+            (0..3).map(|d| ((state[d] - measured[d]) / noise[d]).powi(2)).sum()
         };
         errors.map(square).sum::<f64>() + distance(theta, self.priors)
     }
@@ -347,10 +348,10 @@ impl Search<'_> {
         let (n, slopes) = (theta.len(), run.slopes(self.forces, theta)?);
         let weights = noise.map(|std| 1.0 / (std * std));
         let (mut products, mut gradient) = (slopes.weighted(n, weights), vec![0.0; n]);
-        for (row, own) in slopes.by_theta.chunks_exact(n).enumerate() {
+        for (row, by_theta) in slopes.by_theta.chunks_exact(n).enumerate() {
             let (k, d) = (row / 3, row % 3);
             let error = weights[d] * (slopes.states[k][d] - measured[row]);
-            gradient.iter_mut().zip(own).for_each(|(sum, own)| *sum += error * own);
+            gradient.iter_mut().zip(by_theta).for_each(|(sum, slope)| *sum += error * slope);
         }
         for (i, [pull, slope]) in pulls(theta, self.priors, 1.0).into_iter().enumerate() {
             products[i * n + i] += pull;
@@ -362,11 +363,11 @@ impl Search<'_> {
     /// The step of the `free` parameters, with this share of the diagonal added to it.
     fn step(&self, normal: &Normal, free: &[usize], damping: f64) -> Result<Vec<f64>, Unfit> {
         let (n, m) = (normal.gradient.len(), free.len());
-        let own = |i: usize, j: usize| normal.products[free[i] * n + free[j]];
-        if let Some(i) = (0..m).find(|i| own(*i, *i) <= 0.0) {
+        let entry = |i: usize, j: usize| normal.products[free[i] * n + free[j]];
+        if let Some(i) = (0..m).find(|i| entry(*i, *i) <= 0.0) {
             return Err(self.undetermined(free[i]));
         }
-        let damped = |k: usize| own(k / m, k % m) * if k / m == k % m { 1.0 + damping } else { 1.0 };
+        let damped = |k: usize| entry(k / m, k % m) * if k / m == k % m { 1.0 + damping } else { 1.0 };
         let products: Vec<f64> = (0..m * m).map(damped).collect();
         let inverse = scaled_inverse(m, &products).ok_or_else(|| self.undetermined(free[0]))?;
         let row = |i: usize| -> f64 { (0..m).map(|j| -inverse[i * m + j] * normal.gradient[free[j]]).sum() };

@@ -65,14 +65,15 @@ impl<'a> Problem<'a> {
         let deviations = deviations(&recordings)?;
         let thrusters = &forces.description().thruster;
         let late = settings.inputs == Inputs::Linear
-            && thrusters.iter().any(|own| own.lag_s.is_some() || own.dead_time_s.is_some());
+            && thrusters.iter().any(|thruster| thruster.lag_s.is_some() || thruster.dead_time_s.is_some());
         let before = if late { settings.samples(HISTORY_S) } else { 0 };
         let windows = windows(&recordings, &settings);
         let groups = Group::all(&windows, &recordings, width, before);
-        let prior =
-            |own: &ship::forces::Parameter| own.prior.map(|deviation| Prior { mean: own.nominal, deviation });
+        let prior = |parameter: &ship::forces::Parameter| {
+            parameter.prior.map(|deviation| Prior { mean: parameter.nominal, deviation })
+        };
         let priors = forces.parameters().iter().map(prior).collect();
-        let samples = windows.iter().map(|own| own.samples).sum();
+        let samples = windows.iter().map(|window| window.samples).sum();
         Ok(Self { forces, recordings, settings, groups, priors, deviations, samples, width, late })
     }
 
@@ -94,16 +95,17 @@ impl<'a> Problem<'a> {
 
     /// Number of windows.
     pub fn windows(&self) -> usize {
-        self.groups.iter().map(|own| own.windows.len()).sum()
+        self.groups.iter().map(|group| group.windows.len()).sum()
     }
 
     /// How many samples the first one of u, v and r counts as, where errors of the simulation are `rms` of the standard
     /// deviations: as often as noise is smaller than they are. Noise is what changes of the third order tell of it.
     pub(crate) fn first(&self, rms: [f64; 3]) -> [f64; 3] {
-        let third = |own: &[[f64; 3]], d: usize| own[3][d] - own[0][d] - 3.0 * (own[2][d] - own[1][d]);
+        let third = |rows: &[[f64; 3]], d: usize| rows[3][d] - rows[0][d] - 3.0 * (rows[2][d] - rows[1][d]);
         [0, 1, 2].map(|d: usize| {
-            let all = self.recordings.iter().flat_map(|own| own.measured.as_chunks::<3>().0.windows(4));
-            let squares: Vec<f64> = all.map(|own| third(own, d).powi(2)).collect();
+            let all =
+                self.recordings.iter().flat_map(|recording| recording.measured.as_chunks::<3>().0.windows(4));
+            let squares: Vec<f64> = all.map(|row| third(row, d).powi(2)).collect();
             let noise = statistics::mean(&squares).unwrap_or(0.0) / 20.0;
             let error = (rms[d] * self.deviations[d]).powi(2);
             (error / noise.max(f64::MIN_POSITIVE)).clamp(1.0, MOST)
@@ -119,15 +121,16 @@ impl<'a> Problem<'a> {
 
 /// Standard deviations of u, v, r after the first sample of each recording.
 fn deviations(recordings: &[Recording]) -> Result<[f64; 3], Unfit> {
-    if recordings.iter().all(|own| own.samples() == 0) {
+    if recordings.iter().all(|recording| recording.samples() == 0) {
         return Err(Unfit::NoSample);
     }
     let mut found = [0.0; 3];
     for (d, name) in ["u", "v", "r"].into_iter().enumerate() {
-        let rows = recordings.iter().flat_map(|own| own.measured.as_chunks::<3>().0.iter().skip(1));
+        let rows =
+            recordings.iter().flat_map(|recording| recording.measured.as_chunks::<3>().0.iter().skip(1));
         let all: Vec<f64> = rows.map(|row| row[d]).collect();
         let mean = statistics::mean(&all).unwrap_or(0.0);
-        let square = all.iter().map(|own| (own - mean) * (own - mean)).sum::<f64>() / all.len() as f64;
+        let square = all.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / all.len() as f64;
         found[d] = square.sqrt();
         if !(found[d] > 0.0 && found[d].is_finite()) {
             return Err(Unfit::Constant(name));
@@ -237,8 +240,8 @@ pub(crate) struct Window {
 fn windows(recordings: &[Recording], settings: &Settings) -> Vec<Window> {
     let most = settings.samples(settings.window_s);
     let mut all = Vec::new();
-    for (recording, own) in recordings.iter().enumerate() {
-        let samples = own.samples();
+    for (recording, cut) in recordings.iter().enumerate() {
+        let samples = cut.samples();
         let count = samples.div_ceil(most);
         for i in 0..count {
             let [first, end] = [i, i + 1].map(|i| i * samples / count);
@@ -266,17 +269,19 @@ pub(crate) struct Group {
 impl Group {
     /// Of `windows`, with rows of `width` inputs. Where a recording has no row, its nearest one counts.
     pub fn new(windows: &[Window], recordings: &[Recording], width: usize, before: usize) -> Self {
-        let samples = windows.iter().map(|own| own.samples).max().unwrap_or(0);
+        let samples = windows.iter().map(|window| window.samples).max().unwrap_or(0);
         let lane = |of: &dyn Fn(&Window) -> f64| lanes::lane(windows.len(), |i| of(&windows[i]));
         let input = |k: usize, i: usize| {
-            lane(&|own| {
-                let recording = &recordings[own.recording];
-                let row = (own.first + k).saturating_sub(before).min(recording.samples() - 1);
+            lane(&|window| {
+                let recording = &recordings[window.recording];
+                let row = (window.first + k).saturating_sub(before).min(recording.samples() - 1);
                 recording.inputs[row * width + i]
             })
         };
         let state = |k: usize, d: usize| {
-            lane(&|own| recordings[own.recording].measured[3 * (own.first + k.min(own.samples)) + d])
+            lane(&|window| {
+                recordings[window.recording].measured[3 * (window.first + k.min(window.samples)) + d]
+            })
         };
         let rows = before + samples + 1;
         Self {
@@ -290,7 +295,7 @@ impl Group {
 
     /// All `windows` in groups.
     pub fn all(windows: &[Window], recordings: &[Recording], width: usize, before: usize) -> Vec<Self> {
-        windows.chunks(LANES).map(|own| Self::new(own, recordings, width, before)).collect()
+        windows.chunks(LANES).map(|chunk| Self::new(chunk, recordings, width, before)).collect()
     }
 }
 
@@ -316,7 +321,7 @@ impl<'p> Pass<'p> {
     /// What errors of u, v and r are multiplied by in sample `k`.
     #[inline(always)]
     pub fn scales(&self, k: usize) -> [f64; 3] {
-        let scales = self.deviations.map(|own| 1.0 / own);
+        let scales = self.deviations.map(|deviation| 1.0 / deviation);
         match (k, self.first) {
             (0, Some(first)) => [0, 1, 2].map(|d| scales[d] * first[d].sqrt()),
             (0, None) => [0.0; 3],
@@ -387,7 +392,7 @@ impl Unfit {
     /// What is invalid, and the remedy.
     pub fn invalid(&self) -> Invalid {
         let (thing, expected, remedy) = match self {
-            Self::Listed(own) => return (**own).clone(),
+            Self::Listed(refused) => return (**refused).clone(),
             Self::NoParameter => {
                 ("the model", "at least one free number", "write some as tables with `nominal` and `prior`")
             }
@@ -426,8 +431,8 @@ impl Unfit {
 
 /// Squares of the distances of θ from its priors, in their deviations.
 fn distance(theta: &[f64], priors: &[Option<Prior>]) -> f64 {
-    let square = |(own, prior): (&f64, &Option<Prior>)| {
-        prior.map_or(0.0, |prior| ((own - prior.mean) / prior.deviation).powi(2))
+    let square = |(value, prior): (&f64, &Option<Prior>)| {
+        prior.map_or(0.0, |prior| ((value - prior.mean) / prior.deviation).powi(2))
     };
     theta.iter().zip(priors).map(square).sum()
 }
@@ -435,21 +440,21 @@ fn distance(theta: &[f64], priors: &[Option<Prior>]) -> f64 {
 /// What the prior of each of θ adds to the second and to the first derivative of half the cost, where the squares of distances
 /// are multiplied by `weight`.
 fn pulls(theta: &[f64], priors: &[Option<Prior>], weight: f64) -> Vec<[f64; 2]> {
-    let pull = |(own, prior): (&f64, &Option<Prior>)| {
+    let pull = |(value, prior): (&f64, &Option<Prior>)| {
         let Some(prior) = prior else { return [0.0; 2] };
         let pull = weight / (prior.deviation * prior.deviation);
-        [pull, pull * (own - prior.mean)]
+        [pull, pull * (value - prior.mean)]
     };
     theta.iter().zip(priors).map(pull).collect()
 }
 
 /// Which of θ lie at a bound that the cost pushes them to.
 fn held(forces: &Forces, theta: &[f64], gradient: &[f64]) -> Vec<bool> {
-    let own = |((own, gradient), parameter): ((&f64, &f64), &ship::forces::Parameter)| {
+    let limited = |((value, gradient), parameter): ((&f64, &f64), &ship::forces::Parameter)| {
         let [low, high] = parameter.bounds;
-        (*own <= low && *gradient > 0.0) || (*own >= high && *gradient < 0.0)
+        (*value <= low && *gradient > 0.0) || (*value >= high && *gradient < 0.0)
     };
-    theta.iter().zip(gradient).zip(forces.parameters()).map(own).collect()
+    theta.iter().zip(gradient).zip(forces.parameters()).map(limited).collect()
 }
 
 /// θ after `steps` of those at the places `free`, within their bounds.

@@ -65,7 +65,7 @@ pub(crate) struct Derivatives {
 impl Pass<'_> {
     /// Errors of the windows of `group`, which start at `starts`.
     pub fn errors(&self, group: &Group, theta: &[f64], starts: &[[f64; 3]]) -> Vec<Errors> {
-        let theta: Vec<Lane> = theta.iter().map(|own| Lane::splat(*own)).collect();
+        let theta: Vec<Lane> = theta.iter().map(|value| Lane::splat(*value)).collect();
         let body = self.forces.body(&theta);
         let mut squares = [Lane::ZERO; 3];
         vectorized!(squared(self, group, &body, start(starts), &mut squares));
@@ -84,11 +84,11 @@ impl Pass<'_> {
         let mut slopes = vec![Lane::ZERO; rows * unknowns];
         let mut left = vec![Lane::ZERO; rows];
         for first in (0..unknowns).step_by(AT_ONCE) {
-            let own = |value: Lane, i: usize| Dual::<Lane, AT_ONCE>::unknown(value, i.wrapping_sub(first));
+            let dual = |value: Lane, i: usize| Dual::<Lane, AT_ONCE>::unknown(value, i.wrapping_sub(first));
             let parameters: Vec<_> =
-                theta.iter().enumerate().map(|(i, value)| own(Lane::splat(*value), i)).collect();
+                theta.iter().enumerate().map(|(i, value)| dual(Lane::splat(*value), i)).collect();
             let begin = start(starts);
-            let begin = [0, 1, 2].map(|d: usize| own(begin[d], theta.len() + d));
+            let begin = [0, 1, 2].map(|d: usize| dual(begin[d], theta.len() + d));
             let body = self.forces.body(&parameters);
             let count = AT_ONCE.min(unknowns - first);
             let out = (&mut left[..], &mut slopes[first..]);
@@ -98,8 +98,8 @@ impl Pass<'_> {
     }
 
     /// The sums of `own`, the derivatives of the windows of `group`.
-    pub fn sums_of(&self, group: &Group, own: &Derivatives) -> Vec<Sums> {
-        let (unknowns, Derivatives { slopes, left }) = (self.unknowns(), own);
+    pub fn sums_of(&self, group: &Group, derivatives: &Derivatives) -> Vec<Sums> {
+        let (unknowns, Derivatives { slopes, left }) = (self.unknowns(), derivatives);
         let piece = self.settings.samples(self.settings.piece_s);
         let mut products = vec![Lane::ZERO; unknowns * unknowns];
         let mut gradients = vec![Lane::ZERO; (group.samples / piece + 1) * unknowns];
@@ -114,7 +114,7 @@ impl Pass<'_> {
                 Sums {
                     errors,
                     products: (0..unknowns * unknowns).map(|k| at(k / unknowns, k % unknowns)).collect(),
-                    pieces: pieces.map(|own| own.iter().map(|own| own[lane]).collect()).collect(),
+                    pieces: pieces.map(|piece| piece.iter().map(|sum| sum[lane]).collect()).collect(),
                 }
             })
             .collect()
@@ -123,9 +123,9 @@ impl Pass<'_> {
 
 /// The errors of the windows of `group`, from their sums of squares.
 fn window_errors(group: &Group, squares: [Lane; 3]) -> Vec<Errors> {
-    let of = |(lane, own): (usize, &Window)| Errors {
-        squares: squares.map(|own| own[lane]),
-        samples: own.samples,
+    let of = |(lane, window): (usize, &Window)| Errors {
+        squares: squares.map(|square| square[lane]),
+        samples: window.samples,
     };
     group.windows.iter().enumerate().map(of).collect()
 }
@@ -180,13 +180,13 @@ pub(crate) fn follow_acting<X: Real>(
 /// 1 in windows that have sample `k`, else 0.
 #[inline(always)]
 pub(crate) fn counted(group: &Group, k: usize) -> [bool; LANES] {
-    std::array::from_fn(|lane| group.windows.get(lane).is_some_and(|own| k <= own.samples))
+    std::array::from_fn(|lane| group.windows.get(lane).is_some_and(|window| k <= window.samples))
 }
 
 /// `own` where it counts, else 0.
 #[inline(always)]
-pub(crate) fn only(own: Lane, counted: [bool; LANES]) -> Lane {
-    Lane(std::array::from_fn(|lane| if counted[lane] { own[lane] } else { 0.0 }))
+pub(crate) fn only(value: Lane, counted: [bool; LANES]) -> Lane {
+    Lane(std::array::from_fn(|lane| if counted[lane] { value[lane] } else { 0.0 }))
 }
 
 #[inline(always)]
@@ -196,11 +196,11 @@ fn squared(pass: &Pass, group: &Group, body: &Body<Lane>, start: [Lane; 3], squa
         group,
         body,
         start,
-        |own| own,
+        |state| state,
         |k, state| {
             let (counted, scales) = (counted(group, k), pass.scales(k));
-            for (d, own) in state.into_iter().enumerate() {
-                let error = (own - group.measured[3 * k + d]) * Lane::splat(scales[d]);
+            for (d, value) in state.into_iter().enumerate() {
+                let error = (value - group.measured[3 * k + d]) * Lane::splat(scales[d]);
                 let error = only(error, counted);
                 squares[d] += error * error;
             }
@@ -220,11 +220,11 @@ fn columns(
 ) {
     follow(pass, group, body, start, Dual::constant, |k, state| {
         let (counted, scales) = (counted(group, k), pass.scales(k));
-        for (d, own) in state.into_iter().enumerate() {
+        for (d, value) in state.into_iter().enumerate() {
             let (row, scale) = (3 * k + d, Lane::splat(scales[d]));
-            left[row] = only((own.value - group.measured[row]) * scale, counted);
+            left[row] = only((value.value - group.measured[row]) * scale, counted);
             for i in 0..count {
-                slopes[row * width + i] = only(own.tangents[i] * scale, counted);
+                slopes[row * width + i] = only(value.tangents[i] * scale, counted);
             }
         }
     });
@@ -243,11 +243,11 @@ fn accumulate(
         squares[k % 3] += *error * *error;
         let gradient = &mut gradients[k / piece * width..][..width];
         for i in 0..width {
-            let own = row[i];
-            gradient[i] += own * *error;
+            let factor = row[i];
+            gradient[i] += factor * *error;
             let sums = &mut products[i * width..][..width];
             for j in i..width {
-                sums[j] += own * row[j];
+                sums[j] += factor * row[j];
             }
         }
     }
@@ -264,7 +264,7 @@ pub(crate) struct Reduced {
     /// How the start changes with each of θ: 3 rows.
     pub follows: Vec<f64>,
     /// How it changes where θ stays.
-    pub own: [f64; 3],
+    pub stays: [f64; 3],
 }
 
 /// Share that is added to the diagonal of a start that is singular to all digits.
@@ -275,10 +275,10 @@ const SINGULAR: f64 = 1e-9;
 pub(crate) fn reduced(window: &Sums, n: usize, damping: f64) -> Option<Reduced> {
     let all = n + window.starts(n);
     let at = |i: usize, j: usize| window.products[i * all + j];
-    let gradient: Vec<f64> = (0..all).map(|i| window.pieces.iter().map(|own| own[i]).sum()).collect();
+    let gradient: Vec<f64> = (0..all).map(|i| window.pieces.iter().map(|piece| piece[i]).sum()).collect();
     let mut products: Vec<f64> = (0..n * n).map(|k| at(k / n, k % n)).collect();
     if all == n {
-        return Some(Reduced { products, gradient, follows: vec![0.0; 3 * n], own: [0.0; 3] });
+        return Some(Reduced { products, gradient, follows: vec![0.0; 3 * n], stays: [0.0; 3] });
     }
     // Columns: θ, then the gradient.
     let mut sides: Vec<f64> = Vec::with_capacity(3 * (n + 1));
@@ -296,15 +296,15 @@ pub(crate) fn reduced(window: &Sums, n: usize, damping: f64) -> Option<Reduced> 
             (0..n).for_each(|j| products[i * n + j] -= across * row(d)[j]);
         }
     }
-    let own = [0, 1, 2].map(|d| -row(d)[n]);
-    let follows = (0..3).flat_map(|d| row(d)[..n].iter().map(|own| -own)).collect();
-    Some(Reduced { products, gradient: left, follows, own })
+    let start_step = [0, 1, 2].map(|d| -row(d)[n]);
+    let follows = (0..3).flat_map(|d| row(d)[..n].iter().map(|follow| -follow)).collect();
+    Some(Reduced { products, gradient: left, follows, stays: start_step })
 }
 
 impl Sums {
     /// Unknowns of its start, besides `n` of θ.
     pub fn starts(&self, n: usize) -> usize {
-        self.pieces.first().map_or(0, |own| own.len() - n)
+        self.pieces.first().map_or(0, |piece| piece.len() - n)
     }
 
     /// What solves the products of the start for the right-hand `sides`, a row for each of its unknowns; `damping` is a share
@@ -316,8 +316,8 @@ impl Sums {
             let at = |k: usize| self.products[(n + k / starts) * all + n + k % starts];
             let mut square: Vec<f64> = (0..starts * starts).map(at).collect();
             (0..starts).for_each(|d| square[(starts + 1) * d] *= 1.0 + damping);
-            let mut own = sides.to_vec();
-            numerics::solve(starts, &mut square, &mut own).map(|()| own)
+            let mut solution = sides.to_vec();
+            numerics::solve(starts, &mut square, &mut solution).map(|()| solution)
         };
         // A window that is unstable, such as one astern, has a start of which one sum alone is told, to all digits.
         solved(damping).or_else(|| solved(damping.max(SINGULAR)))

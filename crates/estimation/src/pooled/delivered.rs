@@ -110,11 +110,11 @@ impl Delivered {
         let mut account = Account::new(&pool.vessel.model, &theta, intercepts);
         parts.each(&mut |part| account.add(&part))?;
         let surroundings =
-            found.searched.as_ref().map(|(own, _)| Surroundings::all(parts, own)).transpose()?;
+            found.searched.as_ref().map(|(searched, _)| Surroundings::all(parts, searched)).transpose()?;
         Ok(Some(Self {
             constant: beyond(intercepts),
             covariance: covariance(&pool.model, found, degrees, parts.count()),
-            least_squares: pool.least_squares(found).map(|(theta, own)| (theta, beyond(own))),
+            least_squares: pool.least_squares(found).map(|(theta, intercepts)| (theta, beyond(intercepts))),
             increment_std: account.squares.map(|sum| (sum / f64::max(account.samples, 1.0)).sqrt()),
             output_rmse: pooled_rmse(sources),
             surroundings: surroundings.unwrap_or_default(),
@@ -140,7 +140,7 @@ impl Delivered {
         Self {
             constant: beyond(model, intercepts),
             covariance: None,
-            least_squares: least_squares.map(|(theta, own)| (theta, beyond(model, own))),
+            least_squares: least_squares.map(|(theta, intercepts)| (theta, beyond(model, intercepts))),
             increment_std: account.squares.map(|sum| (sum / f64::max(account.samples, 1.0)).sqrt()),
             output_rmse: Score::of(&lifted, &parameters, [part.run].into_iter()).rmse(),
             surroundings: surroundings.into_iter().collect(),
@@ -214,9 +214,9 @@ impl<'a> Account<'a> {
 
     /// Means instead of sums, with the known constant.
     fn recordings(mut self) -> Vec<RecordingConstant> {
-        for own in &mut self.recordings {
-            let samples = own.samples.max(1) as f64;
-            let all = [&mut own.constant_u, &mut own.constant_v, &mut own.constant_r];
+        for recording in &mut self.recordings {
+            let samples = recording.samples.max(1) as f64;
+            let all = [&mut recording.constant_u, &mut recording.constant_v, &mut recording.constant_r];
             all.into_iter().zip(self.model.constant).for_each(|(sum, known)| *sum = *sum / samples + known);
         }
         self.recordings
@@ -265,7 +265,7 @@ impl Covariance {
 
     /// The standard error of the parameter `name`; `None` if it is not among them.
     pub fn standard_error(&self, name: &str) -> Option<f64> {
-        let place = self.names.iter().position(|own| own == name)?;
+        let place = self.names.iter().position(|other| other == name)?;
         Some(self.entries[place * (self.names.len() + 1)].max(0.0).sqrt())
     }
 
@@ -396,7 +396,7 @@ impl Uncertain {
     /// Of `vessel` with `parameters`; what the covariance says of constants is left out. `None` where it is no covariance.
     pub fn new(vessel: &Vessel, parameters: Vec<f64>, covariance: &Covariance) -> Option<Self> {
         let names: Vec<&str> = vessel.model.parameter_names().collect();
-        let place = |name: &String| names.iter().position(|own| own == name);
+        let place = |name: &String| names.iter().position(|other| other == name);
         let known: Vec<(usize, usize)> =
             covariance.names.iter().enumerate().filter_map(|(row, name)| Some((row, place(name)?))).collect();
         let (n, width) = (known.len(), covariance.names.len());
@@ -427,5 +427,5 @@ impl Uncertain {
 /// The bounds of a number of forces; open for terms.
 fn ends(vessel: &Vessel, place: usize) -> [f64; 2] {
     let open = [f64::NEG_INFINITY, f64::INFINITY];
-    vessel.model.forces.as_ref().map_or(open, |own| own.forces.parameters()[place].bounds)
+    vessel.model.forces.as_ref().map_or(open, |force_model| force_model.forces.parameters()[place].bounds)
 }

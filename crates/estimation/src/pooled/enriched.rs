@@ -125,8 +125,10 @@ impl Grown {
             None => estimate(&pool.of(&vessel, nominal), runs, estimator, judgement, resampling)?,
         };
         for more in &mut added {
-            let own = found.degrees.iter().flat_map(|d| &d.parameters).find(|p| p.name == more.parameter);
-            (more.value, more.standard_error) = own.map_or((None, None), |p| (p.estimate, p.standard_error));
+            let parameter =
+                found.degrees.iter().flat_map(|d| &d.parameters).find(|p| p.name == more.parameter);
+            (more.value, more.standard_error) =
+                parameter.map_or((None, None), |p| (p.estimate, p.standard_error));
         }
         let sentences = added.iter().map(Added::sentence);
         found.statements = sentences.chain(std::mem::take(&mut found.statements)).collect();
@@ -151,8 +153,8 @@ fn lacking(vessel: &Vessel, found: &Pooled) -> Option<(Vessel, usize, Added)> {
     let first: &Absent = criticism.absent.first()?;
     let degree = DegreeOfFreedom::ALL.into_iter().find(|d| first.degree.as_deref() == Some(d.name()))?;
     let mut lists: [&[String]; 3] = [&[]; 3];
-    let own = [first.name.clone()];
-    lists[degree as usize] = &own;
+    let term = [first.name.clone()];
+    lists[degree as usize] = &term;
     let model = listed(&vessel.model, lists).ok()?;
     let place = model.layout().terms(degree as usize).end - 1;
     let added = Added {

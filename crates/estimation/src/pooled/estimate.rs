@@ -146,8 +146,8 @@ fn estimate_any(
     let sources = judge.sources(runs).map_err(PoolError::Unread)?;
     let diverging = diverging(&sources);
     let mut delivered = Delivered::new(pool, &found, parts, &degrees, &sources).map_err(PoolError::Unread)?;
-    if let Some(own) = delivered.as_mut().filter(|_| no_errors) {
-        own.covariance = None;
+    if let Some(model) = delivered.as_mut().filter(|_| no_errors) {
+        model.covariance = None;
     }
     if diverging.is_some() {
         delivered = None;
@@ -156,12 +156,13 @@ fn estimate_any(
     }
     let lost = found.diverged.as_ref().map(LostInstruments::to_string);
     let criticised = criticism.iter().flat_map(|found| &found.statements).cloned();
-    let alike = delivered.iter().flat_map(|own| entangled(own, pool.model.layout()));
+    let alike = delivered.iter().flat_map(|model| entangled(model, pool.model.layout()));
     let stalled = stalled(&found).map(str::to_owned);
     let spread =
         stalled.into_iter().chain(few_informative(pool, &found, parts.count())).chain(beside(pool, &found));
     let parameters = degrees.iter().flat_map(|degree| &degree.parameters);
-    let estimates: Vec<_> = parameters.map(|own| Some([own.estimate?, own.standard_error?])).collect();
+    let estimates: Vec<_> =
+        parameters.map(|parameter| Some([parameter.estimate?, parameter.standard_error?])).collect();
     let turned = against_nominal(&pool.vessel.model, &pool.vessel.nominal, &estimates);
     let known: Vec<String> =
         turned.clone().into_iter().chain(spread).chain(statements(&degrees)).chain(alike).collect();
@@ -211,8 +212,8 @@ fn allows_for_current(found: &Estimated) -> bool {
 
 /// The warning that a search ended before its minimum.
 fn stalled(found: &Estimated) -> Option<&'static str> {
-    let (own, _) = found.searched.as_ref()?;
-    (!own.converged).then_some(
+    let (searched, _) = found.searched.as_ref()?;
+    (!searched.converged).then_some(
         "the search stalled before its minimum: standard errors are those of where it ended; vary the terms that the data \
          tell least about, or fix them",
     )
@@ -256,7 +257,7 @@ const FEW: f64 = 3.0;
 
 /// The warning that few sub-experiments are informative about some parameters.
 fn few_informative(pool: &Pool, found: &Estimated, parts: usize) -> Option<String> {
-    let (own, _) = found.searched.as_ref()?;
+    let (searched, _) = found.searched.as_ref()?;
     if parts == 1 {
         let remedy = "use more runs, or a smaller --part-s";
         return Some(format!("no standard errors: they compare sub-experiments, and there is one; {remedy}"));
@@ -265,8 +266,10 @@ fn few_informative(pool: &Pool, found: &Estimated, parts: usize) -> Option<Strin
     let degrees = DegreeOfFreedom::ALL.map(|d| d as usize).into_iter();
     let places = degrees.filter(|d| found.used[*d].searches()).flat_map(|d| layout.terms(d));
     let parameters = pool.vessel.model.parameter_names().zip(places);
-    let few = parameters.filter(|(_, i)| own.effective_parts[*i] > 0.0 && own.effective_parts[*i] < FEW);
-    let named: Vec<String> = few.map(|(name, i)| format!("`{name}` {:.1}", own.effective_parts[i])).collect();
+    let few =
+        parameters.filter(|(_, i)| searched.effective_parts[*i] > 0.0 && searched.effective_parts[*i] < FEW);
+    let named: Vec<String> =
+        few.map(|(name, i)| format!("`{name}` {:.1}", searched.effective_parts[i])).collect();
     (!named.is_empty()).then(|| {
         format!(
             "standard errors hold only roughly: they compare sub-experiments, of which few tell of a parameter ({}, if all told \
@@ -285,7 +288,7 @@ pub fn unstated<R: Recorded>(pool: &Pool, runs: &PooledRuns<R>) -> Result<Estima
     let quick = Judgement { replicates: 0, seed: 1 };
     match estimate(pool, runs, Estimator::PredictionError, &quick, Resampling::Given(&[])) {
         Err(PoolError::Unread(e)) => Err(PoolError::Unread(e)),
-        Ok(found) if found.criticism.as_ref().is_some_and(|own| own.verdict != Verdict::None) => {
+        Ok(found) if found.criticism.as_ref().is_some_and(|criticism| criticism.verdict != Verdict::None) => {
             Ok(Estimator::PredictionError)
         }
         _ => Ok(Estimator::OutputError),
@@ -368,7 +371,7 @@ fn criticism(pool: &Pool, found: &Estimated, runs: &dyn AnyRuns) -> Result<Optio
         }
     })?;
     let views: Vec<RunView> = recordings.iter().map(Part::view).collect();
-    let names: Vec<&str> = recordings.iter().map(|own| own.source.as_str()).collect();
+    let names: Vec<&str> = recordings.iter().map(|recording| recording.source.as_str()).collect();
     let subject = Subject {
         model: &model,
         runs: &views,
@@ -378,8 +381,8 @@ fn criticism(pool: &Pool, found: &Estimated, runs: &dyn AnyRuns) -> Result<Optio
         names: &names,
     };
     let mut criticism = criticise_after(&subject, &parameters, &found.noises);
-    if let Some(own) = criticism.as_mut().filter(|_| !allows_for_current(found)) {
-        own.statements.extend(own.persistent_current());
+    if let Some(tests) = criticism.as_mut().filter(|_| !allows_for_current(found)) {
+        tests.statements.extend(tests.persistent_current());
     }
     Ok(criticism)
 }

@@ -319,9 +319,9 @@ impl Pool<'_> {
             }
             match self.regression(&part, simulated) {
                 Ok((regression, _)) => {
-                    let own = regression.sums();
-                    sums.add(&own);
-                    look(part, &own);
+                    let part_sums = regression.sums();
+                    sums.add(&part_sums);
+                    look(part, &part_sums);
                 }
                 Err(diverged) => lost = Some(diverged),
             }
@@ -428,10 +428,11 @@ impl Pool<'_> {
         let [sums, end] = sums_bytes(&self.model);
         let parts = self.cut(runs);
         // Least squares and instruments; means of every part; sums for resamples.
-        let own = if self.removal == MeanRemoval::Batch { 4.0 * end + 400.0 } else { 2.0 * end };
+        let part_bytes = if self.removal == MeanRemoval::Batch { 4.0 * end + 400.0 } else { 2.0 * end };
         // `auto` draws from sums with two kinds of instruments; every thread adds those of its own resample.
         let kinds = if estimator == Estimator::Auto { 2.0 } else { 1.0 };
-        let drawn = if replicates > 0 { kinds * sums + 24.0 + threads as f64 * (own + 16.0) } else { 0.0 };
+        let drawn =
+            if replicates > 0 { kinds * sums + 24.0 + threads as f64 * (part_bytes + 16.0) } else { 0.0 };
         let resamples = f64::from(replicates) * (16.0 * self.vessel.model.parameters() as f64 + 60.0);
         let known = KNOWN[0] * runs.count() as f64 + KNOWN[1] * parts.count() as f64;
         let (simulates, searches) = match estimator {
@@ -445,7 +446,7 @@ impl Pool<'_> {
         let together = 2 * LANES * simulates * longest_of(&parts).min(samples);
         known
             + resamples
-            + parts.count() as f64 * (3.0 * own + drawn)
+            + parts.count() as f64 * (3.0 * part_bytes + drawn)
             + (windows + together) as f64 * sample_bytes(&self.model)
             + longest_of(&parts) as f64 * look_bytes(&self.model)
     }

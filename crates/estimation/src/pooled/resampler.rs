@@ -39,16 +39,16 @@ impl<'a> Resampler<'a> {
         for used in Estimator::ALL {
             let by = |d: &usize| found.used[*d] == used && found.degrees[*d].solution.is_some();
             let Some(d) = [0, 1, 2].into_iter().find(by) else { continue };
-            let mut own = Vec::new();
+            let mut part_sums = Vec::new();
             if !used.searches() {
-                match pool.sums_any(parts, found.simulated(d), &mut |_, sums| own.push(sums.clone())) {
+                match pool.sums_any(parts, found.simulated(d), &mut |_, sums| part_sums.push(sums.clone())) {
                     Err(NoEstimate::Unread(e)) => return Err(e),
                     // Parts that diverge were refused before.
                     Err(NoEstimate::Lost(_)) => continue,
                     Ok(_) => {}
                 }
             }
-            sums.push((used, own));
+            sums.push((used, part_sums));
         }
         let streams = Streams::new(seed, "bootstrap over sub-experiments");
         Ok(Self { pool, found, parts, streams, sums })
@@ -62,16 +62,16 @@ impl<'a> Resampler<'a> {
         let places = redraw(&self.streams, number, self.parts.count());
         let mut theta: [Option<Vec<f64>>; 3] = Default::default();
         for (used, sums) in &self.sums {
-            let mut own = match used {
+            let mut thetas = match used {
                 used if used.searches() => self.searched_again(&places)?,
                 _ => self.fitted(*used, &places.iter().map(|i| &sums[*i]).collect::<Vec<_>>()),
             };
             for d in (0..3).filter(|d| self.found.used[*d] == *used) {
-                theta[d] = own[d].take();
+                theta[d] = thetas[d].take();
             }
         }
         let layout = self.pool.vessel.model.layout();
-        let of = |(d, own): (usize, Option<Vec<f64>>)| match own {
+        let of = |(d, estimate): (usize, Option<Vec<f64>>)| match estimate {
             Some(theta) => theta.into_iter().map(Some).collect(),
             None => vec![None; layout.terms(d).len()],
         };
@@ -143,8 +143,8 @@ impl Bootstrap {
     /// The bootstrap of the parameters at `places` in all `resamples`; `None` if fewer than two of these have an
     /// estimate.
     pub fn of_resamples(resamples: &[Resample], places: &Range<usize>) -> Option<Self> {
-        let own = |resample: &Resample| resample.theta[places.clone()].iter().copied().collect();
-        let thetas: Vec<Vec<f64>> = resamples.iter().filter_map(own).collect();
+        let theta_of = |resample: &Resample| resample.theta[places.clone()].iter().copied().collect();
+        let thetas: Vec<Vec<f64>> = resamples.iter().filter_map(theta_of).collect();
         Self::of(&thetas, resamples.len())
     }
 

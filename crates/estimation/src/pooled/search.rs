@@ -153,8 +153,8 @@ impl Pool<'_> {
         let none = self.removal == MeanRemoval::None || self.additional.intercepts == Intercepts::None;
         let intercept = |std: f64| if none { 0.0 } else { std };
         let degree = |(degree, std): (&DegreeSums, f64)| -> Vec<f64> {
-            let own = degree.regressor_squares.iter().map(|square| size(*square, std));
-            own.chain((!degree.known.constant).then(|| intercept(std))).collect()
+            let terms = degree.regressor_squares.iter().map(|square| size(*square, std));
+            terms.chain((!degree.known.constant).then(|| intercept(std))).collect()
         };
         whole.degrees.iter().zip(std).flat_map(degree).collect()
     }

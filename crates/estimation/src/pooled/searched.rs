@@ -161,7 +161,7 @@ impl Question<'_> {
     /// The additional unknowns of every part, if there are any.
     fn unknown(&self) -> Option<Unknown> {
         match self.follow {
-            Follow::Simulated(unknown) => Some(*unknown).filter(|unknown| unknown.own().next().is_some()),
+            Follow::Simulated(unknown) => Some(*unknown).filter(|unknown| unknown.further().next().is_some()),
             Follow::Predicted(..) => None,
         }
     }
@@ -236,11 +236,12 @@ impl Problem<'_> {
         let (all, free, parts) = (self.asked.held.len(), places.len(), self.parts.count() as f64);
         let (mut covariance, mut shares) = (vec![0.0; all * all], vec![[0.0; 2]; all]);
         let mut settled = Vec::new();
-        self.each(&found.point, true, &mut |own| {
-            let (normal, gradient) = own.linear.weighted(weights);
+        self.each(&found.point, true, &mut |settled_part| {
+            let (normal, gradient) = settled_part.linear.weighted(weights);
             // Without a part that alone determines a parameter there is no estimate: it is treated as hardly
             // informative.
-            let moved = found.without(&own.linear, weights).unwrap_or_else(|_| times(&inverse, &gradient));
+            let moved =
+                found.without(&settled_part.linear, weights).unwrap_or_else(|_| times(&inverse, &gradient));
             for (i, (row, a)) in places.iter().zip(&moved).enumerate() {
                 for (column, b) in places.iter().zip(&moved) {
                     covariance[row * all + column] += (parts - 1.0) / parts * a * b;
@@ -248,16 +249,16 @@ impl Problem<'_> {
                 let share = quadratic(&inverse[i * free..(i + 1) * free], &normal);
                 shares[*row] = [shares[*row][0] + share, shares[*row][1] + share * share];
             }
-            settled.push(own.without_sums());
+            settled.push(settled_part.without_sums());
         })?;
         let alike = |[sum, squares]: [f64; 2]| if squares > 0.0 { sum * sum / squares } else { 0.0 };
         let mut currents = Vec::new();
         if self.asked.unknown().is_some_and(|unknown| unknown.current.is_some()) {
             currents.resize(settled.len(), [[0.0; 2]; 2]);
             let pairs = places.iter().flat_map(|i| places.iter().map(move |j| i * all + j));
-            let own: Vec<f64> = pairs.map(|k| covariance[k]).collect();
+            let of_parameters: Vec<f64> = pairs.map(|k| covariance[k]).collect();
             let found = self.order.iter().zip(&settled);
-            found.for_each(|(place, settled)| currents[*place] = settled.current(&own));
+            found.for_each(|(place, settled)| currents[*place] = settled.current(&of_parameters));
         }
         Ok(Some(Spread { covariance, effective_parts: shares.into_iter().map(alike).collect(), currents }))
     }
@@ -315,7 +316,7 @@ impl Residuals for Problem<'_> {
 struct Settled {
     /// Its errors by the parameters alone: its own unknowns follow them.
     pub linear: Linear,
-    /// The offset of its start and the current, in the order of [`Unknown::own`].
+    /// The offset of its start and the current, in the order of [`Unknown::further`].
     pub ambient: Vec<f64>,
     /// Derivatives of these by the parameters, a row for each unknown; and their covariance at known parameters.
     follows: Vec<f64>,
@@ -352,7 +353,7 @@ struct Ambient<'a> {
     recordings: &'a Recordings<'a>,
     unknown: Unknown,
     /// Indices of the estimated ones among all unknowns.
-    own: Vec<usize>,
+    places: Vec<usize>,
     parameters: &'a [f64],
     weights: [f64; 3],
 }
@@ -362,11 +363,12 @@ impl Residuals for Ambient<'_> {
 
     fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Infallible> {
         // Idle lanes, of converged parts, repeat the point of the first.
-        let own = |lane: usize| asked.iter().find(|own| own.problem == lane).or(asked.first());
-        let points: Vec<&[f64]> = (0..LANES).filter_map(own).map(|own| own.point.as_slice()).collect();
-        let found = self.linears(&points, &self.own);
-        let wanted = |lane: &usize| asked.iter().any(|own| own.problem == *lane);
-        Ok((0..LANES).zip(found).filter(|(lane, _)| wanted(lane)).map(|(_, own)| own).collect())
+        let request_of = |lane: usize| asked.iter().find(|request| request.problem == lane).or(asked.first());
+        let points: Vec<&[f64]> =
+            (0..LANES).filter_map(request_of).map(|request| request.point.as_slice()).collect();
+        let found = self.linears(&points, &self.places);
+        let wanted = |lane: &usize| asked.iter().any(|request| request.problem == *lane);
+        Ok((0..LANES).zip(found).filter(|(lane, _)| wanted(lane)).map(|(_, linear)| linear).collect())
     }
 }
 
@@ -378,29 +380,30 @@ impl<'a> Ambient<'a> {
         parameters: &'a [f64],
         weights: [f64; 3],
     ) -> Self {
-        let own = unknown.own().map(|i| parameters.len() + i).collect();
-        Self { recordings, unknown, own, parameters, weights }
+        let places = unknown.further().map(|i| parameters.len() + i).collect();
+        Self { recordings, unknown, places, parameters, weights }
     }
 
     /// Minimises the errors of the parts over their own unknowns, and linearises them by the `free` parameters.
     /// Searches begin at `starts`, one per part, which are empty at first. Unknowns without effect, or of a diverging
     /// simulation, stay. Computes their `spread` if requested.
     fn settled(mut self, free: &[usize], starts: &[Vec<f64>], spread: bool) -> Vec<Settled> {
-        let start = |own: &Vec<f64>| match own.is_empty() {
-            true => vec![0.0; self.own.len()],
-            false => own.clone(),
+        let start = |offsets: &Vec<f64>| match offsets.is_empty() {
+            true => vec![0.0; self.places.len()],
+            false => offsets.clone(),
         };
         let starts: Vec<Vec<f64>> = starts.iter().map(start).collect();
         let weighting = vec![Weighting::Fixed(self.weights); starts.len()];
         let Ok(minima) = minimize(&mut self, weighting, starts, STEPS);
         let points: Vec<Vec<f64>> = minima.into_iter().map(|minimum| minimum.point).collect();
-        let all: Vec<usize> = free.iter().chain(&self.own).copied().collect();
-        let blocks = spread.then(|| self.unknown.blocks(self.recordings, &self.unknowns(&points), &self.own));
+        let all: Vec<usize> = free.iter().chain(&self.places).copied().collect();
+        let blocks =
+            spread.then(|| self.unknown.blocks(self.recordings, &self.unknowns(&points), &self.places));
         let linears = self.linears(&points, &all);
         let each = points.into_iter().zip(linears).enumerate();
         each.map(|(lane, (ambient, linear))| {
-            let own = blocks.iter().flatten().map(|block| &block[lane]).collect::<Vec<_>>();
-            projected(&linear, ambient, self.weights, spread.then_some(&own))
+            let block_sums = blocks.iter().flatten().map(|block| &block[lane]).collect::<Vec<_>>();
+            projected(&linear, ambient, self.weights, spread.then_some(&block_sums))
         })
         .collect()
     }
@@ -408,7 +411,7 @@ impl<'a> Ambient<'a> {
     fn unknowns(&self, points: &[impl AsRef<[f64]>]) -> Vec<Lane> {
         let mut unknowns: Vec<Lane> = self.parameters.iter().copied().map(Lane::splat).collect();
         unknowns.resize(self.parameters.len() + 3 + 2, Lane::ZERO);
-        for (i, place) in self.own.iter().enumerate() {
+        for (i, place) in self.places.iter().enumerate() {
             unknowns[*place] = lane(points.len(), |run| points[run].as_ref()[i]);
         }
         unknowns
@@ -434,7 +437,7 @@ fn projected(
     let rows = |rows: std::ops::Range<usize>, columns: std::ops::Range<usize>| -> Vec<f64> {
         rows.flat_map(|i| columns.clone().map(move |j| (i, j))).map(|(i, j)| normal[i * n + j]).collect()
     };
-    let (mut own, across) = (rows(0..p, 0..p), rows(p..n, 0..p));
+    let (mut matrix, across) = (rows(0..p, 0..p), rows(p..n, 0..p));
     let (mut slope, mut cost) =
         (gradient[..p].to_vec(), (0..3).map(|d| weights[d] * linear.squares[d]).sum());
     let (mut follows, mut known) = (Vec::new(), Vec::new());
@@ -446,15 +449,15 @@ fn projected(
             let coupling = &across[k * p..(k + 1) * p];
             for (i, b) in coupling.iter().enumerate() {
                 slope[i] -= b * step[k];
-                (0..p).for_each(|j| own[i * p + j] -= b * reach[k * p + j]);
+                (0..p).for_each(|j| matrix[i * p + j] -= b * reach[k * p + j]);
             }
             cost -= gradient[p + k] * step[k];
         }
         if let Some(blocks) = blocks {
             let whole = rows(p..n, p..n);
             let without = |block: &Linear| {
-                let (own, gradient) = block.weighted(weights);
-                let others: Vec<f64> = whole.iter().zip(own).map(|(whole, own)| whole - own).collect();
+                let (part, gradient) = block.weighted(weights);
+                let others: Vec<f64> = whole.iter().zip(part).map(|(whole, entry)| whole - entry).collect();
                 // An unknown that only one block determines uses all blocks' matrix.
                 Some(times(&scaled_inverse(&others, q).unwrap_or_else(|_| inverse.clone()), &gradient))
             };
@@ -464,12 +467,12 @@ fn projected(
     }
     // Weighted sums are in the first entry, the others are zero.
     let nothing = |of: &[f64]| vec![0.0; of.len()];
-    let (no_slope, no_normal) = (nothing(&slope), nothing(&own));
+    let (no_slope, no_normal) = (nothing(&slope), nothing(&matrix));
     let linear = Linear {
         samples: linear.samples,
         squares: [cost, 0.0, 0.0],
         gradient: [slope, no_slope.clone(), no_slope],
-        normal: [own, no_normal.clone(), no_normal],
+        normal: [matrix, no_normal.clone(), no_normal],
     };
     Settled { linear, ambient, follows, known }
 }

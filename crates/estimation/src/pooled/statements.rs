@@ -209,24 +209,27 @@ pub fn against_nominal(model: &Model, nominal: &[f64], found: &[Option<[f64; 2]>
         })
         .collect();
     let is_turned = |(.., nominal, [estimate, _]): &(usize, &str, f64, [f64; 2])| estimate * nominal < 0.0;
-    let turned = counted.iter().filter(|own| is_turned(own));
+    let turned = counted.iter().filter(|sign| is_turned(sign));
     let all: Vec<String> = turned
         .map(|(_, name, nominal, [estimate, error])| {
             format!("`{name}` {estimate:.3e} ± {error:.1e}, nominal {nominal:.3e}")
         })
         .collect();
-    let terms: Vec<_> =
-        (0..).zip(&model.degrees).flat_map(|(d, own)| own.terms.iter().map(move |term| (d, term))).collect();
+    let terms: Vec<_> = (0..)
+        .zip(&model.degrees)
+        .flat_map(|(d, degree)| degree.terms.iter().map(move |term| (d, term)))
+        .collect();
     // Whether a turn of the sign of `variable` turns parameter `i`.
     let turns = |variable: usize, i: usize| {
         terms.get(i).is_some_and(|(d, term)| {
-            let factors = term.factors.iter().filter(|own| own.variable == variable && !own.modulus).count();
+            let factors =
+                term.factors.iter().filter(|factor| factor.variable == variable && !factor.modulus).count();
             (factors + usize::from(*d == variable)) % 2 == 1
         })
     };
     let explains = |variable: &usize| {
-        let own = || counted.iter().filter(|(i, ..)| turns(*variable, *i));
-        own().all(is_turned) && 2 * own().count() > all.len()
+        let turning = || counted.iter().filter(|(i, ..)| turns(*variable, *i));
+        turning().all(is_turned) && 2 * turning().count() > all.len()
     };
     let variables = (3..model.variables.len() - model.derived.len()).chain(0..3);
     let cause = variables.into_iter().find(explains).map_or(String::new(), |variable| {

@@ -209,9 +209,9 @@ impl Judge<'_> {
             fit.add(states, part.run.measured);
         }
         let by = |account: &&mut Account| self.found.simulated(account.d).is_some();
-        let (own, others): (Vec<_>, Vec<_>) = accounts.iter_mut().partition(by);
+        let (instrumented, others): (Vec<_>, Vec<_>) = accounts.iter_mut().partition(by);
         if let Some((regression, _)) = simulated {
-            own.into_iter().for_each(|account| account.add(i, &regression));
+            instrumented.into_iter().for_each(|account| account.add(i, &regression));
         }
         if !others.is_empty() {
             let regression = Regression::of(&self.pool.vessel.model, part);

@@ -110,8 +110,8 @@ impl Minimum {
     /// the part; or an unknown that the rest does not determine.
     pub(crate) fn without(&self, part: &Linear, weights: [f64; 3]) -> Result<Vec<f64>, usize> {
         let (whole, _) = self.linear.weighted(weights);
-        let (own, mut gradient) = part.weighted(weights);
-        let mut others: Vec<f64> = whole.iter().zip(own).map(|(whole, own)| whole - own).collect();
+        let (left_out, mut gradient) = part.weighted(weights);
+        let mut others: Vec<f64> = whole.iter().zip(left_out).map(|(whole, entry)| whole - entry).collect();
         hold(&self.held, &mut others, &mut gradient);
         Ok(times(&scaled_inverse(&others, gradient.len())?, &gradient))
     }
@@ -210,23 +210,24 @@ pub(crate) fn minimize<R: Residuals>(
     let sloping = residuals.has_slopes();
     let asked = |problems: &mut [Progress], near: bool| -> Vec<Asked> {
         let all = problems.iter_mut().enumerate();
-        let open = all.filter(|(_, own)| own.is_open(steps) && (sloping && own.is_near()) == near);
-        let ask = |(problem, own): (_, &mut Progress)| Asked {
+        let open =
+            all.filter(|(_, problem)| problem.is_open(steps) && (sloping && problem.is_near()) == near);
+        let ask = |(problem, progress): (_, &mut Progress)| Asked {
             problem,
-            weighting: own.weighting,
-            point: own.trial(),
+            weighting: progress.weighting,
+            point: progress.trial(),
         };
         open.map(ask).collect()
     };
-    while problems.iter().any(|own| own.is_open(steps)) {
+    while problems.iter().any(|problem| problem.is_open(steps)) {
         loop {
             let trials = asked(&mut problems, false);
             if trials.is_empty() {
                 break;
             }
             let linears = residuals.linearize(&trials)?;
-            for (own, linear) in trials.into_iter().zip(linears) {
-                problems[own.problem].judge(own.point, linear);
+            for (trial, linear) in trials.into_iter().zip(linears) {
+                problems[trial.problem].judge(trial.point, linear);
             }
         }
         loop {
@@ -235,8 +236,8 @@ pub(crate) fn minimize<R: Residuals>(
                 break;
             }
             let slopes = residuals.slopes(&trials);
-            for (own, slopes) in trials.into_iter().zip(slopes) {
-                problems[own.problem].judge_slopes(own.point, slopes, residuals.is_verified_later());
+            for (trial, slopes) in trials.into_iter().zip(slopes) {
+                problems[trial.problem].judge_slopes(trial.point, slopes, residuals.is_verified_later());
             }
         }
     }

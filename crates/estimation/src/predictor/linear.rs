@@ -193,12 +193,12 @@ pub(crate) fn blocks<const N: usize>(
         |step: Step<'_, Lane, N>| {
             let counts = if step.k == 0 && !from_start { Lane::ZERO } else { recordings.lasting(step.k) };
             let white = |x: [Lane; 3]| {
-                let own = gains.get(step.k).map_or(x, |gain| gain.white(&x));
-                own.map(|x| x * counts)
+                let white = gains.get(step.k).map_or(x, |gain| gain.white(&x));
+                white.map(|x| x * counts)
             };
             let all = step.sensitivities.iter().map(|s| [s[0], s[1], s[2]]).chain([step.error]);
-            for (i, own) in all.map(white).enumerate() {
-                (0..3).for_each(|d| products[d].set(i, own[d]));
+            for (i, signal) in all.map(white).enumerate() {
+                (0..3).for_each(|d| products[d].set(i, signal[d]));
             }
             products.iter_mut().for_each(Products::advance);
             if (step.k + 1) * BLOCKS / rows > step.k * BLOCKS / rows {
@@ -276,11 +276,11 @@ impl Unknown {
     /// The unknowns that are estimated: the parameters of `model`, the initial state's offsets, the current.
     pub(super) fn free(self, model: &Model) -> Vec<usize> {
         let parameters = model.parameters();
-        (0..parameters).chain(self.own().map(|i| parameters + i)).collect()
+        (0..parameters).chain(self.further().map(|i| parameters + i)).collect()
     }
 
     /// The estimated ones of those after the parameters: the initial state's offsets, and the current.
-    pub(crate) fn own(self) -> impl Iterator<Item = usize> {
+    pub(crate) fn further(self) -> impl Iterator<Item = usize> {
         let offsets = if self.initial == InitialState::Known { 0..0 } else { 0..3 };
         offsets.chain(if self.current.is_none() { 3..3 } else { 3..5 })
     }

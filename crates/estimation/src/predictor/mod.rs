@@ -153,8 +153,9 @@ fn fit(recordings: &Recordings, minimum: &Minimum, errors: Option<Errors>, unkno
     let layout = recordings.model.layout();
     let (point, all) = (&minimum.point, layout.parameters());
     let free = unknown.free(recordings.model);
-    let entry =
-        |of: &[f64], i: usize| free.iter().position(|own| *own == all + i).map_or(0.0, |place| of[place]);
+    let entry = |of: &[f64], i: usize| {
+        free.iter().position(|unknown| *unknown == all + i).map_or(0.0, |place| of[place])
+    };
     let place = |unknown: usize| {
         let mut terms = (0..3).map(|d| (d, layout.terms(d)));
         terms.find(|(_, terms)| terms.contains(&unknown)).map(|(d, terms)| (d, unknown - terms.start))

@@ -48,9 +48,9 @@ pub fn output_error(
     let begun = found.split_off(others.len());
     searches.keep(&others, found);
     let open: Vec<usize> = searches.open().collect();
-    let begun = easier.iter().zip(begun).filter(|(own, _)| open.contains(&own.run));
+    let begun = easier.iter().zip(begun).filter(|(start, _)| open.contains(&start.run));
     let after: Vec<Try> =
-        begun.map(|(own, at)| Try { run: own.run, weights: Likelihood, point: at.point }).collect();
+        begun.map(|(start, at)| Try { run: start.run, weights: Likelihood, point: at.point }).collect();
     let found = searches.minima(after.iter(), STEPS);
     searches.keep(&after, found);
     let fits = searches.fits(spread);
@@ -103,8 +103,8 @@ impl Searches<'_> {
 
     /// Keeps the better of the new and the previous result.
     fn keep(&mut self, tries: &[Try], found: Vec<Minimum>) {
-        for (own, found) in tries.iter().zip(found) {
-            let best = &mut self.best[own.run];
+        for (start, found) in tries.iter().zip(found) {
+            let best = &mut self.best[start.run];
             *best = Some(match best.take() {
                 Some(before) => better(before, found),
                 None => found,
@@ -115,7 +115,7 @@ impl Searches<'_> {
     /// The result of each of `tries`.
     fn minima<'t>(&mut self, tries: impl Iterator<Item = &'t Try>, steps: usize) -> Vec<Minimum> {
         let tries: Vec<&Try> = tries.collect();
-        let runs: Vec<RunView> = tries.iter().map(|own| self.runs[own.run]).collect();
+        let runs: Vec<RunView> = tries.iter().map(|start| self.runs[start.run]).collect();
         let mut found = BTreeMap::new();
         for together in of_one_length(&runs, 0..runs.len(), TOGETHER) {
             let workspace = std::mem::take(&mut self.workspace);
@@ -151,9 +151,9 @@ impl Searches<'_> {
         };
         let tries: Vec<Try> = missed.iter().filter_map(from).collect();
         self.exactly = true;
-        for (own, mut found) in tries.iter().zip(self.minima(tries.iter(), STEPS)) {
-            found.steps += self.best[own.run].as_ref().map_or(0, |before| before.steps);
-            self.best[own.run] = Some(found);
+        for (start, mut found) in tries.iter().zip(self.minima(tries.iter(), STEPS)) {
+            found.steps += self.best[start.run].as_ref().map_or(0, |before| before.steps);
+            self.best[start.run] = Some(found);
         }
         self.fit(missed, spread, &mut fits);
         fits
@@ -177,7 +177,9 @@ impl Searches<'_> {
                 problem.follow(spread, &mut kept);
             } else {
                 let each = group.iter().zip(&mut found).zip(&weighting).zip(problem.look(spread, &mut kept));
-                for (((run, minimum), weighting), linear) in each.filter(|(((_, own), _), _)| own.unseen) {
+                for (((run, minimum), weighting), linear) in
+                    each.filter(|(((_, minimum), _), _)| minimum.unseen)
+                {
                     if !minimum.look(linear, *weighting) {
                         missed.push(*run);
                     }
@@ -298,8 +300,8 @@ impl<'a> Search<'a> {
         }
         let there: BTreeSet<usize> =
             self.workspace.some[..self.some].iter().flat_map(|packed| packed.runs.iter().copied()).collect();
-        if !enough(self.some) || !asked.iter().all(|own| there.contains(&own.problem)) {
-            let wanted: Vec<usize> = asked.iter().map(|own| own.problem).collect();
+        if !enough(self.some) || !asked.iter().all(|request| there.contains(&request.problem)) {
+            let wanted: Vec<usize> = asked.iter().map(|request| request.problem).collect();
             self.some = pack(&self.runs, &wanted, &mut self.workspace.some);
         }
         &self.workspace.some[..self.some]
@@ -313,16 +315,17 @@ impl<'a> Search<'a> {
         mut look: impl FnMut(&Recordings, &[Lane], &[&Asked]) -> Vec<T>,
     ) -> Vec<T> {
         let (model, free) = (self.model, self.free.clone());
-        let by_run: BTreeMap<usize, &Asked> = asked.iter().map(|own| (own.problem, own)).collect();
+        let by_run: BTreeMap<usize, &Asked> =
+            asked.iter().map(|request| (request.problem, request)).collect();
         let mut found = BTreeMap::new();
         for Packed { runs, data } in self.packed(asked) {
             let Some(any) = runs.iter().find_map(|run| by_run.get(run)) else { continue };
             let recordings = Recordings::of(model, data);
             // Idle lanes repeat another lane's point.
-            let own: Vec<&Asked> = runs.iter().map(|run| *by_run.get(run).unwrap_or(any)).collect();
-            let points: Vec<&[f64]> = own.iter().map(|own| own.point.as_slice()).collect();
+            let requests: Vec<&Asked> = runs.iter().map(|run| *by_run.get(run).unwrap_or(any)).collect();
+            let points: Vec<&[f64]> = requests.iter().map(|request| request.point.as_slice()).collect();
             let unknowns = side_by_side(&points, &free, recordings.unknowns());
-            let looked = look(&recordings, &unknowns, &own);
+            let looked = look(&recordings, &unknowns, &requests);
             found.extend(runs.iter().copied().zip(looked).filter(|(run, _)| by_run.contains_key(run)));
         }
         // Requests are in ascending order of problems, as is the map.
@@ -334,9 +337,9 @@ impl<'a> Search<'a> {
 fn pack(runs: &[RunView], wanted: &[usize], workspace: &mut Vec<Packed>) -> usize {
     let count = wanted.len().div_ceil(LANES);
     workspace.resize_with(count.max(workspace.len()), Packed::default);
-    for (own, packed) in wanted.chunks(LANES).zip(workspace) {
-        packed.runs = own.to_vec();
-        packed.data.fill(&own.iter().map(|run| runs[*run]).collect::<Vec<_>>());
+    for (chunk, packed) in wanted.chunks(LANES).zip(workspace) {
+        packed.runs = chunk.to_vec();
+        packed.data.fill(&chunk.iter().map(|run| runs[*run]).collect::<Vec<_>>());
     }
     count
 }
@@ -360,11 +363,11 @@ impl Residuals for Search<'_> {
     fn slopes(&mut self, asked: &[Asked]) -> Vec<Slopes> {
         let (unknown, free) = (self.unknown, self.free.clone());
         let mut path = std::mem::take(&mut self.workspace.path);
-        let found = self.each(asked, |recordings, unknowns, own| {
+        let found = self.each(asked, |recordings, unknowns, lanes| {
             let samples = recordings.samples[0] + usize::from(unknown.start_counts());
             let weights = |lane: usize, squares| {
-                let own = own.get(lane).or(own.first()).map(|own| own.weighting);
-                own.map_or([0.0; 3], |own| own.weights(squares, samples as f64))
+                let weighting = lanes.get(lane).or(lanes.first()).map(|request| request.weighting);
+                weighting.map_or([0.0; 3], |weighting| weighting.weights(squares, samples as f64))
             };
             unknown.slopes(recordings, unknowns, &free, weights, &mut path)
         });
@@ -411,9 +414,10 @@ impl Simulations<'_> {
         spread: Spread,
         kept: &Sensitivities<Lane>,
     ) -> Vec<Option<Errors>> {
-        let own = found.iter().zip(weighting);
-        let weights: Vec<[f64; 3]> =
-            own.map(|(own, weighting)| weighting.weights(own.linear.squares, own.linear.samples)).collect();
+        let pairs = found.iter().zip(weighting);
+        let weights: Vec<[f64; 3]> = pairs
+            .map(|(minimum, weighting)| weighting.weights(minimum.linear.squares, minimum.linear.samples))
+            .collect();
         let mut blocks = None;
         let mut of_blocks = |lane: usize, minimum: &Minimum| {
             let Self { recordings, unknowns, free, unknown } = self;
@@ -448,9 +452,8 @@ impl Simulations<'_> {
                 let all: Option<Vec<Errors>> = levels.iter().map(of_one).collect();
                 match all?.into_iter().reduce(Errors::largest) {
                     Some(errors) => Some(errors.times(factor)),
-                    None => {
-                        of_blocks(lane, minimum).map(|own| Errors { approximate: true, ..Errors::of(own) })
-                    }
+                    None => of_blocks(lane, minimum)
+                        .map(|errors| Errors { approximate: true, ..Errors::of(errors) }),
                 }
             }
             Spread::Found(_) => None,
@@ -478,7 +481,7 @@ impl Simulations<'_> {
         let mut meat: Vec<f64> = meat.iter().map(|m| m[lane]).collect();
         let noise = [0, 1, 2].map(|d: usize| (weights[d] * levels.measurement[d]).powi(2));
         let (measured, _) = minimum.linear.weighted(noise);
-        meat.iter_mut().zip(measured).for_each(|(all, own)| *all += own);
+        meat.iter_mut().zip(measured).for_each(|(all, entry)| *all += entry);
         let error = |row: &[f64]| numerics::quadratic(row, &meat).max(0.0).sqrt();
         let each: Vec<f64> = inverse.chunks_exact(self.free.len()).map(error).collect();
         let covariance = Some(congruence(self.free.len(), &inverse, &meat));

@@ -70,18 +70,18 @@ pub(crate) fn errors_by_blocks(
     let unknowns: Vec<Lane> = theta.iter().copied().chain([0.0; 3]).map(Lane::splat).collect();
     let known = initial == InitialState::Known;
     let found = with_states!(levels, of_blocks(recordings, &unknowns, levels, known));
-    let own: Vec<&Linear> = found.iter().filter_map(|block| block.first()).collect();
-    let mut whole = (*own.first()?).clone();
-    own[1..].iter().for_each(|block| whole.add(block));
+    let blocks: Vec<&Linear> = found.iter().filter_map(|block| block.first()).collect();
+    let mut whole = (*blocks.first()?).clone();
+    blocks[1..].iter().for_each(|block| whole.add(block));
     let (whole, _) = whole.weighted([1.0; 3]);
     let without = |block: &Linear| {
-        let (own, gradient) = block.weighted([1.0; 3]);
-        let others: Vec<f64> = whole.iter().zip(own).map(|(whole, own)| whole - own).collect();
+        let (part, gradient) = block.weighted([1.0; 3]);
+        let others: Vec<f64> = whole.iter().zip(part).map(|(whole, entry)| whole - entry).collect();
         let inverse =
             scaled_inverse(&others, gradient.len()).or_else(|_| scaled_inverse(&whole, gradient.len()));
         Some(times(&inverse.ok()?, &gradient))
     };
-    jackknife(own.iter().copied(), without)
+    jackknife(blocks.iter().copied(), without)
 }
 
 fn of_blocks<const N: usize>(
@@ -108,12 +108,13 @@ impl<const N: usize> Residuals for Predictions<'_, N> {
     fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Infallible> {
         // A problem's gains are in its lane, so it cannot move to another. Lanes of finished problems repeat the
         // first's point.
-        let own = |lane: usize| asked.iter().find(|own| own.problem == lane).or(asked.first());
-        let points: Vec<&[f64]> = (0..LANES).filter_map(own).map(|own| own.point.as_slice()).collect();
+        let request_of = |lane: usize| asked.iter().find(|request| request.problem == lane).or(asked.first());
+        let points: Vec<&[f64]> =
+            (0..LANES).filter_map(request_of).map(|request| request.point.as_slice()).collect();
         let unknowns = side_by_side(&points, &self.free, self.recordings.unknowns());
         let found = linearize(self.recordings, &unknowns, &self.free, Some(self.levels), &self.gains, true);
-        let wanted = |lane: &usize| asked.iter().any(|own| own.problem == *lane);
-        Ok((0..LANES).zip(found).filter(|(lane, _)| wanted(lane)).map(|(_, own)| own).collect())
+        let wanted = |lane: &usize| asked.iter().any(|request| request.problem == *lane);
+        Ok((0..LANES).zip(found).filter(|(lane, _)| wanted(lane)).map(|(_, linear)| linear).collect())
     }
 
     fn bounds(&self) -> Vec<[f64; 2]> {

@@ -75,7 +75,7 @@ impl TraceCriterion<'_> {
         let (model, parameters) = self.lifted();
         let run = Recordings::simulated(&model, self.initial, exogenous);
         let mut adjoints = Vec::new();
-        let keep = |own: &[[Lane; 3]]| adjoints.extend_from_slice(own);
+        let keep = |columns: &[[Lane; 3]]| adjoints.extend_from_slice(columns);
         let mut found = RunInformation::by(&run, &parameters, &self.noise, Sensitivities::default(), keep);
         let states = std::mem::take(&mut found.path.states);
         if check_diverged(states.iter().copied()).is_some() {
@@ -162,9 +162,9 @@ impl Rows {
     #[inline(always)]
     fn add_times<const M: usize>(&self, x: &[[Lane; M]], to: &mut [[Lane; M]], d: usize) {
         for (i, row) in self.rows.chunks_exact(self.columns).enumerate() {
-            let own = Lane::splat(x[i / LANES][d][i % LANES]);
+            let factor = Lane::splat(x[i / LANES][d][i % LANES]);
             for (to, entry) in to.iter_mut().zip(row) {
-                to[d] += own * *entry;
+                to[d] += factor * *entry;
             }
         }
     }
@@ -245,8 +245,8 @@ fn follow(run: &Recordings<f64>, parameters: &[f64], forward: &Forward, response
                 *pushed = slope(0, i) * l[0] + slope(1, i) * l[1] + slope(2, i) * l[2];
             }
         }
-        for own in &mut now {
-            *own = dynamics.forward(&local, own);
+        for column in &mut now {
+            *column = dynamics.forward(&local, column);
         }
         let first = all.forced.len();
         all.forced.resize(first + columns, [Lane::ZERO; 2]);
@@ -254,8 +254,8 @@ fn follow(run: &Recordings<f64>, parameters: &[f64], forward: &Forward, response
         for i in 0..2 {
             response.add_times(&pushed, forced, i);
         }
-        for (own, force) in now.iter_mut().zip(forced) {
-            for (d, state) in own.iter_mut().enumerate() {
+        for (column, force) in now.iter_mut().zip(forced) {
+            for (d, state) in column.iter_mut().enumerate() {
                 *state += slope(d, 0) * force[0] + slope(d, 1) * force[1];
             }
         }
@@ -292,13 +292,13 @@ impl Back<'_> {
         let mut out = vec![0.0; samples * inputs];
         for k in (0..samples).rev() {
             if let Some(local) = &after {
-                for own in &mut big {
-                    *own = dynamics.backward(local, own);
+                for column in &mut big {
+                    *column = dynamics.backward(local, column);
                 }
             }
             self.add_sources(k, &mut big);
-            for (own, slope) in small.iter_mut().zip(&self.state_slopes[3 * (k + 1)..]) {
-                *own += slope;
+            for (slope_sum, slope) in small.iter_mut().zip(&self.state_slopes[3 * (k + 1)..]) {
+                *slope_sum += slope;
             }
             for (p, (term, d)) in terms.iter_mut().zip(&degrees).enumerate() {
                 *term = big[p / LANES][*d][p % LANES] + small[*d] * parameters[p];
@@ -309,8 +309,8 @@ impl Back<'_> {
             let local = dynamics.at(forward.state(k), run.exogenous(k));
             dynamics.pull_back(&terms, &self.by_slopes(k, &big), &mut slopes);
             run.model.by_sources(run.exogenous(k), slopes.as_chunks_mut::<1>().0);
-            for (own, slope) in small.iter_mut().zip(&slopes) {
-                *own += slope;
+            for (slope_sum, slope) in small.iter_mut().zip(&slopes) {
+                *slope_sum += slope;
             }
             out[k * inputs..(k + 1) * inputs].copy_from_slice(&slopes[3..3 + inputs]);
             after = Some(local);
@@ -327,9 +327,9 @@ impl Back<'_> {
         }
         let columns = to.len();
         if let Some(followed) = self.followed.followed.get(k * columns..(k + 1) * columns) {
-            for (to, own) in to.iter_mut().zip(followed) {
+            for (to, kept) in to.iter_mut().zip(followed) {
                 for d in 0..3 {
-                    to[d] += Lane::splat(self.weights[d]) * own[d];
+                    to[d] += Lane::splat(self.weights[d]) * kept[d];
                 }
             }
         }
@@ -349,8 +349,8 @@ impl Back<'_> {
                 for (b, s) in big.iter().zip(s) {
                     *entry += b[d] * s[i];
                 }
-                for (l, own) in adjoint.iter().zip(before) {
-                    *entry += l[d] * own[i];
+                for (l, kappa) in adjoint.iter().zip(before) {
+                    *entry += l[d] * kappa[i];
                 }
                 for (l, force) in adjoint.iter().zip(forced).filter(|_| i < 2) {
                     *entry += l[d] * force[i];

@@ -48,8 +48,8 @@ impl Everything {
     /// The result of an estimator on the first run.
     fn first(&self, estimator: Estimator) -> Option<&Found> {
         match estimator {
-            Estimator::Ls => self.ls.first().map(|own| &own.found),
-            Estimator::Iv | Estimator::Auto => self.iv.first().map(|own| &own.found),
+            Estimator::Ls => self.ls.first().map(|regressed| &regressed.found),
+            Estimator::Iv | Estimator::Auto => self.iv.first().map(|regressed| &regressed.found),
             Estimator::OutputError => self.simulated.first(),
             Estimator::PredictionError => self.predicted.first(),
         }
@@ -141,14 +141,14 @@ impl RunEstimators<'_> {
         };
         let found = self.found(runs, None)?;
         let (intercepts, current) =
-            found.first(estimator).map_or((None, None), |own| (own.intercepts, own.current));
+            found.first(estimator).map_or((None, None), |found| (found.intercepts, found.current));
         let surroundings = current.map(|current| Surroundings::of((name, 0), current));
         let row = found.by(self, estimator, runs).pop().map(|(row, _)| row);
         let Some((row, theta)) = row.and_then(|row| Some((row.clone(), row.estimate?.0))) else {
             return Ok(None);
         };
         let simple = self.regressed(InstrumentKind::Regressors, runs)?;
-        let simple = simple.first().and_then(|own| own.found.theta()).map(<[f64]>::to_vec);
+        let simple = simple.first().and_then(|regressed| regressed.found.theta()).map(<[f64]>::to_vec);
         let whole = RunView::measured(&run.measured, &run.exogenous);
         let part = PartView { label: "", source: name, run: whole };
         let left = |theta: &[f64]| match self.removal {
@@ -156,8 +156,8 @@ impl RunEstimators<'_> {
             _ => Regression::of(model, &part).left(theta),
         };
         let simple = simple.map(|theta| {
-            let own = left(&theta);
-            (theta, own)
+            let intercepts = left(&theta);
+            (theta, intercepts)
         });
         let unwrap_or_else = intercepts.unwrap_or_else(|| left(&theta));
         Ok(Some((row, Delivered::of_run(model, &part, (theta, unwrap_or_else), simple, surroundings))))
@@ -262,12 +262,12 @@ impl RunEstimators<'_> {
         let (layout, model) =
             (self.vessel.model.layout().with_intercepts(), self.vessel.model.with_intercepts());
         // The last estimator with an estimate: those that simulate come after those that regress.
-        let found = |own: &[RunEstimate]| {
-            own.iter().rev().find_map(|e| e.estimate.as_ref().map(|(theta, _)| theta.clone()))
+        let found = |rows: &[RunEstimate]| {
+            rows.iter().rev().find_map(|e| e.estimate.as_ref().map(|(theta, _)| theta.clone()))
         };
         let mut alike: Vec<Alike> = Vec::new();
-        for (run, own) in estimates.chunks(each).enumerate() {
-            if let Some(theta) = found(own) {
+        for (run, rows) in estimates.chunks(each).enumerate() {
+            if let Some(theta) = found(rows) {
                 Alike::add(&mut alike, model.held_at_bounds(&layout.woven(&theta, [0.0; 3])), run);
             }
         }

@@ -220,7 +220,7 @@ impl<'a> Refinement<'a> {
             removal,
             noise,
             runs: Prepared::regressed(vessel, runs),
-            models: found.iter().map(|own| own.as_ref().unwrap_or(&vessel.nominal).clone()).collect(),
+            models: found.iter().map(|theta| theta.as_ref().unwrap_or(&vessel.nominal).clone()).collect(),
             done: found.iter().map(Option::is_none).collect(),
             found,
         }

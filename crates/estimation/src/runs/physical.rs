@@ -63,7 +63,7 @@ impl RunEstimators<'_> {
         if self.vessel.model.forces.is_none() {
             return Ok(());
         }
-        self.estimators.iter().try_for_each(|own| own.check(self.vessel))?;
+        self.estimators.iter().try_for_each(|estimator| estimator.check(self.vessel))?;
         if self.initial != InitialState::Known {
             let (found, expected) =
                 ("measured ones", "simulated runs, whose start is known, of a ship with forces");
@@ -90,11 +90,11 @@ impl RunEstimators<'_> {
         let one = Single { vessel: self.vessel, moved, noise };
         let found: Vec<Found> = runs.par_iter().map(|run| one.found(run)).collect();
         let row = |(run, found): (&Run, &Found)| {
-            let own = self
+            let rows = self
                 .estimators
                 .iter()
                 .map(|estimator| (found.row(run, *estimator), found.covariance.clone()));
-            own.collect::<Vec<_>>()
+            rows.collect::<Vec<_>>()
         };
         Ok(runs.iter().zip(&found).flat_map(row).collect())
     }
@@ -126,8 +126,8 @@ impl Single<'_> {
             width: vessel.model.exogenous(),
             sample_s: moved.sample_s,
         };
-        let own = MeasuredRun { run: simulated, measured: &run.measured, noise: noise.measurement };
-        let found = own.most_probable(&moved.forces, &self.priors(), &vessel.nominal);
+        let measured = MeasuredRun { run: simulated, measured: &run.measured, noise: noise.measurement };
+        let found = measured.most_probable(&moved.forces, &self.priors(), &vessel.nominal);
         let theta = match found {
             Ok(theta) => theta,
             Err(Unfit::Undetermined(name)) => return Found::none(EstimateStatus::NotIdentifiable, name),
@@ -135,7 +135,7 @@ impl Single<'_> {
         };
         let information = simulated.information(&moved.forces, &theta, noise);
         let free = self.free(&theta);
-        let errors = information.and_then(|own| own.errors(&self.known(), &free));
+        let errors = information.and_then(|known_of_run| known_of_run.errors(&self.known(), &free));
         match errors {
             Some(errors) => self.identified(theta, errors),
             None => Found::none(EstimateStatus::NotIdentifiable, self.first()),
@@ -159,27 +159,29 @@ impl Single<'_> {
 
     /// Priors about the nominal numbers.
     fn priors(&self) -> Vec<Option<Prior>> {
-        let prior = |(own, mean): (Option<f64>, &f64)| own.map(|deviation| Prior { mean: *mean, deviation });
+        let prior = |(deviation, mean): (Option<f64>, &f64)| {
+            deviation.map(|deviation| Prior { mean: *mean, deviation })
+        };
         self.deviations().zip(&self.vessel.nominal).map(prior).collect()
     }
 
     fn deviations(&self) -> impl Iterator<Item = Option<f64>> {
-        self.moved.forces.parameters().iter().map(|own| own.prior)
+        self.moved.forces.parameters().iter().map(|parameter| parameter.prior)
     }
 
     /// 1/σ² of each prior, 0 without one.
     fn known(&self) -> Vec<f64> {
-        self.deviations().map(|own| own.map_or(0.0, |deviation| deviation.powi(-2))).collect()
+        self.deviations().map(|prior| prior.map_or(0.0, |deviation| deviation.powi(-2))).collect()
     }
 
     /// Which numbers are not at a bound.
     fn free(&self, theta: &[f64]) -> Vec<bool> {
         let parameters = self.moved.forces.parameters().iter();
-        theta.iter().zip(parameters).map(|(own, parameter)| !parameter.bounds.contains(own)).collect()
+        theta.iter().zip(parameters).map(|(value, parameter)| !parameter.bounds.contains(value)).collect()
     }
 
     fn first(&self) -> String {
-        self.moved.forces.parameters().first().map_or(String::new(), |own| own.name.clone())
+        self.moved.forces.parameters().first().map_or(String::new(), |parameter| parameter.name.clone())
     }
 }
 

@@ -117,7 +117,7 @@ impl RunEstimators<'_> {
         let layout = model.layout();
         let theta = layout.woven(&found.parameters, found.intercepts);
         let found_ones = || (found.standard_errors.clone(), found.covariance.clone());
-        let (own, covariance) = if noise.waves {
+        let (widths, covariance) = if noise.waves {
             (vec![f64::NAN; found.standard_errors.len()], None)
         } else if noise.white {
             let widest = noise.widest.as_ref().map(|errors| (layout.theta(errors), None));
@@ -126,13 +126,15 @@ impl RunEstimators<'_> {
             (all, covariance.map(|covariance| scaled(covariance, noise.factor)))
         } else {
             let blocks = errors_by_blocks(model, run, &theta, self.initial, &noise.levels);
-            let own = blocks.map(|own| of_terms(layout, &own)).map(|own| (roots(&own), Some(own)));
-            own.unwrap_or_else(found_ones)
+            let of_blocks = blocks
+                .map(|covariance| of_terms(layout, &covariance))
+                .map(|of_terms_only| (roots(&of_terms_only), Some(of_terms_only)));
+            of_blocks.unwrap_or_else(found_ones)
         };
         // A parameter at a bound has no error.
-        let zero = |(before, own): (&f64, f64)| if *before == 0.0 { 0.0 } else { own };
+        let zero = |(before, error): (&f64, f64)| if *before == 0.0 { 0.0 } else { error };
         let covariance = covariance.map(|covariance| held(covariance, &found.standard_errors));
-        let standard_errors = found.standard_errors.iter().zip(own).map(zero).collect();
+        let standard_errors = found.standard_errors.iter().zip(widths).map(zero).collect();
         Fitted { standard_errors, covariance, approximate: !noise.white, ..found }
     }
 
@@ -195,16 +197,16 @@ impl RunEstimators<'_> {
         let one = slice::from_ref(run);
         let diverged = match self.regressed(InstrumentKind::Nominal, one) {
             Err(RunError::Diverged(at)) => RunError::Diverged(at),
-            found => return found.map(|mut own| own.remove(0)),
+            found => return found.map(|mut regressed| regressed.remove(0)),
         };
         let simple = self.regressed(InstrumentKind::Regressors, one)?.remove(0);
         let Some(start) = simple.found.theta() else { return Err(diverged) };
-        let own = match self.output_error(one, &[Some(start.to_vec())], slice::from_ref(&simple), false).pop()
-        {
-            Some(Fit::Converged(own)) => self.instrumented_by(run, &own.parameters)?,
-            _ => None,
-        };
-        Ok(own.unwrap_or_else(|| simple.without(EstimateStatus::NotConverged)))
+        let instrumented =
+            match self.output_error(one, &[Some(start.to_vec())], slice::from_ref(&simple), false).pop() {
+                Some(Fit::Converged(fitted)) => self.instrumented_by(run, &fitted.parameters)?,
+                _ => None,
+            };
+        Ok(instrumented.unwrap_or_else(|| simple.without(EstimateStatus::NotConverged)))
     }
 
     /// The estimate of `run` with instruments simulated by the parameters `theta`; `None` where these diverge.
@@ -217,10 +219,10 @@ impl RunEstimators<'_> {
         let batch = prepared.batch();
         let (outcome, excitation) =
             Instruments::new(&batch, self.removal).estimate_with_excitation(&batch).swap_remove(0);
-        let mut own = Regressed::new(run, outcome, excitation)?;
-        if own.found.status == EstimateStatus::Identified {
-            own.found.status = EstimateStatus::OwnInstruments;
+        let mut regressed = Regressed::new(run, outcome, excitation)?;
+        if regressed.found.status == EstimateStatus::Identified {
+            regressed.found.status = EstimateStatus::OwnInstruments;
         }
-        Ok(Some(own))
+        Ok(Some(regressed))
     }
 }

@@ -11,8 +11,8 @@ use super::judged::ships;
 use super::{Laid, Recording};
 use super::{folds, scores_of_mean, together, varying};
 use crate::pooled::Delivered;
-use crate::search::nested::{Fitted, Nested, Study};
 use crate::search::limit;
+use crate::search::nested::{Fitted, Nested, Study};
 
 /// How many models are averaged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,8 +76,8 @@ impl Study<'_> {
         };
         let mut found: Vec<Option<Drawn>> = jobs.into_par_iter().map(find).collect();
         let without = found.split_off(wanted.models as usize);
-        let fitted = |own: &mut [Option<Drawn>]| {
-            own.iter_mut().map(|found| Some(found.take()?.0)).collect::<Option<Vec<_>>>()
+        let fitted = |drawn: &mut [Option<Drawn>]| {
+            drawn.iter_mut().map(|found| Some(found.take()?.0)).collect::<Option<Vec<_>>>()
         };
         let mut without = without;
         let by_folds = without.chunks_mut(wanted.models as usize).map(fitted).collect();
@@ -98,12 +98,17 @@ impl Study<'_> {
         let count = self.all_folds().end.min(drawn.len());
         let dealt = folds(&drawn, count);
         let of = |fold: usize| {
-            drawn.iter().zip(&dealt).filter(|(_, own)| **own == fold).map(|(r, _)| *r).collect()
+            drawn
+                .iter()
+                .zip(&dealt)
+                .filter(|(_, of_recording)| **of_recording == fold)
+                .map(|(r, _)| *r)
+                .collect()
         };
         let within: Vec<Vec<&Recording>> = (0..count).map(of).collect();
         let places = self.compact(base, &within, ridge)?.places;
         let fitted = self.fitted(&places, base, &self.others(without), ridge)?;
-        Some((fitted, drawn.iter().map(|own| own.name.clone()).collect()))
+        Some((fitted, drawn.iter().map(|recording| recording.name.clone()).collect()))
     }
 }
 
@@ -225,17 +230,17 @@ impl Study<'_> {
 /// The quantiles over `found` of every parameter that one of them has.
 fn summed_up(found: &[Fitted]) -> BTreeMap<String, ResampledParameter> {
     let mut values: BTreeMap<String, Vec<f64>> = BTreeMap::new();
-    for own in found {
-        let layout = own.model.layout();
-        let named = own.model.parameter_names().zip(&own.theta).zip(layout.are_intercepts());
+    for fitted in found {
+        let layout = fitted.model.layout();
+        let named = fitted.model.parameter_names().zip(&fitted.theta).zip(layout.are_intercepts());
         for ((name, value), _) in named.filter(|(_, intercept)| !intercept) {
             values.entry(name.to_owned()).or_default().push(*value);
         }
     }
-    let summary = |(name, own): (String, Vec<f64>)| {
-        let chosen = own.len() as u64;
-        let absent = std::iter::repeat_n(0.0, found.len() - own.len());
-        let all = sorted(own.into_iter().chain(absent).map(Some));
+    let summary = |(name, values): (String, Vec<f64>)| {
+        let chosen = values.len() as u64;
+        let absent = std::iter::repeat_n(0.0, found.len() - values.len());
+        let all = sorted(values.into_iter().chain(absent).map(Some));
         let at = |q: f64| quantile(&all, q).unwrap_or(0.0);
         (name, ResampledParameter { chosen, low: at(0.025), high: at(0.975) })
     };
@@ -275,7 +280,7 @@ pub fn draw_again(recordings: &[Recording], streams: &Streams, number: u32) -> V
 pub fn folds_of_drawn(recordings: &[Recording], drawn: &[usize], count: usize) -> Vec<usize> {
     let mut distinct = drawn.to_vec();
     distinct.dedup();
-    let own: Vec<&Recording> = distinct.iter().map(|i| &recordings[*i]).collect();
-    let found = folds(&own, count.min(own.len()));
-    drawn.iter().map(|i| found[distinct.partition_point(|own| own < i)]).collect()
+    let kept: Vec<&Recording> = distinct.iter().map(|i| &recordings[*i]).collect();
+    let found = folds(&kept, count.min(kept.len()));
+    drawn.iter().map(|i| found[distinct.partition_point(|drawn| drawn < i)]).collect()
 }

@@ -9,8 +9,8 @@ use ship::model::Model;
 use super::nested::{Ending, minimum};
 use super::{Laid, Recording, scores, together};
 use crate::pooled::{Delivered, RecordingConstant, covered};
-use crate::search::nested::{Fitted, Study, widened};
 use crate::search::limit;
+use crate::search::nested::{Fitted, Study, widened};
 use crate::search::problem::{Problem, Slopes};
 
 /// For refits during the search.
@@ -82,7 +82,7 @@ impl Study<'_> {
             .iter()
             .map(|size| {
                 let more: Vec<f64> =
-                    size.losses.iter().zip(&best.losses).map(|(own, best)| own - best).collect();
+                    size.losses.iter().zip(&best.losses).map(|(loss, best)| loss - best).collect();
                 SizeScore {
                     terms: size.places.len() as u64,
                     added: names[size.added].to_owned(),
@@ -127,8 +127,8 @@ impl Study<'_> {
         let mut best = (f64::INFINITY, 0);
         while places.len() < whole.sizes.len() && sizes.len() <= best.1 + PATIENCE {
             let model = subset(self.library, &places);
-            let own = places.iter().map(|i| whole.sizes[*i]).collect();
-            let problem = Problem::new(&model, &all, self.rate_hz).sized(own);
+            let scales = places.iter().map(|i| whole.sizes[*i]).collect();
+            let problem = Problem::new(&model, &all, self.rate_hz).sized(scales);
             let from: Vec<f64> = places.iter().map(|i| beta[*i]).collect();
             let Some(fitted) = minimum(&problem, from, ridge, REFIT) else { break };
             beta = vec![0.0; whole.sizes.len()];
@@ -171,10 +171,10 @@ fn addition(
         .filter(|i| !places.contains(i))
         .map(|added| Size { places: Vec::new(), added, losses: Vec::with_capacity(linearised.len()) })
         .collect();
-    for (fold, own) in linearised.iter().enumerate() {
+    for (fold, linearised_fold) in linearised.iter().enumerate() {
         let others = Others::new(linearised, fold, &moving, beta, ridge)?;
         for size in &mut candidates {
-            size.losses.push(others.loss(own, &moving, size.added));
+            size.losses.push(others.loss(linearised_fold, &moving, size.added));
         }
     }
     let mut best = candidates.into_iter().min_by(|a, b| a.total().total_cmp(&b.total()))?;
@@ -206,36 +206,37 @@ impl Others {
         let (mut curvature, mut descent) = (vec![0.0; p * p], vec![0.0; p]);
         for (_, other) in linearised.iter().enumerate().filter(|(i, _)| *i != fold) {
             let Linearised { errors, slopes, .. } = other;
-            curvature.iter_mut().zip(&slopes.curvature).for_each(|(sum, own)| *sum += errors * own);
-            descent.iter_mut().zip(&slopes.descent).for_each(|(sum, own)| *sum += errors * own);
+            curvature.iter_mut().zip(&slopes.curvature).for_each(|(sum, entry)| *sum += errors * entry);
+            descent.iter_mut().zip(&slopes.descent).for_each(|(sum, entry)| *sum += errors * entry);
             (0..p).for_each(|i| curvature[i * p + i] += errors * ridge);
             descent.iter_mut().zip(beta).for_each(|(sum, beta)| *sum -= errors * ridge * beta);
         }
-        let mut own: Vec<f64> = (0..m * m).map(|k| curvature[places[k / m] * p + places[k % m]]).collect();
+        let mut matrix: Vec<f64> = (0..m * m).map(|k| curvature[places[k / m] * p + places[k % m]]).collect();
         let mut inverse = vec![0.0; m * m];
-        numerics::inverse(m, &mut own, &mut inverse)?;
+        numerics::inverse(m, &mut matrix, &mut inverse)?;
         let right: Vec<f64> = places.iter().map(|i| descent[*i]).collect();
         let step = times(&inverse, &right);
         Some(Self { p, curvature, descent, inverse, step })
     }
 
     /// Loss of the fold `own` with the terms at `places` and `added`, by the bordered inverse.
-    fn loss(&self, own: &Linearised, places: &[usize], added: usize) -> f64 {
+    fn loss(&self, fold_loss: &Linearised, places: &[usize], added: usize) -> f64 {
         let p = self.p;
         let border: Vec<f64> = places.iter().map(|i| self.curvature[i * p + added]).collect();
         let moved = times(&self.inverse, &border);
         let schur = self.curvature[added * p + added] - dot(&border, &moved);
         let step = (self.descent[added] - dot(&border, &self.step)) / schur;
         let step = if step.is_finite() { step } else { 0.0 };
-        let Slopes { curvature, descent } = &own.slopes;
-        let mut loss = own.loss + step * (curvature[added * p + added] * step - 2.0 * descent[added]);
-        let change: Vec<f64> = self.step.iter().zip(&moved).map(|(own, moved)| own - moved * step).collect();
+        let Slopes { curvature, descent } = &fold_loss.slopes;
+        let mut loss = fold_loss.loss + step * (curvature[added * p + added] * step - 2.0 * descent[added]);
+        let change: Vec<f64> =
+            self.step.iter().zip(&moved).map(|(free_step, moved)| free_step - moved * step).collect();
         for (i, change_i) in places.iter().zip(&change) {
             let row = &curvature[i * p..(i + 1) * p];
             let along: f64 = places.iter().zip(&change).map(|(j, change)| row[*j] * change).sum();
             loss += change_i * (along + 2.0 * row[added] * step - 2.0 * descent[*i]);
         }
-        own.errors * loss
+        fold_loss.errors * loss
     }
 }
 
@@ -246,9 +247,9 @@ fn subset(library: &Model, places: &[usize]) -> Model {
     for (d, degree) in model.degrees.iter_mut().enumerate() {
         let first = layout.degree(d).start;
         let kept = |i: &usize| places.contains(&(first + i));
-        let own: Vec<usize> = (0..degree.terms.len()).filter(kept).collect();
-        degree.terms = own.iter().map(|i| degree.terms[*i].clone()).collect();
-        degree.parameters = own.iter().map(|i| degree.parameters[*i].clone()).collect();
+        let chosen: Vec<usize> = (0..degree.terms.len()).filter(kept).collect();
+        degree.terms = chosen.iter().map(|i| degree.terms[*i].clone()).collect();
+        degree.parameters = chosen.iter().map(|i| degree.parameters[*i].clone()).collect();
     }
     model
 }
@@ -273,7 +274,7 @@ pub(crate) fn without_zeros(base: &Model, library: &Model, recordings: &[Recordi
 }
 
 fn keep<T: Clone>(all: &[T], kept: impl Fn(usize) -> bool) -> Vec<T> {
-    all.iter().enumerate().filter(|(i, _)| kept(*i)).map(|(_, own)| own.clone()).collect()
+    all.iter().enumerate().filter(|(i, _)| kept(*i)).map(|(_, item)| item.clone()).collect()
 }
 
 /// Calls `look` with the index of the recording, the state, the inputs and the state's increment of every sample.

@@ -133,7 +133,7 @@ impl Study<'_> {
     pub fn judged(&self, by_folds: &[Judged], averages: Option<&[Option<Vec<Fitted>>]>) -> NestedScore {
         let laid = |laid| self.left_out(by_folds, averages, laid);
         let all = [laid(Laid::SideBySide), laid(Laid::Overlapping)];
-        let ridges = by_folds.iter().map(|own| own.ridge).collect();
+        let ridges = by_folds.iter().map(|judged| judged.ridge).collect();
         nested_score(&all, [self.std, self.overlapping_std], averages.is_some(), ridges)
     }
 
@@ -158,7 +158,9 @@ impl Study<'_> {
                 all.push(LeftOut { recording, fold, search, base, average });
             }
         }
-        all.sort_by_key(|one| self.recordings.iter().position(|own| own.name == one.recording.name));
+        all.sort_by_key(|one| {
+            self.recordings.iter().position(|recording| recording.name == one.recording.name)
+        });
         all
     }
 }
@@ -175,18 +177,18 @@ fn nested_score(
     let nested = |LeftOut { recording, fold, search, base, average }: &LeftOut| NestedRecording {
         source: recording.name.clone(),
         fold: *fold as u64,
-        search: own(*search, recording),
-        base: own(*base, recording),
+        search: own_errors(*search, recording),
+        base: own_errors(*base, recording),
         search_norm: norm(*search),
         base_norm: norm(*base),
         search_diverged: search.map_or(0, |score| score.diverged),
-        average: own(*average, recording),
+        average: own_errors(*average, recording),
         average_norm: norm(*average),
     };
     let simulated: Vec<&LeftOut> =
         all.iter().filter(|one| one.recording.scored(Laid::SideBySide).next().is_some()).collect();
-    let paired = |own: fn(&LeftOut) -> Option<Score>, other: fn(&LeftOut) -> Option<Score>| {
-        Margin::of(&simulated.iter().map(|one| [norm(own(one)), norm(other(one))]).collect::<Vec<_>>())
+    let paired = |one_score: fn(&LeftOut) -> Option<Score>, other: fn(&LeftOut) -> Option<Score>| {
+        Margin::of(&simulated.iter().map(|one| [norm(one_score(one)), norm(other(one))]).collect::<Vec<_>>())
     };
     let diverged = |of: fn(&LeftOut) -> Option<Score>| {
         all.iter().filter_map(of).map(|score| score.diverged).sum::<u64>()
@@ -212,11 +214,11 @@ fn nested_score(
 
 /// Structures with their parameters.
 pub(crate) fn ships(all: &[Fitted]) -> Vec<(&Model, &[f64])> {
-    all.iter().map(|own| (&own.model, own.theta.as_slice())).collect()
+    all.iter().map(|fitted| (&fitted.model, fitted.theta.as_slice())).collect()
 }
 
 /// Against the standard deviations of its own states.
-fn own(score: Option<Score>, recording: &Recording) -> Option<FreeRunErrors> {
+fn own_errors(score: Option<Score>, recording: &Recording) -> Option<FreeRunErrors> {
     score?.errors(varying(std::iter::once(recording), Laid::SideBySide))
 }
 
@@ -281,7 +283,7 @@ pub fn judged_ships(
         left_out
     });
     let std = [Laid::SideBySide, Laid::Overlapping].map(|laid| varying(recordings.iter(), laid));
-    let windows = recordings.iter().map(|own| own.windows() as u64).sum();
+    let windows = recordings.iter().map(|recording| recording.windows() as u64).sum();
     JudgedShips { nested: nested_score(&all, std, false, Vec::new()), windows, std: std[0] }
 }
 
@@ -316,12 +318,12 @@ impl Dealt<'_> {
         let held = self.are_inputs_held;
         let score = |(i, fold): (usize, &usize)| {
             let ships: Vec<&FittedShip> =
-                kinds.iter().map(|own| own.without[*fold].as_ref()).collect::<Option<_>>()?;
-            let mut windows: Vec<_> = kinds.iter().map(|own| own.recordings[i].scored(laid)).collect();
+                kinds.iter().map(|kind| kind.without[*fold].as_ref()).collect::<Option<_>>()?;
+            let mut windows: Vec<_> = kinds.iter().map(|kind| kind.recordings[i].scored(laid)).collect();
             let mut score = Score::default();
-            while let Some(own) = windows.iter_mut().map(Iterator::next).collect::<Option<Vec<_>>>() {
+            while let Some(views) = windows.iter_mut().map(Iterator::next).collect::<Option<Vec<_>>>() {
                 let mut mean = MeanTrajectory::default();
-                let states = ships.iter().zip(&own).map(|(ship, window)| {
+                let states = ships.iter().zip(&views).map(|(ship, window)| {
                     replay(&ship.model, &ship.theta, window.initial, window.exogenous, held)
                 });
                 let mut lost = None;
@@ -331,7 +333,7 @@ impl Dealt<'_> {
                         None => mean.add(&states),
                     }
                 }
-                score.add_states(lost.as_deref().unwrap_or(mean.mean()), own[0]);
+                score.add_states(lost.as_deref().unwrap_or(mean.mean()), views[0]);
             }
             Some(score)
         };
@@ -342,7 +344,7 @@ impl Dealt<'_> {
     /// window diverged.
     pub fn fit(&self, kind: &Kind, scores: &[Option<Score>], without: Option<usize>) -> Option<f64> {
         let kept = scores.iter().zip(self.folds).filter(|(_, fold)| Some(**fold) != without);
-        let kept: Vec<Score> = kept.map(|(own, _)| *own).collect::<Option<_>>()?;
+        let kept: Vec<Score> = kept.map(|(score, _)| *score).collect::<Option<_>>()?;
         mean_of(&together(kept.iter()).errors(varying(kind.recordings.iter(), Laid::SideBySide))?)
     }
 
@@ -351,21 +353,25 @@ impl Dealt<'_> {
         let recordings = kinds[0].recordings;
         let both = [Laid::SideBySide, Laid::Overlapping].map(|laid| {
             let std = varying(recordings.iter(), laid);
-            let [mean, second] = [&kinds[..], &kinds[1..]].map(|own| self.laid(own, laid));
+            let [mean, second] = [&kinds[..], &kinds[1..]].map(|members| self.laid(members, laid));
             (whole_of(&mean, std), whole_of(&second, std), mean, std)
         });
         let [(errors, alone, mean, std), (overlapping, alone_overlapping, ..)] = both;
-        for (own, (score, recording)) in nested.recordings.iter_mut().zip(mean.iter().zip(recordings)) {
+        for (nested_recording, (score, recording)) in
+            nested.recordings.iter_mut().zip(mean.iter().zip(recordings))
+        {
             let varied = || varying(std::iter::once(recording), Laid::SideBySide);
-            own.average = score.and_then(|score| score.errors(varied()));
-            own.average_norm = score.and_then(|score| score.norm(std));
+            nested_recording.average = score.and_then(|score| score.errors(varied()));
+            nested_recording.average_norm = score.and_then(|score| score.norm(std));
         }
-        let scored = nested.recordings.iter().zip(recordings).filter(|(_, own)| own.windows() > 0);
+        let scored =
+            nested.recordings.iter().zip(recordings).filter(|(_, recording)| recording.windows() > 0);
         let norms = |of: fn(&NestedRecording) -> Option<f64>| {
-            let pairs = scored.clone().map(|(own, _)| [own.average_norm, of(own)]);
+            let pairs = scored.clone().map(|(recording, _)| [recording.average_norm, of(recording)]);
             Margin::of(&pairs.collect::<Vec<_>>())
         };
-        let (over_search, over_base) = (norms(|own| own.search_norm), norms(|own| own.base_norm));
+        let (over_search, over_base) =
+            (norms(|recording| recording.search_norm), norms(|other| other.base_norm));
         nested.average = Some(NestedAverage {
             errors,
             overlapping,

@@ -74,15 +74,16 @@ fn meant(symbolic: &[Factor], roles: &Roles) -> Vec<Vec<Factor>> {
     let before = all[0].len();
     for factor in &rest {
         let channels = roles.playing(factor.variable);
-        let with = |own: &Vec<Factor>, variable: usize| {
+        let with = |taken: &Vec<Factor>, variable: usize| {
             // All factors of one symbol are one channel.
-            let other =
-                |(by, own): (&Factor, &Factor)| by.variable == factor.variable && own.variable != variable;
+            let other = |(by, taken): (&Factor, &Factor)| {
+                by.variable == factor.variable && taken.variable != variable
+            };
             let more = Factor { variable, modulus: factor.modulus };
-            let same = !rest.iter().zip(&own[before..]).any(other);
-            same.then(|| own.iter().copied().chain([more]).collect::<Vec<_>>())
+            let same = !rest.iter().zip(&taken[before..]).any(other);
+            same.then(|| taken.iter().copied().chain([more]).collect::<Vec<_>>())
         };
-        all = all.iter().flat_map(|own| channels.iter().filter_map(|v| with(own, *v))).collect();
+        all = all.iter().flat_map(|factors| channels.iter().filter_map(|v| with(factors, *v))).collect();
     }
     all
 }
@@ -125,8 +126,8 @@ impl<'a> Made<'a> {
 
     /// The index of the channel that is computed by `formula`: the model's own, or a new one with this name.
     pub fn channel(&mut self, mut name: String, unit: String, formula: String) -> usize {
-        let own = Formula::parse(&formula).ok();
-        if let Some(known) = self.model.derived.iter().find(|known| Some(&known.formula) == own.as_ref()) {
+        let parsed = Formula::parse(&formula).ok();
+        if let Some(known) = self.model.derived.iter().find(|known| Some(&known.formula) == parsed.as_ref()) {
             return known.variable;
         }
         while self.model.variables.iter().any(|taken| taken.name == name) {
@@ -138,8 +139,9 @@ impl<'a> Made<'a> {
 
     /// Whether the model computes `formula` up to a factor.
     pub fn computes(&self, formula: &str) -> bool {
-        let own = Formula::parse(formula);
-        own.is_ok_and(|own| self.model.derived.iter().any(|known| known.formula.is_multiple_of(&own)))
+        let parsed = Formula::parse(formula);
+        parsed
+            .is_ok_and(|wanted| self.model.derived.iter().any(|known| known.formula.is_multiple_of(&wanted)))
     }
 }
 
@@ -223,13 +225,13 @@ pub fn core(model: &Model, roles: &Roles, reversing: &[usize]) -> Result<(Model,
     }
     let name = |variable: &usize| model.variables[*variable].name.as_str();
     let with = |first: &[&str], more: Vec<String>| {
-        first.iter().map(|&own| own.to_owned()).chain(more).collect::<Vec<_>>()
+        first.iter().map(|&term| term.to_owned()).chain(more).collect::<Vec<_>>()
     };
     let speeds = roles.propellers.iter().map(|n| format!("{0} |{0}|", name(n)));
     // Inputs of which nothing is known may drive.
     let inputs = 3..3 + model.inputs;
-    let thrusts = roles.thrusts.iter().chain(roles.even.iter().filter(|own| inputs.contains(own)));
-    let thrusts = thrusts.map(|own| name(own).to_owned());
+    let thrusts = roles.thrusts.iter().chain(roles.even.iter().filter(|channel| inputs.contains(channel)));
+    let thrusts = thrusts.map(|channel| name(channel).to_owned());
     let rudders = roles.rudders.iter().map(|rudder| format!("u^2 {}", name(rudder)));
     let differences = roles.differences.iter().map(|difference| name(difference).to_owned());
     let surge = with(&["u", "u |u|"], speeds.chain(thrusts).collect());
@@ -243,12 +245,13 @@ pub fn core(model: &Model, roles: &Roles, reversing: &[usize]) -> Result<(Model,
 fn with_astern(model: &Model, mut roles: Roles, reversing: &[usize]) -> Result<(Model, Roles), Invalid> {
     let single: Vec<usize> =
         roles.propellers.iter().copied().filter(|propeller| reversing.contains(propeller)).collect();
-    let apart = roles.ahead.iter().any(|own| !roles.propellers.contains(own)) || !roles.astern.is_empty();
+    let apart =
+        roles.ahead.iter().any(|channel| !roles.propellers.contains(channel)) || !roles.astern.is_empty();
     if single.is_empty() || apart {
         return Ok((model.clone(), roles));
     }
     let mut made = Made::new(model);
-    roles.ahead.retain(|own| !single.contains(own));
+    roles.ahead.retain(|channel| !single.contains(channel));
     for propeller in single {
         let (name, unit) = (&model.variables[propeller].name, &model.variables[propeller].unit);
         let mut of = |what: &str, part: &str| {

@@ -213,8 +213,8 @@ fn scored(
 
 /// All of `scores` together.
 fn together<'s>(scores: impl Iterator<Item = &'s Score>) -> Score {
-    scores.fold(Score::default(), |mut all, own| {
-        all.merge(own);
+    scores.fold(Score::default(), |mut all, score| {
+        all.merge(score);
         all
     })
 }
@@ -260,13 +260,13 @@ pub(crate) fn squares_of_mean(
     let mut within = vec![true; windows.len()];
     let mut mean = MeanTrajectory::default();
     for (model, theta) in models {
-        let own = states(model, theta, &runs);
-        let found = errors(&own, &runs, limit);
-        within.iter_mut().zip(found).for_each(|(within, own)| *within &= own.is_some());
-        mean.add(&own);
+        let simulated = states(model, theta, &runs);
+        let found = errors(&simulated, &runs, limit);
+        within.iter_mut().zip(found).for_each(|(within, squares)| *within &= squares.is_some());
+        mean.add(&simulated);
     }
     let found = errors(mean.mean(), &runs, limit);
-    found.into_iter().zip(within).map(|(own, within)| own.filter(|_| within)).collect()
+    found.into_iter().zip(within).map(|(squares, within)| squares.filter(|_| within)).collect()
 }
 
 fn states(model: &Model, theta: &[Lane], runs: &SideBySide) -> Vec<Lane> {

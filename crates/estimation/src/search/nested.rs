@@ -90,7 +90,7 @@ impl Choice {
 
     fn highest(&self) -> Option<(usize, f64)> {
         let scores = self.candidates.iter().enumerate().filter_map(|(i, c)| Some((i, c.score?)));
-        scores.reduce(|best, own| if own.1 > best.1 { own } else { best })
+        scores.reduce(|best, candidate| if candidate.1 > best.1 { candidate } else { best })
     }
 
     fn add(&mut self, candidate: Candidate) {
@@ -121,7 +121,7 @@ impl<'a> Study<'a> {
 
     /// The recordings of `fold`.
     pub fn within(&self, fold: usize) -> Vec<&'a Recording> {
-        self.picked(|own| own == fold)
+        self.picked(|other| other == fold)
     }
 
     /// The folds except the one at `without`.
@@ -170,9 +170,9 @@ impl<'a> Study<'a> {
 
     /// Indices in the library of the base structure's parameters.
     pub fn base_places(&self) -> Vec<usize> {
-        let (own, all) = (self.base.layout(), self.library.layout());
+        let (base_layout, all) = (self.base.layout(), self.library.layout());
         let intercept = |d: usize| all.terms(d).end..all.degree(d).end;
-        let places = |d: usize| (all.degree(d).start..).take(own.terms(d).len()).chain(intercept(d));
+        let places = |d: usize| (all.degree(d).start..).take(base_layout.terms(d).len()).chain(intercept(d));
         (0..3).flat_map(places).collect()
     }
 
@@ -241,7 +241,7 @@ impl<'a> Study<'a> {
             let mut set = [without, &[fold]].concat();
             set.sort_unstable();
             match self.followed(&paths[&set], fold) {
-                Some(own) => all.extend(own),
+                Some(followed) => all.extend(followed),
                 None => rejected += 1,
             }
         }
@@ -259,8 +259,8 @@ impl<'a> Study<'a> {
     fn followed(&self, path: &RidgePath, fold: usize) -> Option<Vec<Score>> {
         let (theta, recordings) = (path.last_theta()?, self.within(fold));
         let over = |laid| {
-            let own = scores(self.library, theta, &recordings, laid, path.limit);
-            Some(own).filter(|own| own.iter().all(|score| score.diverged == 0))
+            let followed = scores(self.library, theta, &recordings, laid, path.limit);
+            Some(followed).filter(|scores| scores.iter().all(|score| score.diverged == 0))
         };
         if self.whole_runs {
             over(Laid::SideBySide)?;
@@ -290,10 +290,10 @@ impl RidgePath<'_> {
 
 /// θ of `base` as θ of `library`, whose other terms are 0.
 pub(crate) fn widened(base: &Model, library: &Model, theta: &[f64]) -> Vec<f64> {
-    let (own, all) = (base.layout(), library.layout());
-    let (mut out, intercepts) = (vec![0.0; all.parameters()], own.intercepts(theta));
+    let (base_layout, all) = (base.layout(), library.layout());
+    let (mut out, intercepts) = (vec![0.0; all.parameters()], base_layout.intercepts(theta));
     for d in 0..3 {
-        let terms = &theta[own.terms(d)];
+        let terms = &theta[base_layout.terms(d)];
         out[all.terms(d)][..terms.len()].copy_from_slice(terms);
         out[all.terms(d).end..all.degree(d).end].fill(intercepts[d]);
     }
@@ -364,8 +364,8 @@ fn stepped(problem: &Problem, beta: &[f64], slopes: &Slopes, [ridge, damping]: [
     let mut matrix = slopes.curvature.clone();
     let mut step: Vec<f64> = (0..p).map(|i| slopes.descent[i] - ridge * beta[i]).collect();
     for i in 0..p {
-        let own = &mut matrix[i * p + i];
-        *own = if *own > 0.0 { (1.0 + damping) * *own + ridge } else { 1.0 };
+        let pivot = &mut matrix[i * p + i];
+        *pivot = if *pivot > 0.0 { (1.0 + damping) * *pivot + ridge } else { 1.0 };
     }
     let bounds: BTreeMap<usize, [f64; 2]> = problem.bounded().collect();
     let whole = (!bounds.is_empty()).then(|| (matrix.clone(), step.clone()));
@@ -391,9 +391,9 @@ fn limited(
     let equations = Equations { a: matrix, b: right, bounds: &left };
     let solve = |free: &[usize], mut right: Vec<f64>| {
         let n = free.len();
-        let mut own: Vec<f64> = (0..n * n).map(|k| matrix[free[k / n] * p + free[k % n]]).collect();
+        let mut block: Vec<f64> = (0..n * n).map(|k| matrix[free[k / n] * p + free[k % n]]).collect();
         let mut inverse = vec![0.0; n * n];
-        numerics::inverse(n, &mut own, &mut inverse).ok_or(0_usize)?;
+        numerics::inverse(n, &mut block, &mut inverse).ok_or(0_usize)?;
         right = numerics::times(&inverse, &right);
         Ok((right, inverse))
     };

@@ -81,8 +81,8 @@ impl<'a> Problem<'a> {
 
     /// The same errors over some `recordings` alone.
     pub fn only(&self, recordings: &[&'a Recording]) -> Self {
-        let own = Self::new(self.model, recordings, 1.0);
-        Self { sizes: self.sizes.clone(), std: self.std, limit: self.limit, thin: self.thin, ..own }
+        let errors = Self::new(self.model, recordings, 1.0);
+        Self { sizes: self.sizes.clone(), std: self.std, limit: self.limit, thin: self.thin, ..errors }
     }
 
     /// The same errors as a function of parameters scaled by their effect: at `theta` the curvature along each of
@@ -95,9 +95,9 @@ impl<'a> Problem<'a> {
         };
         let p = self.sizes.len();
         for (i, size) in self.sizes.iter_mut().enumerate() {
-            let own = slopes.curvature[i * p + i].sqrt();
+            let effect = slopes.curvature[i * p + i].sqrt();
             let held = if known[i] { KNOWN } else { 1.0 };
-            *size = if own > 0.0 { *size / (own * held) } else { 0.0 };
+            *size = if effect > 0.0 { *size / (effect * held) } else { 0.0 };
         }
         self
     }
@@ -189,9 +189,9 @@ impl<'a> Problem<'a> {
         let chunks: Vec<_> = groups.chunks(groups.len().div_ceil(CHUNKS).max(1)).collect();
         let parts: Vec<_> = chunks.par_iter().map(|groups| self.chunk_sums(&theta, groups)).collect();
         let (mut curvature, mut descent) = (vec![0.0; p * p], vec![0.0; p]);
-        for (own, slope) in parts {
-            curvature.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
-            descent.iter_mut().zip(slope).for_each(|(sum, own)| *sum += total(own));
+        for (products, slope) in parts {
+            curvature.iter_mut().zip(products).for_each(|(sum, entry)| *sum += entry);
+            descent.iter_mut().zip(slope).for_each(|(sum, entry)| *sum += total(entry));
         }
         for i in 0..p {
             let size = self.sizes[i] / self.residuals;
@@ -352,10 +352,10 @@ impl WithSimd for Multiply<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let signal = |i: usize| S::as_simd_f64s(&self.rows[i * ROWS * LANES..(i + 1) * ROWS * LANES]).0;
         for i in (0..self.columns).step_by(TILE) {
-            let own = [signal(i), signal(i + 1), signal(i + 2), signal(i + 3)];
+            let signals = [signal(i), signal(i + 1), signal(i + 2), signal(i + 3)];
             for j in (i..self.columns).step_by(TILE) {
                 let others = [signal(j), signal(j + 1), signal(j + 2), signal(j + 3)];
-                let tile = tile(simd, own, others);
+                let tile = tile(simd, signals, others);
                 for (a, row) in tile.iter().enumerate() {
                     for (b, sum) in row.iter().enumerate() {
                         self.sums[(i + a) * self.columns + j + b] += sum;
@@ -369,17 +369,17 @@ impl WithSimd for Multiply<'_> {
 /// Products of four signals with four. Every lane has its own sum regardless of the width of the processor's vectors,
 /// so that the bits are the same everywhere.
 #[inline(always)]
-fn tile<S: Simd>(simd: S, own: [&[S::f64s]; TILE], others: [&[S::f64s]; TILE]) -> [[f64; TILE]; TILE] {
-    let vectors = own[0].len() / ROWS;
+fn tile<S: Simd>(simd: S, signals: [&[S::f64s]; TILE], others: [&[S::f64s]; TILE]) -> [[f64; TILE]; TILE] {
+    let vectors = signals[0].len() / ROWS;
     let mut tile = [[0.0; TILE]; TILE];
     for vector in 0..vectors {
         let mut sums = [[simd.splat_f64s(0.0); TILE]; TILE];
         for row in 0..ROWS {
             let at = row * vectors + vector;
             let others = [others[0][at], others[1][at], others[2][at], others[3][at]];
-            for (sums, own) in sums.iter_mut().zip(own) {
+            for (sums, signal) in sums.iter_mut().zip(signals) {
                 for (sum, other) in sums.iter_mut().zip(others) {
-                    *sum = simd.add_f64s(*sum, simd.mul_f64s(own[at], other));
+                    *sum = simd.add_f64s(*sum, simd.mul_f64s(signal[at], other));
                 }
             }
         }

@@ -76,7 +76,7 @@ impl Roles {
         let names = || model.variables.iter().skip(3).map(|v| v.name.as_str());
         let place = |name: &String| {
             let unknown = || Invalid::unknown(format!("channel `{name}`"), name, names());
-            names().position(|own| own == name).map(|i| i + 3).ok_or_else(unknown)
+            names().position(|known| known == name).map(|i| i + 3).ok_or_else(unknown)
         };
         let all = |list: &[String]| list.iter().map(place).collect::<Result<Vec<_>, _>>();
         let one = |name: &Option<String>| name.as_ref().map(place).transpose();
@@ -146,7 +146,7 @@ impl Roles {
             (3..3 + model.inputs).filter(|i| thruster(i) && !self.all().contains(i)).collect();
         for (i, port) in free.iter().enumerate() {
             let other = |starboard: &usize| {
-                let taken = |variable: &usize| self.pairs.iter().flatten().any(|own| own == variable);
+                let taken = |variable: &usize| self.pairs.iter().flatten().any(|paired| paired == variable);
                 model.variables[*port].unit == model.variables[*starboard].unit
                     && !taken(port)
                     && !taken(starboard)

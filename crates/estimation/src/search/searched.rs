@@ -40,8 +40,8 @@ pub struct SearchOptions {
 impl SearchOptions {
     /// Maximum number of fits of a search.
     pub fn fits(&self) -> usize {
-        let each = 1 + self.average.map_or(0, |own| own.models as usize);
-        let resamples = self.bootstrap.map_or(0, |own| own.resamples as usize);
+        let each = 1 + self.average.map_or(0, |average| average.models as usize);
+        let resamples = self.bootstrap.map_or(0, |bootstrap| bootstrap.resamples as usize);
         resamples + self.folds * (self.folds + 1) / 2 * self.ridges.len() + each * (self.folds + 1)
     }
 
@@ -190,9 +190,10 @@ pub fn search(
         Some(wanted) => Some(setting.resampled(wanted, done).ok_or(SearchError::NoResample)?),
         None => None,
     };
-    let nested_score = setting.judged(&found.by_folds, averages.as_ref().map(|own| own.by_folds.as_slice()));
+    let nested_score =
+        setting.judged(&found.by_folds, averages.as_ref().map(|averages| averages.by_folds.as_slice()));
     let ship = |fitted: &Fitted| FittedShip { model: fitted.model.clone(), theta: fitted.theta.clone() };
-    let without = found.by_folds.iter().map(|own| own.model.as_ref().map(ship)).collect();
+    let without = found.by_folds.iter().map(|judged| judged.model.as_ref().map(ship)).collect();
     let candidates = nested.all.candidates;
     let mut statements =
         self::statements(&candidates, chosen, score, &found.sizes, &found.all, &nested_score);
@@ -218,7 +219,7 @@ pub fn search(
         model: structure,
         resampled,
         combined,
-        average: averages.map(|own| own.delivered(&recordings, &parts)),
+        average: averages.map(|several| several.delivered(&recordings, &parts)),
         without,
     })
 }
@@ -258,8 +259,9 @@ impl Study<'_> {
                 theta.map_or(Vec::new(), |theta| scores(self.library, theta, &recordings, laid, path.limit))
             };
             let [windows, scored] = [Laid::Choosing, Laid::SideBySide].map(over);
-            let diverges =
-                |i: &usize| [&windows, &scored].iter().any(|own| own.get(*i).is_some_and(|s| s.diverged > 0));
+            let diverges = |i: &usize| {
+                [&windows, &scored].iter().any(|scores| scores.get(*i).is_some_and(|s| s.diverged > 0))
+            };
             (0..recordings.len()).filter(diverges).map(|i| recordings[i].name.clone()).collect::<Vec<_>>()
         };
         self.all_folds().flat_map(of).collect()
@@ -322,9 +324,10 @@ fn errors(resampled: Option<&Resampled>, found: &Fitted) -> String {
         return "held back by a ridge; predictions have bands, parameters have no errors".to_owned();
     };
     let named = found.model.parameter_names().filter_map(|name| Some((name, parameters.get(name)?)));
-    let intervals = named.map(|(name, own)| {
-        let times = if own.chosen < *searches { format!(", in {}", own.chosen) } else { String::new() };
-        format!("`{name}` {:.3e} to {:.3e}{times}", own.low, own.high)
+    let intervals = named.map(|(name, resampled)| {
+        let times =
+            if resampled.chosen < *searches { format!(", in {}", resampled.chosen) } else { String::new() };
+        format!("`{name}` {:.3e} to {:.3e}{times}", resampled.low, resampled.high)
     });
     let none = if *failed > 0 { format!(" ({failed} more found no model)") } else { String::new() };
     let all = intervals.collect::<Vec<_>>().join("; ");
@@ -370,15 +373,15 @@ fn statements(
 /// How the whole search and the base structure follow recordings that were left out, in words.
 pub fn left_out(nested: &NestedScore) -> Vec<String> {
     let mut out = vec![match (&nested.search, &nested.base) {
-        (Some(own), Some(base)) => format!(
+        (Some(search), Some(base)) => format!(
             "the whole search with recordings left out: fit {}; the base structure: fit {}",
-            fits(own),
+            fits(search),
             fits(base)
         ),
-        (Some(own), None) => {
+        (Some(search), None) => {
             format!(
                 "the whole search with recordings left out: fit {}; the base structure diverges",
-                fits(own)
+                fits(search)
             )
         }
         (None, _) => format!(
@@ -386,10 +389,10 @@ pub fn left_out(nested: &NestedScore) -> Vec<String> {
             nested.diverged
         ),
     }];
-    if let (Some(own), Some(base)) = (&nested.search_overlapping, &nested.base_overlapping) {
+    if let (Some(search), Some(base)) = (&nested.search_overlapping, &nested.base_overlapping) {
         out.push(format!(
             "the same over windows that begin at every quarter of one: fit {}; the base structure: fit {}",
-            fits(own),
+            fits(search),
             fits(base)
         ));
     }
@@ -414,8 +417,8 @@ fn combined_in_words(names: &[String]) -> Option<String> {
 /// Names the parameters at a bound.
 fn at_bounds(found: &Fitted) -> Option<String> {
     let bounds = found.model.bounds()?;
-    let own = found.model.parameter_names().zip(&found.theta).zip(bounds);
-    let held: Vec<String> = own
+    let parameters = found.model.parameter_names().zip(&found.theta).zip(bounds);
+    let held: Vec<String> = parameters
         .filter(|((_, theta), ends)| ends.contains(theta))
         .map(|((name, _), _)| format!("`{name}`"))
         .collect();
@@ -430,11 +433,11 @@ const CONTRADICTS: f64 = 4.0;
 /// Names the recordings that contradict the others: models of the others are useless for them, or diverge, but fit
 /// each other.
 fn contradicting(nested: &NestedScore) -> Option<String> {
-    let norms: Vec<f64> = nested.recordings.iter().filter_map(|own| own.search_norm).collect();
+    let norms: Vec<f64> = nested.recordings.iter().filter_map(|recording| recording.search_norm).collect();
     let usual = median(norms)?;
-    let beyond = |own: &&NestedRecording| match own.search_norm {
+    let beyond = |recording: &&NestedRecording| match recording.search_norm {
         Some(norm) => norm > USELESS && norm > CONTRADICTS * usual,
-        None => own.search_diverged > 0,
+        None => recording.search_diverged > 0,
     };
     let named = nested.recordings.iter().filter(beyond).map(|recording| match recording.search_norm {
         Some(norm) => format!("`{}` by an error norm of {norm:.2}", recording.source),
@@ -453,7 +456,7 @@ fn contradicting(nested: &NestedScore) -> Option<String> {
 /// The gain of averaging on recordings that were left out.
 pub fn averaged(found: &NestedAverage) -> Vec<String> {
     let mut out = vec![match &found.errors {
-        Some(own) => format!("the average with recordings left out: fit {}", fits(own)),
+        Some(errors) => format!("the average with recordings left out: fit {}", fits(errors)),
         None => format!(
             "the average is not validated: without some fold a model is missing, or diverges ({} windows) on what was left out",
             found.diverged

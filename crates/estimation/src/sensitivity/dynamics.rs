@@ -179,13 +179,13 @@ impl<X: Unknowns, const N: usize> Motion<X, N> {
     #[inline(always)]
     pub(crate) fn forward(&self, local: &Local<X>, s: &[Lane; N]) -> [Lane; N] {
         let mut out = *s;
-        let mut own = [s[0], s[1], s[2]];
+        let mut vessel = [s[0], s[1], s[2]];
         if drift(N) {
-            (0..3).for_each(|d| own[d] = s[d] - s[N - 3 + d]);
+            (0..3).for_each(|d| vessel[d] = s[d] - s[N - 3 + d]);
         }
-        let (x, y) = if current(N) { (s[0] - s[3], s[1] - s[4]) } else { (own[0], own[1]) };
+        let (x, y) = if current(N) { (s[0] - s[3], s[1] - s[4]) } else { (vessel[0], vessel[1]) };
         for (d, slope) in local.slopes.iter().enumerate() {
-            let by_r = slope[2].lane().fused(own[2], own[d]);
+            let by_r = slope[2].lane().fused(vessel[2], vessel[d]);
             out[d] = slope[0].lane().fused(x, slope[1].lane().fused(y, by_r));
             if force(N) {
                 out[d] += s[N - 3 + d];
@@ -354,10 +354,10 @@ impl NoiseModel {
         };
         let over = |factor: f64| format!("{:.3} s", -interval_s / libm::log(factor));
         let three = |std: [f64; 3]| format!("{:.2e}, {:.2e} m/s and {:.2e} rad/s", std[0], std[1], std[2]);
-        let force = self.gusts().map_or(String::new(), |own| {
-            let [a, b, c] = own.factor.map(over);
+        let force = self.gusts().map_or(String::new(), |force| {
+            let [a, b, c] = force.factor.map(over);
             let times = if a == b && b == c { a } else { format!("{a}, {b} and {c}") };
-            format!(", forces that add {} in a sample and drift over {times}", three(own.std))
+            format!(", forces that add {} in a sample and drift over {times}", three(force.std))
         });
         let drift = self.drift.map_or(String::new(), |drift| {
             format!(", sensors that drift by {} over {}", three(drift.std), over(drift.factor))

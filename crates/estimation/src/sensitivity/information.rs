@@ -77,17 +77,19 @@ pub fn output_informations(
     let mut found = Vec::with_capacity(runs.len());
     let mut path = Sensitivities::default();
     for group in lanes::groups(&samples) {
-        let (own, samples) = (&runs[group.clone()], samples[group.start]);
-        let parameters: Vec<Vec<f64>> = own.iter().map(|run| layout.woven(run.theta, [0.0; 3])).collect();
+        let (group_runs, samples) = (&runs[group.clone()], samples[group.start]);
+        let parameters: Vec<Vec<f64>> =
+            group_runs.iter().map(|run| layout.woven(run.theta, [0.0; 3])).collect();
         let parameters = lanes::interleave(&parameters.iter().map(Vec::as_slice).collect::<Vec<_>>());
-        let rows: Vec<&[f64]> = own.iter().map(|run| run.exogenous).collect();
+        let rows: Vec<&[f64]> = group_runs.iter().map(|run| run.exogenous).collect();
         let exogenous = lanes::interleave(&rows);
-        let initial = [0, 1, 2].map(|d: usize| lanes::lane(own.len(), |run| own[run].initial[d]));
+        let initial =
+            [0, 1, 2].map(|d: usize| lanes::lane(group_runs.len(), |run| group_runs[run].initial[d]));
         let samples_of = [samples; LANES];
         let run =
             Recordings { model: &model, measured: &[], exogenous: &exogenous, initial, samples: samples_of };
         let sums = RunInformation::by(&run, &parameters, noise, path, |_| ());
-        found.extend((0..own.len()).map(|lane| sums.mean(samples, |entry| entry[lane])));
+        found.extend((0..group_runs.len()).map(|lane| sums.mean(samples, |entry| entry[lane])));
         path = sums.path;
     }
     found
@@ -217,5 +219,5 @@ fn followed<X: Unknowns, const W: usize>(
             }
         },
     );
-    squares.map(|own| own.finish().square())
+    squares.map(|products| products.finish().square())
 }

@@ -116,8 +116,8 @@ pub(crate) fn groups(
 ) -> impl Iterator<Item = (Vec<usize>, SideBySide)> {
     let groups = of_one_length(all, chosen, LANES);
     groups.into_iter().map(|group| {
-        let own: Vec<RunView> = group.iter().map(|run| all[*run]).collect();
-        (group, SideBySide::of(&own))
+        let views: Vec<RunView> = group.iter().map(|run| all[*run]).collect();
+        (group, SideBySide::of(&views))
     })
 }
 
@@ -146,8 +146,8 @@ impl Unknowns for Lane {
     #[inline(always)]
     fn by_lane(of: impl Fn(usize) -> f64) -> Self {
         let mut lanes = Self::ZERO;
-        for (lane, own) in lanes.0.iter_mut().enumerate() {
-            *own = of(lane);
+        for (lane, entry) in lanes.0.iter_mut().enumerate() {
+            *entry = of(lane);
         }
         lanes
     }

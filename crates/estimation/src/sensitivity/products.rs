@@ -65,14 +65,14 @@ impl<X: Unknowns> Products<X> {
         let mut rest = &mut self.sums.rows[..];
         for i in 0..self.signals {
             let others = &self.columns[i / X::PER_COLUMN..];
-            let own = &others[0];
+            let block = &others[0];
             let (row, after) = std::mem::take(&mut rest).split_at_mut(others.len());
             rest = after;
             accumulate(
                 others,
                 row,
                 #[inline(always)]
-                |t, other, sum| X::of_column(own[t], i).lane().fused(other, sum),
+                |t, other, sum| X::of_column(block[t], i).lane().fused(other, sum),
             );
         }
     }
@@ -109,14 +109,14 @@ fn add_sums<const C: usize>(
     sums: &mut [Lane; C],
     f: impl Fn(usize, Lane, Lane) -> Lane,
 ) {
-    let mut own = [Lane::ZERO; C];
+    let mut block_sums = [Lane::ZERO; C];
     for t in 0..BLOCK {
         for i in 0..C {
-            own[i] = f(t, blocks[i][t], own[i]);
+            block_sums[i] = f(t, blocks[i][t], block_sums[i]);
         }
     }
     for i in 0..C {
-        sums[i] += own[i];
+        sums[i] += block_sums[i];
     }
 }
 
@@ -178,14 +178,14 @@ fn add_rows<S: Simd, const THEMSELVES: bool, const FROM: usize, const ROWS: usiz
     other: &[Block<Lane>; TILE],
     part: usize,
 ) {
-    let mut own = [[simd.splat_f64s(0.0); TILE]; ROWS];
+    let mut sums = [[simd.splat_f64s(0.0); TILE]; ROWS];
     for t in 0..BLOCK {
         for i in 0..ROWS {
             let factor = S::as_simd_f64s(&one[FROM + i][t].0).0[part];
             for j in 0..TILE {
                 if !THEMSELVES || FROM + i <= j {
                     let other = S::as_simd_f64s(&other[j][t].0).0[part];
-                    own[i][j] = simd.mul_add_f64s(factor, other, own[i][j]);
+                    sums[i][j] = simd.mul_add_f64s(factor, other, sums[i][j]);
                 }
             }
         }
@@ -194,7 +194,7 @@ fn add_rows<S: Simd, const THEMSELVES: bool, const FROM: usize, const ROWS: usiz
         for j in 0..TILE {
             if !THEMSELVES || FROM + i <= j {
                 let sum = &mut S::as_mut_simd_f64s(&mut tile[FROM + i][j].0).0[part];
-                *sum = simd.add_f64s(*sum, own[i][j]);
+                *sum = simd.add_f64s(*sum, sums[i][j]);
             }
         }
     }
@@ -236,12 +236,12 @@ impl<X: Unknowns> Sums<X> {
         let n = self.signals;
         let mut square = vec![X::ZERO; n * n];
         for i in 0..n {
-            let (own, block) = (self.row(i), i / TILE);
+            let (first_row, block) = (self.row(i), i / TILE);
             let tiles: usize = (0..block).map(|before| n.div_ceil(TILE) - before).sum();
             for j in i..n {
                 let sum = match X::PER_COLUMN {
                     1 => self.tiles[tiles + j / TILE - block][i % TILE][j % TILE],
-                    several => self.rows[own + j / several - i / several],
+                    several => self.rows[first_row + j / several - i / several],
                 };
                 square[i * n + j] = X::of_column(sum, j);
                 square[j * n + i] = square[i * n + j];
@@ -286,19 +286,19 @@ impl<const N: usize> WithSimd for Backward<'_, N> {
                 }
             }
             for (adjoint, s) in adjoints.iter_mut().zip(sensitivities) {
-                let mut own = [zero; 3];
+                let mut entries = [zero; 3];
                 for d in 0..3 {
-                    own[d] = part::<S>(&adjoint[d], at);
+                    entries[d] = part::<S>(&adjoint[d], at);
                 }
-                let after = own;
+                let after = entries;
                 for i in 0..3 {
                     if slopes.is_some() {
                         let by_yaw = simd.mul_add_f64s(by[2][i], after[2], after[i]);
                         let by_sway = simd.mul_add_f64s(by[1][i], after[1], by_yaw);
-                        own[i] = simd.mul_add_f64s(by[0][i], after[0], by_sway);
+                        entries[i] = simd.mul_add_f64s(by[0][i], after[0], by_sway);
                     }
-                    own[i] = simd.mul_add_f64s(weight[i], part::<S>(&s[i], at), own[i]);
-                    put::<S>(&mut adjoint[i], at, own[i]);
+                    entries[i] = simd.mul_add_f64s(weight[i], part::<S>(&s[i], at), entries[i]);
+                    put::<S>(&mut adjoint[i], at, entries[i]);
                 }
             }
         }

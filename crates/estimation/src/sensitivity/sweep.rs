@@ -252,7 +252,7 @@ fn backward_pass<X: Unknowns, const N: usize>(
             let local = dynamics.at(&z, recordings.exogenous(k));
             between(&local, &adjoints);
             if N == 3 {
-                slopes = Some(local.slopes.map(|own| own.map(X::lane)));
+                slopes = Some(local.slopes.map(|slope| slope.map(X::lane)));
             } else {
                 adjoints.iter_mut().for_each(|a| *a = dynamics.backward(&local, a));
             }
@@ -344,11 +344,11 @@ pub fn slopes(
     let dynamics = Dynamics::new(model, theta, None);
     let (squares, gradient) =
         numerics::vectorized!(narrow: there_and_back(dynamics, recordings, unknowns, first, weights, path));
-    let own = |lane: usize| Slopes {
+    let lane_slopes = |lane: usize| Slopes {
         squares: squares.map(|sum| sum[lane]),
         gradient: free.iter().map(|i| gradient[*i][lane]).collect(),
     };
-    (0..LANES).map(own).collect()
+    (0..LANES).map(lane_slopes).collect()
 }
 
 /// Squared errors and their gradient by every unknown, by a forward and a backward pass. Samples count from `first`
@@ -386,7 +386,7 @@ fn there_and_back(
         }
     }
     let by_lane: [[f64; 3]; LANES] = std::array::from_fn(|lane| weights(lane, squares.map(|sum| sum[lane])));
-    let weights = [0, 1, 2].map(|d: usize| Lane(by_lane.map(|own| own[d])));
+    let weights = [0, 1, 2].map(|d: usize| Lane(by_lane.map(|weights| weights[d])));
     let mut gradient = vec![Lane::ZERO; all + 3];
     let mut adjoint = [Lane::ZERO; 3];
     for (k, z) in path.iter().enumerate().rev() {

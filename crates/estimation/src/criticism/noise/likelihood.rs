@@ -36,9 +36,9 @@ impl Sums {
         samples: usize,
         levels: &NoiseModel<Lane>,
         known_start: bool,
-        own: Option<(&[f64], &mut Samples)>,
+        kept: Option<(&[f64], &mut Samples)>,
     ) {
-        numerics::vectorized!(narrow: go_along::<N>(self, layout, line, samples, levels, known_start, own));
+        numerics::vectorized!(narrow: go_along::<N>(self, layout, line, samples, levels, known_start, kept));
     }
 
     /// Twice the restricted log-likelihood up to a constant: −Σ log s − w⊥ᵀw⊥ − log|WᵀW|; and WᵀW, Wᵀw.
@@ -114,7 +114,7 @@ fn go_along<const N: usize>(
     samples: usize,
     levels: &NoiseModel<Lane>,
     known_start: bool,
-    mut own: Option<(&[f64], &mut Samples)>,
+    mut stored: Option<(&[f64], &mut Samples)>,
 ) {
     let motion = Motion::<Lane, N>::new(Some(levels));
     let noise = levels.measurement.map(|s| s * s);
@@ -142,7 +142,7 @@ fn go_along<const N: usize>(
             }
             let [a, b, c] = gain.scales();
             let own_scale = a * b * c;
-            if let Some((change, kept)) = &mut own {
+            if let Some((change, kept)) = &mut stored {
                 kept.push([own_scale, left(&white, change)]);
             }
             scale = scale * own_scale;
@@ -188,7 +188,7 @@ fn about<const N: usize>(motion: &Motion<Lane, N>, point: &Point) -> ([Lane; N],
             *next += slope[0] * point.current[0] + slope[1] * point.current[1];
         }
     }
-    let local = motion.local(&middle, point.slopes.map(|own| own.map(Lane::splat)));
+    let local = motion.local(&middle, point.slopes.map(|row| row.map(Lane::splat)));
     (middle, motion.next(&middle, next.map(Lane::splat), &local), local)
 }
 
@@ -196,9 +196,9 @@ fn about<const N: usize>(motion: &Motion<Lane, N>, point: &Point) -> ([Lane; N],
 #[inline(always)]
 fn left(white: &[[Lane; 3]], change: &[f64]) -> Lane {
     let mut rest = white[change.len()];
-    for (own, change) in white.iter().zip(change) {
+    for (column, change) in white.iter().zip(change) {
         for d in 0..3 {
-            rest[d] = rest[d] - own[d] * Lane::splat(*change);
+            rest[d] = rest[d] - column[d] * Lane::splat(*change);
         }
     }
     rest[0] * rest[0] + rest[1] * rest[1] + rest[2] * rest[2]
@@ -298,7 +298,7 @@ fn path<const N: usize>(
         known_start,
         #[inline(always)]
         |z| {
-            let current = current_of(z).map_or([0.0; 2], |own| own.map(|c| c[0]));
+            let current = current_of(z).map_or([0.0; 2], |current| current.map(|c| c[0]));
             path.push((vessel_state(z).map(|x| x[0]), current));
         },
     );

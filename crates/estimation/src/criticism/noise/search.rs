@@ -96,21 +96,21 @@ impl Search<'_> {
     }
 
     /// Sums of all runs under the levels of every lane.
-    pub fn sums(&self, guesses: &[Guess; LANES], mut own: Option<(&[f64], &mut Samples)>) -> Found {
+    pub fn sums(&self, guesses: &[Guess; LANES], mut stored: Option<(&[f64], &mut Samples)>) -> Found {
         let levels = side_by_side(guesses, self.rate_hz);
         let mut sums = Sums::new(self.layout.parameters());
         let known = self.known_start;
         for (line, samples) in &self.lines {
-            let own = own.as_mut().map(|(change, kept)| (*change, &mut **kept));
+            let store = stored.as_mut().map(|(change, kept)| (*change, &mut **kept));
             match guesses[0].kind {
-                NoiseKind::White => sums.add::<3>(self.layout, line, *samples, &levels, known, own),
-                NoiseKind::Current => sums.add::<5>(self.layout, line, *samples, &levels, known, own),
+                NoiseKind::White => sums.add::<3>(self.layout, line, *samples, &levels, known, store),
+                NoiseKind::Current => sums.add::<5>(self.layout, line, *samples, &levels, known, store),
                 NoiseKind::Forces | NoiseKind::ForcesEach => {
-                    sums.add::<6>(self.layout, line, *samples, &levels, known, own)
+                    sums.add::<6>(self.layout, line, *samples, &levels, known, store)
                 }
-                NoiseKind::Sensors => sums.add::<7>(self.layout, line, *samples, &levels, known, own),
+                NoiseKind::Sensors => sums.add::<7>(self.layout, line, *samples, &levels, known, store),
                 NoiseKind::ForcesAndCurrent => {
-                    sums.add::<8>(self.layout, line, *samples, &levels, known, own)
+                    sums.add::<8>(self.layout, line, *samples, &levels, known, store)
                 }
             }
         }
@@ -129,8 +129,8 @@ impl Search<'_> {
         let mut by_sample = vec![[0.0; MOST]; count];
         for first in (0..levels).step_by(AT_ONCE) {
             let guesses: [Guess; LANES] = std::array::from_fn(|lane| {
-                let own = |i: usize| if lane > 0 && i + 1 == first + lane { CHANGE } else { 0.0 };
-                at.changed(own, self.rate_hz, self.floor)
+                let changed = |i: usize| if lane > 0 && i + 1 == first + lane { CHANGE } else { 0.0 };
+                at.changed(changed, self.rate_hz, self.floor)
             });
             let mut samples = Vec::with_capacity(count);
             let sums = self.sums(&guesses, Some((change, &mut samples)));
@@ -205,8 +205,8 @@ impl Seen {
                 (0..3).for_each(|d| rough[d] += (row[2][d] - 2.0 * row[1][d] + row[0][d]).powi(2) / 6.0);
                 windows += 1.0;
             }
-            let own = line.errors();
-            (0..3).for_each(|d| errors[d] += own[d] * own[d] * line.points.len() as f64);
+            let rms = line.errors();
+            (0..3).for_each(|d| errors[d] += rms[d] * rms[d] * line.points.len() as f64);
             rows.iter().for_each(|row| (0..3).for_each(|d| motion[d] += row[d] * row[d]));
             samples += line.points.len() as f64;
         }
@@ -260,12 +260,12 @@ fn each<T: Copy>(noises: &[[f64; 3]], others: &[T], guess: impl Fn([f64; 3], T) 
 
 /// Starts of a kind that begins at others, which were found before it.
 pub(super) fn after(kind: NoiseKind, found: &[Guess]) -> Vec<Guess> {
-    let of = |kind: NoiseKind| found.iter().find(|own| own.kind == kind);
+    let of = |kind: NoiseKind| found.iter().find(|guess| guess.kind == kind);
     let forces = of(NoiseKind::Forces);
     let all = |guess: &Guess| (0..guess.kind.levels()).map(|i| guess.level(i)).collect::<Vec<f64>>();
     match (kind, forces, of(NoiseKind::Current)) {
         (NoiseKind::ForcesEach, Some(forces), _) => {
-            let own = all(forces);
+            let levels = all(forces);
             let shares = [
                 [1.0, 1.0, 1.0],
                 [3.0, 1.0, 1.0],
@@ -276,7 +276,9 @@ pub(super) fn after(kind: NoiseKind, found: &[Guess]) -> Vec<Guess> {
                 [1.0, 1.0, 0.3],
                 [0.3, 1.0, 3.0],
             ];
-            shares.map(|times| Guess::new(kind, &[&own[..6], &times.map(|t| t * own[6])].concat())).to_vec()
+            shares
+                .map(|times| Guess::new(kind, &[&levels[..6], &times.map(|t| t * levels[6])].concat()))
+                .to_vec()
         }
         (NoiseKind::ForcesAndCurrent, Some(forces), Some(current)) => {
             let (f, c) = (all(forces), all(current));
@@ -286,7 +288,7 @@ pub(super) fn after(kind: NoiseKind, found: &[Guess]) -> Vec<Guess> {
                 Guess::new(kind, &[&noise[..], &pushed, &[f[6], flow * c[3], c[4]]].concat())
             };
             let least = [0, 1, 2].map(noise);
-            let [of_f, of_c] = [&f, &c].map(|own| [own[0], own[1], own[2]]);
+            let [of_f, of_c] = [&f, &c].map(|level| [level[0], level[1], level[2]]);
             [
                 mixed(1.0, 1.0, least),
                 mixed(0.7, 0.7, least),

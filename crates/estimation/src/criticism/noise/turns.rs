@@ -87,14 +87,14 @@ impl<'a> Turns<'a> {
         let mut state = State { theta: theta.to_vec(), lines, found, best };
         for turn in 0..TURNS {
             if turn > 0 && COMPARED.contains(&turn) {
-                let before: Kinds = state.found.iter().map(|own| (own.guess, value(own))).collect();
+                let before: Kinds = state.found.iter().map(|best| (best.guess, value(best))).collect();
                 (state.found, state.best) = self.compared(&state.lines, &before)?;
             } else if turn > 0 {
                 let search = self.search(&state.lines, (ENOUGH, RISE));
                 let again = search.climb(state.best.guess, AGAIN)?;
                 let kind = again.guess.kind;
-                state.found.iter_mut().filter(|own| own.guess.kind == kind).for_each(|own| {
-                    *own = again.clone();
+                state.found.iter_mut().filter(|best| best.guess.kind == kind).for_each(|best| {
+                    *best = again.clone();
                 });
                 state.best = again;
             }
@@ -152,14 +152,14 @@ impl<'a> Turns<'a> {
         };
         let each = |kind: &NoiseKind| begun(kind, seen.starts(*kind, self.rate_hz));
         let mut found: Vec<Best> = first.par_iter().filter_map(each).collect();
-        let mut simple: Vec<Guess> = found.iter().map(|own| own.guess).collect();
+        let mut simple: Vec<Guess> = found.iter().map(|best| best.guess).collect();
         simple.extend(before.iter().map(|(guess, _)| *guess).filter(|guess| far(guess.kind)));
         let each = |kind: &NoiseKind| begun(kind, after(*kind, &simple));
         found.extend(later.par_iter().filter_map(each).collect::<Vec<_>>());
         let best = found.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?.clone();
-        found.extend(before.iter().filter(|(guess, _)| far(guess.kind)).map(|(guess, own)| Best {
+        found.extend(before.iter().filter(|(guess, _)| far(guess.kind)).map(|(guess, likelihood)| Best {
             guess: *guess,
-            likelihood: best.likelihood - cost(&best.guess) + cost(guess) + own - highest,
+            likelihood: best.likelihood - cost(&best.guess) + cost(guess) + likelihood - highest,
             change: vec![0.0; best.change.len()],
         }));
         Some((found, best))
@@ -210,15 +210,15 @@ impl<'a> Turns<'a> {
             let variance = ((found.squares - explained) / freedom).max(0.0);
             Some(errors.into_iter().map(|error| error * variance.sqrt()).collect::<Vec<f64>>())
         };
-        let own = errors(&state.best.guess)?;
-        let near = state.found.iter().filter(|own| value(own) >= value(&state.best) - NEAR);
-        let mut widest = own.clone();
-        for errors in near.filter_map(|own| errors(&own.guess)) {
+        let standard_errors = errors(&state.best.guess)?;
+        let near = state.found.iter().filter(|best| value(best) >= value(&state.best) - NEAR);
+        let mut widest = standard_errors.clone();
+        for errors in near.filter_map(|best| errors(&best.guess)) {
             widest.iter_mut().zip(errors).for_each(|(most, error)| *most = most.max(error));
         }
-        let mut kinds: Kinds = state.found.iter().map(|own| (own.guess, value(own))).collect();
+        let mut kinds: Kinds = state.found.iter().map(|best| (best.guess, value(best))).collect();
         kinds.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let noise = Noise { guess: state.best.guess, kinds, turns, at_rest, errors: own, widest };
+        let noise = Noise { guess: state.best.guess, kinds, turns, at_rest, errors: standard_errors, widest };
         Some((state.theta, noise))
     }
 }

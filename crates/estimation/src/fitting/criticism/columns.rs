@@ -71,9 +71,9 @@ impl Block {
             };
         let places: Vec<Of> = more.parameters().iter().map(of).collect();
         let measure = |i: usize| {
-            let own = more.parameters().iter().find(|own| own.name == names[i]);
-            let prime = own.and_then(|own| own.prime).filter(|_| products[i].scaled);
-            (own.map_or(String::new(), |own| own.si_unit.clone()), prime)
+            let parameter = more.parameters().iter().find(|other| other.name == names[i]);
+            let prime = parameter.and_then(|number| number.prime).filter(|_| products[i].scaled);
+            (parameter.map_or(String::new(), |parameter| parameter.si_unit.clone()), prime)
         };
         let measures = (0..products.len()).map(measure).collect();
         Ok((Self::Terms(Box::new(more), places, products.len()), measures))
@@ -105,8 +105,8 @@ impl Pass<'_> {
         for block in blocks {
             let slopes = self.by_candidates(group, (theta, starts), block);
             let all = self.products(&known, &slopes, block.count());
-            for (lane, (window, own)) in found.iter_mut().zip(&sums).enumerate() {
-                let columns = all.columns(lane, theta.len(), own);
+            for (lane, (window, window_sums)) in found.iter_mut().zip(&sums).enumerate() {
+                let columns = all.columns(lane, theta.len(), window_sums);
                 window.extend(columns.ok_or_else(|| self.without_start(&group.windows[lane]))?);
             }
         }
@@ -122,30 +122,30 @@ impl Pass<'_> {
     ) -> Vec<[Lane; AT_ONCE]> {
         let begin = start(starts).map(Dual::constant);
         let mut slopes = vec![[Lane::ZERO; AT_ONCE]; 3 * (group.samples + 1)];
-        let fitted: Vec<Lane> = theta.iter().map(|own| Lane::splat(*own)).collect();
+        let fitted: Vec<Lane> = theta.iter().map(|value| Lane::splat(*value)).collect();
         let acting = self.acting(group, &fitted);
         match block {
             Block::Terms(more, places, _) => {
-                let own = |place: &Of| match *place {
+                let number = |place: &Of| match *place {
                     Of::Fitted(i) => Dual::constant(fitted[i]),
                     Of::Candidate(i) => Dual::unknown(Lane::ZERO, i),
                 };
-                let numbers: Vec<Dual<Lane, AT_ONCE>> = places.iter().map(own).collect();
+                let numbers: Vec<Dual<Lane, AT_ONCE>> = places.iter().map(number).collect();
                 let body = more.body(&numbers);
                 let input = |at: usize| Dual::constant(acting[at]);
                 vectorized!(simulated(self, group, &body, begin, input, &mut slopes));
             }
             Block::Late(inputs) => {
                 let numbers: Vec<Dual<Lane, AT_ONCE>> =
-                    fitted.iter().map(|own| Dual::constant(*own)).collect();
+                    fitted.iter().map(|value| Dual::constant(*value)).collect();
                 let body = self.forces.body(&numbers);
                 let changes = self.changes(group, &acting, inputs);
                 let input = |at: usize| {
-                    let mut own = Dual::constant(acting[at]);
+                    let mut dual = Dual::constant(acting[at]);
                     if let Some(i) = inputs.iter().position(|input| *input == at % self.width) {
-                        own.tangents[i] = changes[i][at / self.width];
+                        dual.tangents[i] = changes[i][at / self.width];
                     }
-                    own
+                    dual
                 };
                 vectorized!(simulated(self, group, &body, begin, input, &mut slopes));
             }
@@ -178,14 +178,14 @@ impl Pass<'_> {
     fn products(&self, known: &Derivatives, slopes: &[[Lane; AT_ONCE]], count: usize) -> Products {
         let unknowns = self.unknowns();
         let piece = 3 * self.settings.samples(self.settings.piece_s);
-        let mut own = Products {
+        let mut sums = Products {
             unknowns,
             across: vec![Lane::ZERO; count * unknowns],
             squares: vec![Lane::ZERO; count],
             gradients: vec![vec![Lane::ZERO; count]; slopes.len() / piece + 1],
         };
-        vectorized!(own.add(known, slopes, piece));
-        own
+        vectorized!(sums.add(known, slopes, piece));
+        sums
     }
 }
 
@@ -203,14 +203,14 @@ impl Products {
     #[inline(always)]
     fn add(&mut self, known: &Derivatives, slopes: &[[Lane; AT_ONCE]], piece: usize) {
         let rows = known.slopes.chunks_exact(self.unknowns).zip(&known.left).zip(slopes);
-        for (k, ((row, error), own)) in rows.enumerate() {
+        for (k, ((row, error), tangents)) in rows.enumerate() {
             let gradient = &mut self.gradients[k / piece];
-            for (i, own) in own.iter().enumerate().take(self.squares.len()) {
-                gradient[i] += *own * *error;
-                self.squares[i] += *own * *own;
+            for (i, tangent) in tangents.iter().enumerate().take(self.squares.len()) {
+                gradient[i] += *tangent * *error;
+                self.squares[i] += *tangent * *tangent;
                 let sums = &mut self.across[i * self.unknowns..][..self.unknowns];
                 for (sum, known) in sums.iter_mut().zip(row) {
-                    *sum += *own * *known;
+                    *sum += *tangent * *known;
                 }
             }
         }
@@ -228,15 +228,19 @@ impl Products {
         let one = |i: usize| {
             let follows: Vec<f64> = (0..starts).map(|d| follows[d * count + i]).collect();
             let begins: Vec<f64> = (0..starts).map(|d| across(i, n + d)).collect();
-            let own = self.squares[i][lane] - numerics::dot(&follows, &begins);
+            let square = self.squares[i][lane] - numerics::dot(&follows, &begins);
             let score = |piece: &Vec<f64>, gradient: &Vec<Lane>| {
                 gradient[i][lane] - numerics::dot(&follows, &piece[n..])
             };
-            let scores =
-                window.pieces.iter().zip(&self.gradients).map(|(piece, own)| score(piece, own)).collect();
+            let scores = window
+                .pieces
+                .iter()
+                .zip(&self.gradients)
+                .map(|(piece, gradient)| score(piece, gradient))
+                .collect();
             let left =
                 |j: usize| across(i, j) - (0..starts).map(|d| follows[d] * known(j, n + d)).sum::<f64>();
-            Column { across: (0..n).map(left).collect(), square: own.max(0.0), scores }
+            Column { across: (0..n).map(left).collect(), square: square.max(0.0), scores }
         };
         Some((0..count).map(one).collect())
     }
@@ -254,9 +258,9 @@ fn simulated(
 ) {
     follow_acting(pass, group, body, start, input, |k, state| {
         let (counted, scales) = (counted(group, k), pass.scales(k));
-        for (d, own) in state.into_iter().enumerate() {
+        for (d, derivative) in state.into_iter().enumerate() {
             let scale = Lane::splat(scales[d]);
-            slopes[3 * k + d] = own.tangents.map(|own| only(own * scale, counted));
+            slopes[3 * k + d] = derivative.tangents.map(|tangent| only(tangent * scale, counted));
         }
     });
 }
@@ -287,8 +291,8 @@ const SIGNED_SPEED: usize = 4;
 pub(crate) fn products(forces: &Forces, channels: &[Channel], inputs: usize) -> Vec<Product> {
     let all = library(channels, inputs);
     let lacking = |degree: usize| {
-        let own = terms(forces, degree);
-        let absent = all.iter().filter(move |factors| !own.contains(factors));
+        let present = terms(forces, degree);
+        let absent = all.iter().filter(move |factors| !present.contains(factors));
         let product = |factors: &Vec<Plain>| Product {
             degree,
             text: text(factors, channels),
@@ -354,7 +358,7 @@ fn own_terms(forces: &Forces, degree: usize) -> usize {
 }
 
 fn in_order(mut factors: Vec<Factor>) -> Vec<Factor> {
-    factors.sort_unstable_by_key(|own| (own.variable, own.modulus, own.divides));
+    factors.sort_unstable_by_key(|factor| (factor.variable, factor.modulus, factor.divides));
     factors
 }
 
@@ -380,40 +384,43 @@ fn sorted(mut factors: Vec<Plain>) -> Vec<Plain> {
 }
 
 fn library(channels: &[Channel], inputs: usize) -> Vec<Vec<Plain>> {
-    let plain = STATES.map(|own| (own, false));
+    let plain = STATES.map(|state| (state, false));
     let motion: Vec<Plain> =
-        plain.into_iter().chain(STATES.map(|own| (own, true))).chain([(SPEED, false)]).collect();
+        plain.into_iter().chain(STATES.map(|state| (state, true))).chain([(SPEED, false)]).collect();
     let mut all: Vec<Vec<Plain>> = vec![Vec::new()];
-    all.extend(motion.iter().map(|own| vec![*own]));
+    all.extend(motion.iter().map(|factor| vec![*factor]));
     all.extend(pairs(&motion));
-    all.extend([1, 2].map(|own| vec![(own, false), (SIGNED_SPEED, false)]));
+    all.extend([1, 2].map(|value| vec![(value, false), (SIGNED_SPEED, false)]));
     let squares: Vec<Vec<Plain>> = pairs(&plain);
     let cubes = squares.iter().flat_map(|square| plain.map(|plain| [square.as_slice(), &[plain]].concat()));
     all.extend(cubes);
     // A term can have no other names.
     let named =
-        |own: &usize| channels[own - MOTION.len()].name.chars().all(|c| c.is_alphanumeric() || c == '_');
+        |place: &usize| channels[place - MOTION.len()].name.chars().all(|c| c.is_alphanumeric() || c == '_');
     let places = (MOTION.len()..MOTION.len() + inputs.min(channels.len())).filter(named);
-    let signed =
-        |own: &usize| channels[own - MOTION.len()].range.is_none_or(|[low, high]| low < 0.0 && high > 0.0);
-    let driven: Vec<Plain> =
-        places.flat_map(|own| [Some((own, false)), signed(&own).then_some((own, true))]).flatten().collect();
-    for own in &driven {
-        all.push(vec![*own]);
+    let signed = |place: &usize| {
+        channels[place - MOTION.len()].range.is_none_or(|[low, high]| low < 0.0 && high > 0.0)
+    };
+    let driven: Vec<Plain> = places
+        .flat_map(|variable| [Some((variable, false)), signed(&variable).then_some((variable, true))])
+        .flatten()
+        .collect();
+    for factor in &driven {
+        all.push(vec![*factor]);
         let beside = plain.into_iter().chain([(SPEED, false)]);
-        all.extend(beside.map(|other| vec![other, *own]));
-        if !own.1 {
-            all.extend(squares.iter().map(|square| [square.as_slice(), &[*own]].concat()));
-            all.extend(plain.map(|other| vec![other, *own, *own]));
+        all.extend(beside.map(|other| vec![other, *factor]));
+        if !factor.1 {
+            all.extend(squares.iter().map(|square| [square.as_slice(), &[*factor]].concat()));
+            all.extend(plain.map(|other| vec![other, *factor, *factor]));
         }
     }
     all.extend(pairs(&driven));
     let others = (MOTION.len() + inputs..MOTION.len() + channels.len()).filter(named);
-    all.extend(others.map(|own| vec![(own, false)]));
+    all.extend(others.map(|variable| vec![(variable, false)]));
     let mut unique: Vec<Vec<Plain>> = Vec::new();
-    for own in all.into_iter().map(sorted) {
-        if !unique.contains(&own) {
-            unique.push(own);
+    for factors in all.into_iter().map(sorted) {
+        if !unique.contains(&factors) {
+            unique.push(factors);
         }
     }
     unique
@@ -438,8 +445,8 @@ fn text(factors: &[Plain], channels: &[Channel]) -> String {
         }
     }
     let part = |((variable, modulus), power): ((usize, bool), usize)| {
-        let channel = |own: usize| channels[own - MOTION.len()].name.clone();
-        let name = MOTION.get(variable).map_or_else(|| channel(variable), |own| (*own).to_owned());
+        let channel = |place: usize| channels[place - MOTION.len()].name.clone();
+        let name = MOTION.get(variable).map_or_else(|| channel(variable), |known| (*known).to_owned());
         let name = if modulus { format!("|{name}|") } else { name };
         if power > 1 { format!("{name}^{power}") } else { name }
     };

@@ -56,7 +56,7 @@ impl Channels<'_> {
     /// # Errors
     /// A listed text that is no term.
     pub fn lacking(&self, forces: &Forces) -> Result<usize, Unfit> {
-        self.products(forces).map(|own| own.len())
+        self.products(forces).map(|products| products.len())
     }
 }
 
@@ -105,12 +105,12 @@ pub struct Criticism {
 impl Criticism {
     /// Whether a sign is wrong.
     pub fn has_wrong_sign(&self) -> bool {
-        self.signs.iter().any(|own| own.wrong)
+        self.signs.iter().any(|sign| sign.wrong)
     }
 
     /// Whether something is wrong beyond chance.
     pub fn rejects(&self) -> bool {
-        self.has_wrong_sign() || self.p_value.is_some_and(|own| own < LEVEL)
+        self.has_wrong_sign() || self.p_value.is_some_and(|p_value| p_value < LEVEL)
     }
 }
 
@@ -142,8 +142,8 @@ impl Problem<'_> {
         let Ok((fit, _)) = Pass::new(self, None).search(theta, self.settings.most_steps) else {
             return error;
         };
-        let first = self.signs(&fit, channels.all).into_iter().find(|own| own.wrong);
-        first.map_or(error, |own| Unfit::WrongSign(steps, own.turn.to_string()))
+        let first = self.signs(&fit, channels.all).into_iter().find(|sign| sign.wrong);
+        first.map_or(error, |sign| Unfit::WrongSign(steps, sign.turn.to_string()))
     }
 
     fn signs(&self, fit: &Fit, channels: &[Channel]) -> Vec<TurnedSign> {
@@ -151,7 +151,7 @@ impl Problem<'_> {
         let count = alternatives.len();
         let mut signs: Vec<TurnedSign> =
             alternatives.iter().map(|alternative| self.turned(fit, alternative, count)).collect();
-        let gain = |own: &TurnedSign| own.share.unwrap_or(f64::NEG_INFINITY);
+        let gain = |sign: &TurnedSign| sign.share.unwrap_or(f64::NEG_INFINITY);
         signs.sort_by(|one, other| gain(other).total_cmp(&gain(one)));
         signs
     }
@@ -164,18 +164,21 @@ impl Problem<'_> {
         let Scores { all, units, whole } = Pass::new(self, fit.first).scores(fit, &blocks)?;
         let testable: Vec<&Score> = all.iter().flatten().collect();
         let mut probabilities = probabilities(&testable).into_iter();
-        let judged = all.iter().map(|own| own.as_ref().zip(own.as_ref().and_then(|_| probabilities.next())));
+        let judged =
+            all.iter().map(|score| score.as_ref().zip(score.as_ref().and_then(|_| probabilities.next())));
         let (late, others): (Vec<_>, Vec<_>) = judged.enumerate().partition(|(i, _)| *i < inputs.len());
         found.p_value =
-            late.iter().chain(&others).filter_map(|(_, own)| own.map(|(_, p)| p)).reduce(f64::min);
+            late.iter().chain(&others).filter_map(|(_, judged)| judged.map(|(_, p)| p)).reduce(f64::min);
         found.late = late
             .into_iter()
-            .filter_map(|(i, own)| own.map(|own| late_input(&channels.all[inputs[i]].name, own, fit)))
+            .filter_map(|(i, score)| {
+                score.map(|scored| late_input(&channels.all[inputs[i]].name, scored, fit))
+            })
             .collect();
         self.compare_late(fit, channels.all, &mut found.late);
-        for ((product, measure), (_, own)) in terms.iter().zip(measures).zip(others) {
-            match own {
-                Some(own) => found.terms.push(absent(product, measure, own, fit)),
+        for ((product, measure), (_, judged)) in terms.iter().zip(measures).zip(others) {
+            match judged {
+                Some(score) => found.terms.push(absent(product, measure, score, fit)),
                 None => found.hidden.push(label(product)),
             }
         }
@@ -190,7 +193,8 @@ impl Problem<'_> {
         terms: &[Product],
         channels: &[Channel],
     ) -> Result<(Vec<Block>, Vec<Measure>), Unfit> {
-        let mut blocks: Vec<Block> = inputs.chunks(AT_ONCE).map(|own| Block::Late(own.to_vec())).collect();
+        let mut blocks: Vec<Block> =
+            inputs.chunks(AT_ONCE).map(|chunk| Block::Late(chunk.to_vec())).collect();
         let mut measures = Vec::new();
         for chunk in terms.chunks(AT_ONCE) {
             let (block, more) = Block::terms(self.forces, chunk, channels)?;
@@ -203,17 +207,17 @@ impl Problem<'_> {
     /// Lag and dead time of the inputs that act late beyond chance.
     fn compare_late(&self, fit: &Fit, channels: &[Channel], late: &mut [LateInput]) {
         late.sort_by(|one, other| other.share.total_cmp(&one.share));
-        let certain = late.iter_mut().filter(|own| own.p_value < LEVEL && own.late_s > 0.0);
-        for own in certain.take(MOST_LATE) {
-            let Some(channel) = channels.iter().position(|channel| channel.name == own.input) else {
+        let certain = late.iter_mut().filter(|input| input.p_value < LEVEL && input.late_s > 0.0);
+        for input in certain.take(MOST_LATE) {
+            let Some(channel) = channels.iter().position(|channel| channel.name == input.input) else {
                 continue;
             };
             let of =
-                |kind| self.late(fit, channel, kind, own.late_s).map(|(time, share)| (kind, time, share));
+                |kind| self.late(fit, channel, kind, input.late_s).map(|(time, share)| (kind, time, share));
             let mut kinds: Vec<_> = [Lateness::DeadTime, Lateness::Lag].into_iter().filter_map(of).collect();
             kinds.sort_by(|one, other| other.2.total_cmp(&one.2));
-            own.best = kinds.first().copied();
-            own.other = kinds.get(1).map(|(_, _, share)| *share);
+            input.best = kinds.first().copied();
+            input.other = kinds.get(1).map(|(_, _, share)| *share);
         }
     }
 }
@@ -224,7 +228,7 @@ fn inputs(forces: &Forces, count: usize) -> Vec<usize> {
     let azimuths = (0..description.thruster.len()).filter_map(|i| Some(forces.thruster_inputs(i).1?.channel));
     let winds = (0..description.wind.len()).map(|i| forces.wind_inputs(i)[1].channel);
     let around: Vec<usize> = azimuths.chain(winds).collect();
-    (0..count).filter(|own| !around.contains(own)).collect()
+    (0..count).filter(|input| !around.contains(input)).collect()
 }
 
 fn late_input(name: &str, (score, p_value): (&Score, f64), fit: &Fit) -> LateInput {
@@ -259,11 +263,11 @@ fn label(product: &Product) -> String {
 
 /// Those that are not chance first, then by their gain; marks those that may be what is missing.
 fn sort(terms: &mut [AbsentTerm]) {
-    let certain = |own: &AbsentTerm| own.p_value < LEVEL;
+    let certain = |term: &AbsentTerm| term.p_value < LEVEL;
     terms.sort_by(|one, other| certain(other).cmp(&certain(one)).then(other.share.total_cmp(&one.share)));
-    let most = terms.first().filter(|term| certain(term)).map(|own| own.share);
-    for own in terms.iter_mut() {
-        own.candidate = certain(own) && most.is_some_and(|most| own.share >= CLOSE * most);
+    let most = terms.first().filter(|term| certain(term)).map(|first| first.share);
+    for term in terms.iter_mut() {
+        term.candidate = certain(term) && most.is_some_and(|most| term.share >= CLOSE * most);
     }
 }
 
@@ -307,7 +311,7 @@ impl Score {
 
     /// V.
     pub fn variance(&self) -> f64 {
-        self.units.iter().map(|own| own * own).sum()
+        self.units.iter().map(|part| part * part).sum()
     }
 
     /// By how much the cost would fall if it were added.
@@ -373,9 +377,9 @@ impl Pass<'_> {
         let n = fit.theta.len();
         let (data, mut gradient) = self.information(n, sums, reduced);
         let pulls = self.pulls(&fit.theta);
-        let whole: Vec<f64> = gradient.iter().zip(&pulls).map(|(own, [_, pull])| own + pull).collect();
+        let whole: Vec<f64> = gradient.iter().zip(&pulls).map(|(slope, [_, pull])| slope + pull).collect();
         let held = held(self.forces, &fit.theta, &whole);
-        gradient.iter_mut().zip(&pulls).for_each(|(sum, [_, own])| *sum += KEPT * own);
+        gradient.iter_mut().zip(&pulls).for_each(|(sum, [_, slope])| *sum += KEPT * slope);
         let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
         let m = free.len();
         let mut bread: Vec<f64> = (0..m * m).map(|k| data[free[k / m] * n + free[k % m]]).collect();
@@ -389,10 +393,10 @@ impl Pass<'_> {
     fn total(&self, n: usize, windows: &[(&Sums, &Reduced, &Vec<Column>)], j: usize) -> Total {
         let mut total = Total { across: vec![0.0; n], square: 0.0, gradient: 0.0 };
         for (sums, _, columns) in windows {
-            let (weight, own) = (self.weight(&sums.errors), &columns[j]);
-            total.across.iter_mut().zip(&own.across).for_each(|(sum, own)| *sum += weight * own);
-            total.square += weight * own.square;
-            total.gradient += weight * own.scores.iter().sum::<f64>();
+            let (weight, column) = (self.weight(&sums.errors), &columns[j]);
+            total.across.iter_mut().zip(&column.across).for_each(|(sum, entry)| *sum += weight * entry);
+            total.square += weight * column.square;
+            total.gradient += weight * column.scores.iter().sum::<f64>();
         }
         total
     }
@@ -419,9 +423,9 @@ impl Pass<'_> {
         let mut units = Vec::new();
         for (sums, reduced, columns) in windows {
             let weight = self.weight(&sums.errors);
-            let pieces = sums.scores(reduced, n).into_iter().zip(&columns[j].scores).map(|(known, own)| {
-                let known: f64 = fitted.free.iter().zip(&follows).map(|(i, own)| own * known[*i]).sum();
-                weight * (own - known)
+            let pieces = sums.scores(reduced, n).into_iter().zip(&columns[j].scores).map(|(known, score)| {
+                let known: f64 = fitted.free.iter().zip(&follows).map(|(i, part)| part * known[*i]).sum();
+                weight * (score - known)
             });
             match whole {
                 true => units.push(pieces.sum()),
@@ -444,18 +448,18 @@ const DRAWS: usize = 2000;
 /// For each score the probability that, if no candidate were missing, any of them had as large a score. Signs of the
 /// independent units are drawn, the same ones for all scores, so that candidates that resemble each other count as one.
 fn probabilities(scores: &[&Score]) -> Vec<f64> {
-    let rows = scores.first().map_or(0, |own| own.units.len());
+    let rows = scores.first().map_or(0, |score| score.units.len());
     let deviations: Vec<f64> =
-        scores.iter().map(|own| own.variance().sqrt().max(f64::MIN_POSITIVE)).collect();
+        scores.iter().map(|score| score.variance().sqrt().max(f64::MIN_POSITIVE)).collect();
     let standardised: Vec<Vec<f64>> = (0..rows)
         .map(|row| {
-            scores.iter().zip(&deviations).map(|(own, deviation)| own.units[row] / deviation).collect()
+            scores.iter().zip(&deviations).map(|(score, deviation)| score.units[row] / deviation).collect()
         })
         .collect();
     let draws: Vec<f64> =
         (0..DRAWS as u64).into_par_iter().map(|seed| largest(&standardised, seed)).collect();
-    let probability = |own: &&Score| {
-        let as_large = draws.iter().filter(|draw| **draw >= own.standardised().abs()).count();
+    let probability = |score: &&Score| {
+        let as_large = draws.iter().filter(|draw| **draw >= score.standardised().abs()).count();
         (as_large + 1) as f64 / (DRAWS + 1) as f64
     };
     scores.iter().map(probability).collect()
@@ -471,7 +475,7 @@ fn largest(rows: &[Vec<f64>], seed: u64) -> f64 {
             bits = random.next_u64();
         }
         let sign = if bits >> (k % 64) & 1 == 0 { 1.0 } else { -1.0 };
-        sums.iter_mut().zip(row).for_each(|(sum, own)| *sum += sign * own);
+        sums.iter_mut().zip(row).for_each(|(sum, entry)| *sum += sign * entry);
     }
-    sums.iter().fold(0.0, |most, own| own.abs().max(most))
+    sums.iter().fold(0.0, |most, sum| sum.abs().max(most))
 }

@@ -57,15 +57,16 @@ impl Problem<'_> {
     }
 
     /// The fit of the ship `own`, from the numbers of `fit` or those before it, whichever cost less, and the costs of its windows.
-    fn fitted_as(&self, fit: &Fit, own: &Alternative) -> Option<(Fit, Vec<f64>)> {
-        let inputs = match own.negated {
-            Some(channel) => changed(self, channel, |all| all.iter().map(|own| -own).collect()),
-            None => self.recordings.iter().map(|own| own.inputs.to_vec()).collect(),
+    fn fitted_as(&self, fit: &Fit, alternative: &Alternative) -> Option<(Fit, Vec<f64>)> {
+        let inputs = match alternative.negated {
+            Some(channel) => changed(self, channel, |all| all.iter().map(|value| -value).collect()),
+            None => self.recordings.iter().map(|recording| recording.inputs.to_vec()).collect(),
         };
-        let problem = self.with_inputs(&own.forces, &inputs)?;
-        let problem = problem.with_priors(self.priors_of(own));
+        let problem = self.with_inputs(&alternative.forces, &inputs)?;
+        let problem = problem.with_priors(self.priors_of(alternative));
         let pass = Pass::new(&problem, fit.first);
-        let starts = [self.theta_of(own, &fit.theta), self.theta_of(own, &self.forces.nominal())];
+        let starts =
+            [self.theta_of(alternative, &fit.theta), self.theta_of(alternative, &self.forces.nominal())];
         let costs = starts.map(|theta| (pass.cost_from(&theta), theta));
         let (_, theta) = costs.into_iter().min_by(|one, other| one.0.total_cmp(&other.0))?;
         let (best, _) = pass.search(&theta, STEPS).ok()?;
@@ -85,12 +86,12 @@ impl Problem<'_> {
     }
 
     /// Numbers of the ship as written for that of `own`; both have the same parameters.
-    fn theta_of(&self, own: &Alternative, theta: &[f64]) -> Vec<f64> {
+    fn theta_of(&self, alternative: &Alternative, theta: &[f64]) -> Vec<f64> {
         let value = |parameter: &ship::forces::Parameter| {
             let at = self.forces.parameters().iter().position(|old| old.name == parameter.name);
-            at.map_or(parameter.nominal, |at| own.value(&parameter.name, theta[at]))
+            at.map_or(parameter.nominal, |at| alternative.value(&parameter.name, theta[at]))
         };
-        own.forces.parameters().iter().map(value).collect()
+        alternative.forces.parameters().iter().map(value).collect()
     }
 
     fn priors_of(&self, alternative: &Alternative) -> Vec<Option<Prior>> {
@@ -107,7 +108,7 @@ impl Pass<'_> {
     pub(crate) fn window_costs(&self, fit: &Fit) -> Vec<f64> {
         let groups = self.groups.iter().zip(&fit.starts);
         let errors = groups.flat_map(|(group, starts)| self.errors(group, &fit.theta, starts));
-        errors.map(|own| self.share(&own) * own.cost(self.settings.knee)).collect()
+        errors.map(|window| self.share(&window) * window.cost(self.settings.knee)).collect()
     }
 }
 
@@ -117,7 +118,7 @@ fn changed(problem: &Problem, channel: usize, by: impl Fn(&[f64]) -> Vec<f64>) -
     let one = |recording: &Recording| {
         let mut inputs = recording.inputs.to_vec();
         let column: Vec<f64> = inputs.iter().skip(channel).step_by(width).copied().collect();
-        inputs.iter_mut().skip(channel).step_by(width).zip(by(&column)).for_each(|(own, new)| *own = new);
+        inputs.iter_mut().skip(channel).step_by(width).zip(by(&column)).for_each(|(entry, new)| *entry = new);
         inputs
     };
     problem.recordings.iter().map(one).collect()
@@ -191,8 +192,8 @@ impl Change {
     }
 
     /// The number after the change; `None` where it is tied or 0 and stays.
-    fn number(self, own: &Number) -> Option<Number> {
-        match own {
+    fn number(self, number: &Number) -> Option<Number> {
+        match number {
             Number::Plain(value) => Some(Number::Plain(self.of(*value))),
             Number::Table(spec) if spec.tied_to.is_some() => None,
             Number::Table(spec) => {
@@ -200,7 +201,7 @@ impl Change {
                     Self::Negated => [-high, -low],
                     Self::HalfTurn => [low + 180.0, high + 180.0],
                 });
-                let of = |own: Option<f64>| own.map(|own| self.of(own));
+                let of = |number: Option<f64>| number.map(|value| self.of(value));
                 let (nominal, prime, value) = (of(spec.nominal), of(spec.prime), of(spec.value));
                 Some(Number::Table(NumberSpec { nominal, prime, value, bounds: ends, ..spec.clone() }))
             }
@@ -250,16 +251,16 @@ impl Turns<'_> {
         let written = self.written();
         let thrusters = (0..written.thruster.len()).filter_map(move |i| {
             let mut all = written.clone();
-            let own = &mut all.thruster[i];
-            let (name, y) = (own.name.clone(), other_side(own.y_m.as_ref())?);
-            own.y_m = Some(y);
+            let thruster = &mut all.thruster[i];
+            let (name, y) = (thruster.name.clone(), other_side(thruster.y_m.as_ref())?);
+            thruster.y_m = Some(y);
             self.with(Turn::Side(name.clone()), &all, (format!("{name}.y_m"), Change::Negated))
         });
         let propellers = (0..written.propeller.len()).filter_map(move |i| {
             let mut all = written.clone();
-            let own = &mut all.propeller[i];
-            let (name, y) = (own.name.clone(), other_side(own.y_m.as_ref())?);
-            own.y_m = Some(y);
+            let propeller = &mut all.propeller[i];
+            let (name, y) = (propeller.name.clone(), other_side(propeller.y_m.as_ref())?);
+            propeller.y_m = Some(y);
             self.with(Turn::Side(name.clone()), &all, (format!("{name}.y_m"), Change::Negated))
         });
         thrusters.chain(propellers)
@@ -269,12 +270,13 @@ impl Turns<'_> {
         let written = self.written();
         (0..written.thruster.len()).filter_map(move |i| {
             let mut all = written.clone();
-            let own = &mut all.thruster[i];
-            if own.angle.is_some() {
+            let thruster = &mut all.thruster[i];
+            if thruster.angle.is_some() {
                 return None;
             }
-            let (name, angle) = (own.name.clone(), own.angle_deg.clone().unwrap_or(Number::Plain(0.0)));
-            own.angle_deg = Some(Change::HalfTurn.number(&angle)?);
+            let (name, angle) =
+                (thruster.name.clone(), thruster.angle_deg.clone().unwrap_or(Number::Plain(0.0)));
+            thruster.angle_deg = Some(Change::HalfTurn.number(&angle)?);
             self.with(Turn::Push(name.clone()), &all, (format!("{name}.angle_deg"), Change::HalfTurn))
         })
     }
@@ -283,10 +285,11 @@ impl Turns<'_> {
     fn angles(&self) -> impl Iterator<Item = Alternative> {
         let written = self.written();
         let rudders = written.rudder.iter().enumerate();
-        let rudders = rudders.map(|(i, own)| (own.name.clone(), self.forces.rudder_input(i).0.channel));
+        let rudders = rudders.map(|(i, rudder)| (rudder.name.clone(), self.forces.rudder_input(i).0.channel));
         let azimuths = written.thruster.iter().enumerate();
-        let azimuths = azimuths
-            .filter_map(|(i, own)| Some((own.name.clone(), self.forces.thruster_inputs(i).1?.channel)));
+        let azimuths = azimuths.filter_map(|(i, thruster)| {
+            Some((thruster.name.clone(), self.forces.thruster_inputs(i).1?.channel))
+        });
         let all: Vec<(String, usize)> = rudders.chain(azimuths).collect();
         let first = |i: usize| all[..i].iter().all(|(_, channel)| *channel != all[i].1);
         let firsts: Vec<(String, usize)> =
@@ -297,9 +300,9 @@ impl Turns<'_> {
     }
 
     fn winds(&self) -> impl Iterator<Item = Alternative> {
-        self.written().wind.iter().enumerate().map(|(i, own)| {
+        self.written().wind.iter().enumerate().map(|(i, wind)| {
             let [_, direction] = self.forces.wind_inputs(i);
-            let turn = Turn::Wind(own.name.clone(), self.channels[direction.channel].name.clone());
+            let turn = Turn::Wind(wind.name.clone(), self.channels[direction.channel].name.clone());
             self.negated(turn, direction.channel)
         })
     }
@@ -307,8 +310,12 @@ impl Turns<'_> {
     /// Pairs of thrusters, and of propellers, on different sides.
     fn exchanged(&self) -> Vec<Alternative> {
         let written = self.written();
-        let thrusters = written.thruster.iter().map(|own| (&own.name, &own.input, own.y_m.as_ref()));
-        let propellers = written.propeller.iter().map(|own| (&own.name, &own.input, own.y_m.as_ref()));
+        let thrusters =
+            written.thruster.iter().map(|thruster| (&thruster.name, &thruster.input, thruster.y_m.as_ref()));
+        let propellers = written
+            .propeller
+            .iter()
+            .map(|propeller| (&propeller.name, &propeller.input, propeller.y_m.as_ref()));
         let exchange = |(i, j): (usize, usize), all: &mut Description, of: &Swapped| match of {
             Swapped::Thrusters => {
                 let input = std::mem::take(&mut all.thruster[i].input);
@@ -324,12 +331,12 @@ impl Turns<'_> {
         let kinds: [(Swapped, Vec<Placed>); 2] =
             [(Swapped::Thrusters, thrusters.collect()), (Swapped::Propellers, propellers.collect())];
         let mut found = Vec::new();
-        for (kind, own) in &kinds {
-            for (i, j) in opposite(own) {
+        for (kind, placed) in &kinds {
+            for (i, j) in opposite(placed) {
                 let mut all = written.clone();
                 exchange((i, j), &mut all, kind);
-                let [names, inputs] =
-                    [[own[i].0, own[j].0], [own[i].1, own[j].1]].map(|own| own.map(Clone::clone));
+                let [names, inputs] = [[placed[i].0, placed[j].0], [placed[i].1, placed[j].1]]
+                    .map(|pair| pair.map(Clone::clone));
                 let turn = Turn::Exchanged(names, inputs);
                 let forces = Forces::new(&all, self.channels).ok();
                 found.extend(forces.map(|forces| Alternative { turn, forces, negated: None, changed: None }));
@@ -350,7 +357,7 @@ type Placed<'a> = (&'a String, &'a String, Option<&'a Number>);
 
 /// Pairs on different sides, with inputs of their own.
 fn opposite(all: &[Placed]) -> Vec<(usize, usize)> {
-    let side = |i: usize| all[i].2.and_then(value).filter(|own| *own != 0.0).map(|own| own > 0.0);
+    let side = |i: usize| all[i].2.and_then(value).filter(|side| *side != 0.0).map(|side| side > 0.0);
     let apart = |(i, j): &(usize, usize)| {
         side(*i).zip(side(*j)).is_some_and(|(one, other)| one != other) && all[*i].1 != all[*j].1
     };
@@ -366,9 +373,9 @@ fn value(number: &Number) -> Option<f64> {
 }
 
 /// The place on the other side; `None` for one on the middle line.
-fn other_side(own: Option<&Number>) -> Option<Number> {
-    let own = own.filter(|own| value(own).is_some_and(|own| own != 0.0))?;
-    Change::Negated.number(own)
+fn other_side(place: Option<&Number>) -> Option<Number> {
+    let place = place.filter(|number| value(number).is_some_and(|side| side != 0.0))?;
+    Change::Negated.number(place)
 }
 
 // Inputs that act later than they are logged.
@@ -422,7 +429,8 @@ impl Problem<'_> {
     pub(crate) fn late(&self, fit: &Fit, channel: usize, kind: Lateness, late_s: f64) -> Option<(f64, f64)> {
         let tried = TIMES.iter().filter_map(|times| {
             let seconds = times * late_s;
-            let cost = self.late_cost(fit, channel, |own| kind.of(own, seconds, self.settings.sample_s))?;
+            let cost =
+                self.late_cost(fit, channel, |input| kind.of(input, seconds, self.settings.sample_s))?;
             Some((seconds, fit.share(fit.cost - cost)))
         });
         tried.max_by(|one, other| one.1.total_cmp(&other.1))
