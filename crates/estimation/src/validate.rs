@@ -52,11 +52,11 @@ fn free_runs_over(
     reference: &[f64],
 ) -> [FreeRun; LANES] {
     let parameters: Vec<Wide<1>> = parameters.iter().copied().map(Wide::from).collect();
-    let [found] = match exogenous {
+    let [runs] = match exogenous {
         Numbers::Lanes(lanes) => free_runs_of(model, &parameters, lanes, reference),
         Numbers::Shared(numbers) => free_runs_of(model, &parameters, numbers, reference),
     };
-    found
+    runs
 }
 
 /// [`free_runs`] of `G` times as many models.
@@ -174,8 +174,8 @@ pub struct Candidate<'a> {
 }
 
 impl<'a> From<&'a RunEstimate> for Candidate<'a> {
-    fn from(found: &'a RunEstimate) -> Self {
-        let RunEstimate { design, run, estimator, status, estimate, .. } = found;
+    fn from(run_estimate: &'a RunEstimate) -> Self {
+        let RunEstimate { design, run, estimator, status, estimate, .. } = run_estimate;
         let parameters = estimate.as_ref().map(|(theta, _)| theta.as_slice());
         Self { design, run: *run, estimator: *estimator, status: *status, parameters }
     }
@@ -221,29 +221,30 @@ impl<'a> ValidationRuns<'a> {
             (0..zero.len()).map(|p| Wide(std::array::from_fn(|group| lane(group, p)))).collect();
         let mut errors = vec![Some([0.0; 3]); candidates.len()];
         for run in &self.runs {
-            let found = free_runs_of(model, &parameters, &run.exogenous, &run.measured);
-            for (total, found) in errors.iter_mut().zip(found.as_flattened()) {
-                *total = add(*total, *found, run.samples() as f64);
+            let runs = free_runs_of(model, &parameters, &run.exogenous, &run.measured);
+            for (total, free_run) in errors.iter_mut().zip(runs.as_flattened()) {
+                *total = add(*total, *free_run, run.samples() as f64);
             }
         }
         let each = candidates.iter().zip(errors);
         each.map(|(candidate, error)| self.scored(candidate, error, truth)).collect()
     }
 
-    fn scored(&self, found: &Candidate, squares: Option<[f64; 3]>, truth: Option<&[f64]>) -> RunScore {
+    fn scored(&self, candidate: &Candidate, squares: Option<[f64; 3]>, truth: Option<&[f64]>) -> RunScore {
         let samples = self.samples() as f64;
-        let rmse = squares.filter(|_| found.parameters.is_some()).map(|s| s.map(|x| (x / samples).sqrt()));
-        let status = match (found.parameters, rmse) {
-            (None, _) if found.status == EstimateStatus::NotConverged => ScoreStatus::NotConverged,
+        let rmse =
+            squares.filter(|_| candidate.parameters.is_some()).map(|s| s.map(|x| (x / samples).sqrt()));
+        let status = match (candidate.parameters, rmse) {
+            (None, _) if candidate.status == EstimateStatus::NotConverged => ScoreStatus::NotConverged,
             (None, _) => ScoreStatus::NotIdentifiable,
             (Some(_), None) => ScoreStatus::Diverged,
             (Some(_), Some(_)) => ScoreStatus::Scored,
         };
-        let known = found.parameters.zip(truth);
+        let known = candidate.parameters.zip(truth);
         RunScore {
-            design: found.design.to_owned(),
-            run: found.run,
-            estimator: found.estimator,
+            design: candidate.design.to_owned(),
+            run: candidate.run,
+            estimator: candidate.estimator,
             status,
             parameter_error: known.map(|(theta, truth)| parameter_error(theta, truth)),
             rmse: [0, 1, 2].map(|d| rmse.map(|r| r[d])),
@@ -253,8 +254,8 @@ impl<'a> ValidationRuns<'a> {
 }
 
 /// Adds the squared errors of one run; `None` once any diverged.
-fn add(total: Option<[f64; 3]>, found: FreeRun, samples: f64) -> Option<[f64; 3]> {
-    match found {
+fn add(total: Option<[f64; 3]>, free_run: FreeRun, samples: f64) -> Option<[f64; 3]> {
+    match free_run {
         FreeRun::Rmse(rmse) => total.map(|t| [0, 1, 2].map(|d| t[d] + rmse[d] * rmse[d] * samples)),
         FreeRun::Diverged(_) => None,
     }
@@ -284,8 +285,8 @@ impl Score {
     }
 
     /// Adds a window of `samples` samples.
-    pub fn add(&mut self, found: FreeRun, samples: usize) {
-        match found {
+    pub fn add(&mut self, free_run: FreeRun, samples: usize) {
+        match free_run {
             FreeRun::Rmse(rmse) => {
                 let n = samples as f64;
                 self.squares.iter_mut().zip(rmse).for_each(|(s, e)| *s += n * e * e);
@@ -382,7 +383,7 @@ pub fn deviations<'a>(measured: impl Iterator<Item = &'a [f64]> + Clone) -> [f64
     measured.clone().for_each(|states| means.add(states));
     let mut deviations = means.deviations();
     measured.for_each(|states| deviations.add(states));
-    deviations.found()
+    deviations.std()
 }
 
 /// Σ u, Σ v, Σ r over samples 1 to N of several (N+1) × 3 states.
@@ -429,7 +430,7 @@ impl StateDeviations {
         }
     }
 
-    pub(crate) fn found(&self) -> [f64; 3] {
+    pub(crate) fn std(&self) -> [f64; 3] {
         let n = self.rows as f64;
         let of = |squares: f64| (squares / (n - 1.0)).sqrt() * ((n - 1.0) / n).sqrt();
         if self.rows > 1 { self.squares.map(of) } else { [0.0; 3] }

@@ -7,12 +7,12 @@
 //! V those of the sensitivities; sums add over runs. Joint draws of all scores correct for the number of candidates.
 //! If no noise is stated, it is found by its likelihood.
 
-mod found;
 mod library;
 mod noise;
 mod problems;
 mod residuals;
 mod score;
+mod verdict;
 
 use numerics::Lane;
 use numerics::distributions::student_half_width;
@@ -21,19 +21,19 @@ use ship::engine::{RunView, SideBySide};
 use ship::model::Model;
 
 use crate::sensitivity::{Flow, NoiseModel, Recordings, filter, with_states};
-use found::statements;
 use library::{Candidate, Lifted, with_effects};
 use noise::{Guess, LASTING};
 use problems::{Problems, Refinement, Series, State, each_with_noise, with_noise};
 use residuals::{apart, feedback, waves};
 use score::{Draws, Projected, reject_under_white, tested, under_white};
+use verdict::statements;
 
-pub use found::{Absent, Apart, Criticism, Feedback, FoundDrift, FoundNoise, LEVEL, OtherNoise, Verdict};
 pub use noise::NoiseKind;
 pub(crate) use noise::{ENOUGH, Kinds};
 pub use problems::{Subject, restricted_likelihood};
 pub use residuals::oscillation;
 pub use score::clearer_under_white;
+pub use verdict::{Absent, Apart, Criticism, Feedback, FoundDrift, FoundNoise, LEVEL, OtherNoise, Verdict};
 
 /// Tests what the model lacks by score tests of whitened errors, see [`self`]. `parameters`: θ̂ of all runs, in the
 /// order of the model. `None` if the model diverges, or the runs determine nothing.
@@ -77,26 +77,27 @@ fn verdicts(subject: &Subject, problems: &Problems, states: Vec<State>) -> Vec<O
     let each = states.into_iter().zip(sums).zip(series).zip(under_white).enumerate();
     each.map(|(problem, (((state, sums), series), under_white))| {
         let projected = Projected::new(&sums?, state.parameters.len())?;
-        let mut found = judged(subject, &lifted, &draws, &state, &projected, &series);
-        let white = found.whiteness.iter().all(is_white);
-        let under_white = white && reject_under_white(&mut found, under_white);
+        let mut criticism = judged(subject, &lifted, &draws, &state, &projected, &series);
+        let white = criticism.whiteness.iter().all(is_white);
+        let under_white = white && reject_under_white(&mut criticism, under_white);
         if subject.levels.is_none() && !white {
-            let rejected = found.rejected && white_once_named(problems, problem, &state, &lifted, &found);
-            found.verdict = if rejected { Verdict::Rejected } else { Verdict::None };
-            found.rejected = rejected;
+            let rejected =
+                criticism.rejected && white_once_named(problems, problem, &state, &lifted, &criticism);
+            criticism.verdict = if rejected { Verdict::Rejected } else { Verdict::None };
+            criticism.rejected = rejected;
             if !rejected {
-                found.waves_s = waves(subject, &series);
+                criticism.waves_s = waves(subject, &series);
             }
         }
-        let known = found.verdict != Verdict::None;
+        let known = criticism.verdict != Verdict::None;
         if known && !subject.names.is_empty() {
-            found.apart = apart(problems, &state);
+            criticism.apart = apart(problems, &state);
         }
-        if !found.apart.is_empty() {
-            (found.rejected, found.verdict) = (true, Verdict::Rejected);
+        if !criticism.apart.is_empty() {
+            (criticism.rejected, criticism.verdict) = (true, Verdict::Rejected);
         }
-        found.statements = statements(&found, under_white);
-        Some(found).filter(Criticism::is_finite)
+        criticism.statements = statements(&criticism, under_white);
+        Some(criticism).filter(Criticism::is_finite)
     })
     .collect()
 }
@@ -109,8 +110,8 @@ fn judged(
     projected: &Projected,
     series: &Series,
 ) -> Criticism {
-    let (found, hidden) = tested(lifted, draws, projected);
-    let p_value = found.iter().map(|a| a.p_value).reduce(f64::min);
+    let (absent, hidden) = tested(lifted, draws, projected);
+    let p_value = absent.iter().map(|a| a.p_value).reduce(f64::min);
     let whiteness = [0, 1, 2].map(|d: usize| {
         let errors: Vec<Vec<f64>> = series.iter().map(|(_, white)| white[d].clone()).collect();
         whiteness(&errors, LAGS)
@@ -133,7 +134,7 @@ fn judged(
         apart: Vec::new(),
         feedback: feedback(subject.model, subject.runs, series),
         waves_s: None,
-        absent: found,
+        absent: absent,
         hidden,
         statements: Vec::new(),
     }
@@ -153,7 +154,7 @@ fn noise(subject: &Subject, state: &State) -> ([f64; 3], (f64, Option<f64>)) {
             };
             (levels.measurement, current)
         }
-        (None, Some(found)) => (found.guess.measurement(), found.guess.current()),
+        (None, Some(noise)) => (noise.guess.measurement(), noise.guess.current()),
         (None, None) => ([f64::NAN; 3], (f64::NAN, None)),
     }
 }
@@ -178,9 +179,9 @@ fn white_once_named(
     problem: usize,
     state: &State,
     lifted: &Lifted,
-    found: &Criticism,
+    criticism: &Criticism,
 ) -> bool {
-    let Some(first) = found.absent.first() else { return false };
+    let Some(first) = criticism.absent.first() else { return false };
     let (places, runs): (Vec<usize>, Vec<RunView>) = problems.runs_of(problem).unzip();
     let mut richer = Richer {
         model: problems.subject.model.clone(),
@@ -336,8 +337,8 @@ pub(crate) fn calibrated(
         widest: short.then(|| noise.widest.clone()),
         near,
         factor,
-        white: verdict.as_ref().is_some_and(|found| found.verdict != Verdict::None),
-        waves: verdict.is_some_and(|found| found.waves_s.is_some()),
+        white: verdict.as_ref().is_some_and(|criticism| criticism.verdict != Verdict::None),
+        waves: verdict.is_some_and(|criticism| criticism.waves_s.is_some()),
         kinds,
     })
 }

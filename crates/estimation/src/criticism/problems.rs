@@ -87,8 +87,8 @@ impl<'a> Problems<'a> {
         let free: Vec<usize> = (0..self.subject.model.parameters()).collect();
         let mut sums = Sums(vec![None; self.count()]);
         for (group, runs) in self.groups.iter().filter(|(group, _)| self.any(group, wanted)) {
-            let found = with_states!(self, white(self, group, runs, states, &free));
-            sums.add(group, &self.of_run, found);
+            let linears = with_states!(self, white(self, group, runs, states, &free));
+            sums.add(group, &self.of_run, linears);
         }
         sums.finite()
     }
@@ -100,8 +100,8 @@ impl<'a> Problems<'a> {
         let states_of = Levelled(kind.map_or(self.states(), NoiseKind::states));
         let states = vec![state.clone(); self.count()];
         let each = self.groups.iter().flat_map(|(group, runs)| {
-            let found = with_states!(states_of, white(self, group, runs, &states, &free));
-            group.iter().copied().zip(found)
+            let linears = with_states!(states_of, white(self, group, runs, &states, &free));
+            group.iter().copied().zip(linears)
         });
         each.collect()
     }
@@ -126,8 +126,8 @@ impl<'a> Problems<'a> {
         let mut sums = Sums(vec![None; self.count()]);
         let mut series: Vec<Series> = vec![Vec::new(); self.count()];
         let mut look = |group: &[usize], runs: &SideBySide, count: &Levelled| {
-            let (found, white) = with_states!(count, look_at(self, lifted, group, runs, states));
-            sums.add(group, &self.of_run, found);
+            let (linears, white) = with_states!(count, look_at(self, lifted, group, runs, states));
+            sums.add(group, &self.of_run, linears);
             group.iter().zip(white).for_each(|(run, white)| series[self.of_run[*run]].push((*run, white)));
         };
         if self.subject.levels.is_some() {
@@ -152,10 +152,10 @@ impl<'a> Problems<'a> {
 
     /// The disturbances of every lane.
     fn levels(&self, group: &[usize], states: &[State]) -> NoiseModel<Lane> {
-        let found = |run: usize| states[self.of_run[group[run]]].noise.as_ref().map(|noise| noise.guess);
-        match (self.subject.levels, found(0)) {
+        let guess_of = |run: usize| states[self.of_run[group[run]]].noise.as_ref().map(|noise| noise.guess);
+        match (self.subject.levels, guess_of(0)) {
             (None, Some(first)) => {
-                let each = by_lane(group.len(), |run| found(run).unwrap_or(first));
+                let each = by_lane(group.len(), |run| guess_of(run).unwrap_or(first));
                 side_by_side(&each, self.subject.rate_hz)
             }
             (stated, _) => stated.unwrap_or(WHITE).spread(),
@@ -180,8 +180,8 @@ impl Levelled {
 struct Sums(Vec<Option<Linear>>);
 
 impl Sums {
-    fn add(&mut self, group: &[usize], of_run: &[usize], found: Vec<Linear>) {
-        for (run, sums) in group.iter().zip(found) {
+    fn add(&mut self, group: &[usize], of_run: &[usize], linears: Vec<Linear>) {
+        for (run, sums) in group.iter().zip(linears) {
             match &mut self.0[of_run[*run]] {
                 Some(total) => total.add(&sums),
                 none => *none = Some(sums),
@@ -311,10 +311,11 @@ impl<'a> Refinement<'a> {
     }
 
     fn settle(&mut self, mut open: Vec<usize>) {
-        let found = self.problems.white(&open, &self.states);
-        self.errors.resize(found.len(), None);
-        for (problem, found) in found.into_iter().enumerate().filter(|(problem, _)| open.contains(problem)) {
-            self.errors[problem] = found;
+        let errors = self.problems.white(&open, &self.states);
+        self.errors.resize(errors.len(), None);
+        for (problem, linear) in errors.into_iter().enumerate().filter(|(problem, _)| open.contains(problem))
+        {
+            self.errors[problem] = linear;
         }
         for _ in 0..ROUNDS {
             open = self.step(&open);
@@ -343,14 +344,14 @@ impl<'a> Refinement<'a> {
                 steps.for_each(|(p, s)| *p += share * s);
             }
             let tried: Vec<usize> = left.iter().map(|(problem, _)| *problem).collect();
-            let mut found = self.problems.white(&tried, &trials);
+            let mut errors = self.problems.white(&tried, &trials);
             left.retain(|(problem, _)| {
-                let better = found[*problem].as_ref().is_some_and(|found| {
-                    self.errors[*problem].as_ref().is_none_or(|before| nearer(found, before))
+                let better = errors[*problem].as_ref().is_some_and(|error| {
+                    self.errors[*problem].as_ref().is_none_or(|before| nearer(error, before))
                 });
                 if better {
                     self.states[*problem] = trials[*problem].clone();
-                    self.errors[*problem] = found[*problem].take();
+                    self.errors[*problem] = errors[*problem].take();
                     helped.push(*problem);
                 }
                 !better
@@ -363,9 +364,9 @@ impl<'a> Refinement<'a> {
 
 /// Whether white errors are smaller, or closer to a stationary point: the filter depends on the estimate, so sums of
 /// squares may rise on the way.
-fn nearer(found: &Linear, before: &Linear) -> bool {
+fn nearer(linear: &Linear, before: &Linear) -> bool {
     let left = |sums: &Linear| newton_step(sums).map_or(f64::INFINITY, |(_, decrement)| decrement);
-    squares(found) < squares(before) || left(found) < left(before)
+    squares(linear) < squares(before) || left(linear) < left(before)
 }
 
 fn squares(sums: &Linear) -> f64 {
@@ -382,8 +383,8 @@ pub(super) fn each_with_noise(
     before: &[(Guess, f64)],
 ) -> Vec<State> {
     let each = starts.par_iter().enumerate().map(|(problem, start)| {
-        let found = with_noise(problems, problem, std::slice::from_ref(start), before);
-        found.unwrap_or(State { parameters: start.clone(), noise: None })
+        let state = with_noise(problems, problem, std::slice::from_ref(start), before);
+        state.unwrap_or(State { parameters: start.clone(), noise: None })
     });
     each.collect()
 }
@@ -399,10 +400,10 @@ pub(super) fn with_noise(
     let turns = problems.turns(problem);
     let elsewhere = || {
         let simple = problems.least_squares(&[problem]).pop();
-        simple.and_then(|(_, parameters)| turns.found(&parameters, before))
+        simple.and_then(|(_, parameters)| turns.alternate(&parameters, before))
     };
-    let found = starts.iter().find_map(|start| turns.found(start, before)).or_else(elsewhere);
-    found.map(|(parameters, noise)| State { parameters, noise: Some(noise) })
+    let noisy = starts.iter().find_map(|start| turns.alternate(start, before)).or_else(elsewhere);
+    noisy.map(|(parameters, noise)| State { parameters, noise: Some(noise) })
 }
 
 /// Twice the restricted log-likelihood of all runs of `subject`, up to a constant, by which kinds of noise are compared. The

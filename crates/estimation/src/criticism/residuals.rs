@@ -7,8 +7,8 @@ use numerics::{quadratic_of_inverse, times};
 use ship::engine::RunView;
 use ship::model::Model;
 
-use super::found::{Apart, Feedback};
 use super::problems::{Problems, Series, State, Subject};
+use super::verdict::{Apart, Feedback};
 use crate::predictor::{Linear, scaled_inverse};
 
 /// Largest probability, and least correlation, for an input's response to be reported.
@@ -52,7 +52,7 @@ pub(super) fn feedback(model: &Model, runs: &[RunView], series: &Series) -> Opti
             most = Some(Feedback { input, state: name.to_owned(), correlation, p_value });
         }
     }
-    most.filter(|found| found.p_value < UNLIKELY && found.correlation.abs() > WEAK)
+    most.filter(|feedback| feedback.p_value < UNLIKELY && feedback.correlation.abs() > WEAK)
 }
 
 /// Innovations of an input per run of `series`, from sample 2 on: what its last two values do not predict; `None` if
@@ -103,8 +103,8 @@ const PERIODS: [f64; 2] = [4.0, 20.0];
 /// The period \[s\] of waves in the whitened errors of runs, if they have one and no input oscillates alike.
 pub(super) fn waves(subject: &Subject, errors: &Series) -> Option<f64> {
     let of = |d: usize| -> Vec<Vec<f64>> { errors.iter().map(|(_, white)| white[d].clone()).collect() };
-    let found = (0..3).filter_map(|d| oscillation(&of(d), subject.rate_hz));
-    let (period, _) = found.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let peaks = (0..3).filter_map(|d| oscillation(&of(d), subject.rate_hz));
+    let (period, _) = peaks.max_by(|a, b| a.1.total_cmp(&b.1))?;
     let inputs = subject.model.exogenous();
     let steered = (0..inputs).any(|i| {
         let of = |(run, _): &(usize, _)| {
@@ -128,8 +128,8 @@ pub fn oscillation(errors: &[Vec<f64>], rate_hz: f64) -> Option<(f64, f64)> {
     let steps = (most / PERIODS[0]).log2() * TRIED;
     let tried = (0..=steps.max(-1.0) as i64).map(|i| PERIODS[0] * (i as f64 / TRIED).exp2());
     let covariances = covariances(errors, most);
-    let found = tried.filter_map(|period| Some((period, peak(&covariances, period)?)));
-    let (period, height) = found.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let peaks = tried.filter_map(|period| Some((period, peak(&covariances, period)?)));
+    let (period, height) = peaks.max_by(|a, b| a.1.total_cmp(&b.1))?;
     let freedom = 8.0 * samples / (3.0 * LAGS as f64 * period);
     (chi_square_tail(freedom * height, freedom) < CHANCE / steps.max(1.0))
         .then_some((period / rate_hz, height))
@@ -204,11 +204,11 @@ pub(super) fn apart(problems: &Problems, state: &State) -> Vec<Apart> {
 /// White errors of every recording, and their derivatives by the parameters.
 fn recordings(problems: &Problems, state: &State) -> Vec<(String, Linear)> {
     let mut all: Vec<(String, Linear)> = Vec::new();
-    for (run, found) in problems.by_run(state) {
+    for (run, linear) in problems.by_run(state) {
         let name = problems.subject.names[run];
         match all.iter_mut().find(|(subject, _)| subject == name) {
-            Some((_, sums)) => sums.add(&found),
-            None => all.push((name.to_owned(), found)),
+            Some((_, sums)) => sums.add(&linear),
+            None => all.push((name.to_owned(), linear)),
         }
     }
     all.retain(|(_, sums)| sums.finite());

@@ -2,10 +2,10 @@ use numerics::distributions::log_chi_square_tail;
 use numerics::{inverse, times};
 use ship::engine::Streams;
 
-use super::found::{Absent, Criticism, LEVEL, Verdict, called};
 use super::library::{Candidate, Lifted};
 use super::noise::{Noise, NoiseKind};
 use super::problems::{Problems, State};
+use super::verdict::{Absent, Criticism, LEVEL, Verdict, called};
 use crate::predictor::{Linear, scaled_inverse};
 
 /// A signal cannot be distinguished from the estimated unknowns if less than this share of it is left after
@@ -137,9 +137,12 @@ pub(super) fn tested(lifted: &Lifted, draws: &Draws, projected: &Projected) -> (
     let probabilities = draws.adjusted(projected, &groups);
     let most = testable.iter().map(|(_, score)| -2.0 * score.log_p).fold(0.0, f64::max);
     let all = testable.iter().zip(&probabilities);
-    let mut found: Vec<Absent> = all.map(|((c, score), p)| absent(c, score, *p, most)).collect();
-    found.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
-    (found, hidden.into_iter().map(|(candidate, _)| called(&candidate.name, candidate.place())).collect())
+    let mut all_absent: Vec<Absent> = all.map(|((c, score), p)| absent(c, score, *p, most)).collect();
+    all_absent.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    (
+        all_absent,
+        hidden.into_iter().map(|(candidate, _)| called(&candidate.name, candidate.place())).collect(),
+    )
 }
 
 /// The test of `candidate`, where `most` is the evidence of the likeliest.
@@ -190,10 +193,12 @@ pub(super) fn under_white(
 
 /// Rejects a model by the tests under white noise if these are the stronger evidence against it; returns whether they
 /// are.
-pub(super) fn reject_under_white(found: &mut Criticism, white: Option<Vec<Absent>>) -> bool {
-    let Some(white) = white.and_then(|white| clearer_under_white(&found.absent, white)) else { return false };
-    (found.rejected, found.verdict) = (true, Verdict::Rejected);
-    (found.p_value, found.absent) = (Some(least(&white)), white);
+pub(super) fn reject_under_white(criticism: &mut Criticism, white: Option<Vec<Absent>>) -> bool {
+    let Some(white) = white.and_then(|white| clearer_under_white(&criticism.absent, white)) else {
+        return false;
+    };
+    (criticism.rejected, criticism.verdict) = (true, Verdict::Rejected);
+    (criticism.p_value, criticism.absent) = (Some(least(&white)), white);
     true
 }
 
@@ -204,8 +209,8 @@ pub fn clearer_under_white(likeliest: &[Absent], mut white: Vec<Absent>) -> Opti
     Some(white).filter(|white| least(white) < least(likeliest).min(LEVEL))
 }
 
-fn least(found: &[Absent]) -> f64 {
-    found.iter().map(|absent| absent.p_value).fold(1.0, f64::min)
+fn least(absents: &[Absent]) -> f64 {
+    absents.iter().map(|absent| absent.p_value).fold(1.0, f64::min)
 }
 
 /// Number of draws of the scores under the model.

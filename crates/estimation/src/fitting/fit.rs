@@ -64,12 +64,12 @@ impl Problem<'_> {
     /// # Errors
     /// As [`Self::fit`].
     pub fn fit_from(&self, theta: &[f64]) -> Result<Fit, Unfit> {
-        let found = Pass::new(self, None).fit(theta)?;
+        let measured_fit = Pass::new(self, None).fit(theta)?;
         match self.settings.starts {
-            Starts::Measured => Ok(found),
+            Starts::Measured => Ok(measured_fit),
             Starts::Unknown => {
-                let fit = Pass::new(self, Some(self.first(found.rms))).fit(&found.theta)?;
-                Ok(Fit { steps: fit.steps + found.steps, ..fit })
+                let fit = Pass::new(self, Some(self.first(measured_fit.rms))).fit(&measured_fit.theta)?;
+                Ok(Fit { steps: fit.steps + measured_fit.steps, ..fit })
             }
         }
     }

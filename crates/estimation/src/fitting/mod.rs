@@ -124,19 +124,19 @@ fn deviations(recordings: &[Recording]) -> Result<[f64; 3], Unfit> {
     if recordings.iter().all(|recording| recording.samples() == 0) {
         return Err(Unfit::NoSample);
     }
-    let mut found = [0.0; 3];
+    let mut deviations = [0.0; 3];
     for (d, name) in ["u", "v", "r"].into_iter().enumerate() {
         let rows =
             recordings.iter().flat_map(|recording| recording.measured.as_chunks::<3>().0.iter().skip(1));
         let all: Vec<f64> = rows.map(|row| row[d]).collect();
         let mean = statistics::mean(&all).unwrap_or(0.0);
         let square = all.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / all.len() as f64;
-        found[d] = square.sqrt();
-        if !(found[d] > 0.0 && found[d].is_finite()) {
+        deviations[d] = square.sqrt();
+        if !(deviations[d] > 0.0 && deviations[d].is_finite()) {
             return Err(Unfit::Constant(name));
         }
     }
-    Ok(found)
+    Ok(deviations)
 }
 
 /// What is known of a parameter before the fit, in its own system.

@@ -100,21 +100,26 @@ impl Delivered {
     /// Parts that cannot be read.
     pub(super) fn new(
         pool: &Pool,
-        found: &Estimated,
+        estimated: &Estimated,
         parts: &AnyParts,
         degrees: &[DegreeTrust],
         sources: &[SourceErrors],
     ) -> Result<Option<Self>, Unread> {
-        let Some((theta, intercepts)) = found.theta() else { return Ok(None) };
+        let Some((theta, intercepts)) = estimated.theta() else { return Ok(None) };
         let beyond = |intercepts| beyond(&pool.model, intercepts);
         let mut account = Account::new(&pool.vessel.model, &theta, intercepts);
         parts.each(&mut |part| account.add(&part))?;
-        let surroundings =
-            found.searched.as_ref().map(|(searched, _)| Surroundings::all(parts, searched)).transpose()?;
+        let surroundings = estimated
+            .searched
+            .as_ref()
+            .map(|(searched, _)| Surroundings::all(parts, searched))
+            .transpose()?;
         Ok(Some(Self {
             constant: beyond(intercepts),
-            covariance: covariance(&pool.model, found, degrees, parts.count()),
-            least_squares: pool.least_squares(found).map(|(theta, intercepts)| (theta, beyond(intercepts))),
+            covariance: covariance(&pool.model, estimated, degrees, parts.count()),
+            least_squares: pool
+                .least_squares(estimated)
+                .map(|(theta, intercepts)| (theta, beyond(intercepts))),
             increment_std: account.squares.map(|sum| (sum / f64::max(account.samples, 1.0)).sqrt()),
             output_rmse: pooled_rmse(sources),
             surroundings: surroundings.unwrap_or_default(),
@@ -281,8 +286,13 @@ impl Covariance {
 }
 
 /// A search has a joint covariance of all unknowns; else each degree of freedom has its own.
-fn covariance(model: &Model, found: &Estimated, degrees: &[DegreeTrust], parts: usize) -> Option<Covariance> {
-    let searched = found.searched.as_ref().filter(|_| found.used.iter().all(|used| used.searches()));
+fn covariance(
+    model: &Model,
+    estimated: &Estimated,
+    degrees: &[DegreeTrust],
+    parts: usize,
+) -> Option<Covariance> {
+    let searched = estimated.searched.as_ref().filter(|_| estimated.used.iter().all(|used| used.searches()));
     if let Some((whole, _)) = searched {
         return (parts > 1).then(|| Covariance::joint(model, whole.covariance.clone(), parts));
     }
@@ -356,14 +366,14 @@ pub struct FoundUnknown {
 impl Surroundings {
     /// The current in part `part` of `source`: values and standard errors.
     pub(crate) fn of((source, part): (&str, usize), [values, errors]: [[f64; 2]; 2]) -> Self {
-        let found = |(i, name): (usize, &str)| FoundUnknown {
+        let unknown = |(i, name): (usize, &str)| FoundUnknown {
             name: name.to_owned(),
             unit: "m/s".to_owned(),
             value: values[i],
             standard_error: Some(errors[i]).filter(|error| *error > 0.0),
         };
-        let found = ["current along", "current across"].into_iter().enumerate().map(found).collect();
-        Self { source: source.to_owned(), part: part as u64, found }
+        let unknowns = ["current along", "current across"].into_iter().enumerate().map(unknown).collect();
+        Self { source: source.to_owned(), part: part as u64, found: unknowns }
     }
 
     /// The surroundings of all parts that were `searched`.

@@ -237,7 +237,7 @@ impl Pool<'_> {
         let nominal = self.nominal.parameters(&ls);
         let fitted =
             ls.fit(&self.options(nominal.as_ref().map(|(theta, _)| theta.as_slice()), Estimator::Ls));
-        let mut found = Estimated {
+        let mut estimated = Estimated {
             degrees: fitted,
             used: [Estimator::Ls; 3],
             nominal,
@@ -251,27 +251,27 @@ impl Pool<'_> {
             means,
         };
         if estimator == Estimator::Ls {
-            return Ok(found);
+            return Ok(estimated);
         }
         // If least squares found no model to simulate, nothing is identified in any case.
-        if let Some(nominal) = found.nominal.clone() {
-            match self.instrumented(parts, estimator, nominal, &mut found) {
+        if let Some(nominal) = estimated.nominal.clone() {
+            match self.instrumented(parts, estimator, nominal, &mut estimated) {
                 Err(NoEstimate::Lost(diverged)) if estimator == Estimator::Auto || estimator.searches() => {
-                    found.diverged = Some(diverged);
+                    estimated.diverged = Some(diverged);
                 }
                 result => result?,
             }
         }
         if estimator.searches() {
-            self.searched(parts, estimator, &mut found).map_err(NoEstimate::Unread)?;
+            self.searched(parts, estimator, &mut estimated).map_err(NoEstimate::Unread)?;
         }
-        Ok(found)
+        Ok(estimated)
     }
 
     /// The least-squares estimate of the data of `found`, and its intercepts.
-    pub fn least_squares(&self, found: &Estimated) -> Option<(Vec<f64>, [f64; 3])> {
-        let nominal = found.nominal.as_ref().map(|(theta, _)| theta.as_slice());
-        whole(&found.ls.fit(&self.options(nominal, Estimator::Ls)))
+    pub fn least_squares(&self, estimated: &Estimated) -> Option<(Vec<f64>, [f64; 3])> {
+        let nominal = estimated.nominal.as_ref().map(|(theta, _)| theta.as_slice());
+        whole(&estimated.ls.fit(&self.options(nominal, Estimator::Ls)))
     }
 
     /// The regression of a part, and the states of its instruments: simulated from the measured state with these
@@ -335,17 +335,17 @@ impl Pool<'_> {
         parts: &AnyParts,
         estimator: Estimator,
         (theta, intercepts): (Vec<f64>, [f64; 3]),
-        found: &mut Estimated,
+        estimated: &mut Estimated,
     ) -> Result<(), NoEstimate<Unread>> {
         let model = self.model.layout().woven(&theta, intercepts);
         let data = self.sums_any(parts, Some(&model), &mut |_, _| {})?;
         let degrees = data.fit(&self.options(Some(&theta), Estimator::Iv));
         for (d, degree) in degrees.into_iter().enumerate() {
             if degree.solution.is_some() || !(estimator == Estimator::Auto || estimator.searches()) {
-                (found.degrees[d], found.used[d]) = (degree, Estimator::Iv);
+                (estimated.degrees[d], estimated.used[d]) = (degree, Estimator::Iv);
             }
         }
-        (found.iv, found.instruments) = (Some(data), Some(model));
+        (estimated.iv, estimated.instruments) = (Some(data), Some(model));
         Ok(())
     }
 

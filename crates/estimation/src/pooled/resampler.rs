@@ -22,7 +22,7 @@ pub enum Resampling<'a> {
 /// and the index of the resample alone.
 pub(super) struct Resampler<'a> {
     pool: &'a Pool<'a>,
-    found: &'a Estimated,
+    estimated: &'a Estimated,
     parts: &'a AnyParts<'a>,
     streams: Streams,
     /// Sums part by part, for each estimator of a degree of freedom; empty if each resample is simulated.
@@ -34,14 +34,21 @@ impl<'a> Resampler<'a> {
     ///
     /// # Errors
     /// Parts that cannot be read.
-    pub fn new(pool: &'a Pool, found: &'a Estimated, parts: &'a AnyParts, seed: u64) -> Result<Self, Unread> {
+    pub fn new(
+        pool: &'a Pool,
+        estimated: &'a Estimated,
+        parts: &'a AnyParts,
+        seed: u64,
+    ) -> Result<Self, Unread> {
         let mut sums = Vec::new();
         for used in Estimator::ALL {
-            let by = |d: &usize| found.used[*d] == used && found.degrees[*d].solution.is_some();
+            let by = |d: &usize| estimated.used[*d] == used && estimated.degrees[*d].solution.is_some();
             let Some(d) = [0, 1, 2].into_iter().find(by) else { continue };
             let mut part_sums = Vec::new();
             if !used.searches() {
-                match pool.sums_any(parts, found.simulated(d), &mut |_, sums| part_sums.push(sums.clone())) {
+                match pool
+                    .sums_any(parts, estimated.simulated(d), &mut |_, sums| part_sums.push(sums.clone()))
+                {
                     Err(NoEstimate::Unread(e)) => return Err(e),
                     // Parts that diverge were refused before.
                     Err(NoEstimate::Lost(_)) => continue,
@@ -51,7 +58,7 @@ impl<'a> Resampler<'a> {
             sums.push((used, part_sums));
         }
         let streams = Streams::new(seed, "bootstrap over sub-experiments");
-        Ok(Self { pool, found, parts, streams, sums })
+        Ok(Self { pool, estimated, parts, streams, sums })
     }
 
     /// Resample `number`.
@@ -66,7 +73,7 @@ impl<'a> Resampler<'a> {
                 used if used.searches() => self.searched_again(&places)?,
                 _ => self.fitted(*used, &places.iter().map(|i| &sums[*i]).collect::<Vec<_>>()),
             };
-            for d in (0..3).filter(|d| self.found.used[*d] == *used) {
+            for d in (0..3).filter(|d| self.estimated.used[*d] == *used) {
                 theta[d] = thetas[d].take();
             }
         }
@@ -92,7 +99,7 @@ impl<'a> Resampler<'a> {
     }
 
     fn fitted(&self, used: Estimator, sums: &[&Sums]) -> [Option<Vec<f64>>; 3] {
-        let nominal = self.found.nominal.as_ref().map(|(theta, _)| theta.as_slice());
+        let nominal = self.estimated.nominal.as_ref().map(|(theta, _)| theta.as_slice());
         // Collinear resamples are accepted: their spread is the result.
         let options = Options { most: f64::INFINITY, ..self.pool.options(nominal, used) };
         fit(sums, &options).map(|degree| degree.solution.map(|solution| solution.theta))
@@ -100,7 +107,7 @@ impl<'a> Resampler<'a> {
 
     /// For a search: simulates or predicts the parts and fits again.
     fn searched_again(&self, places: &[usize]) -> Result<[Option<Vec<f64>>; 3], Unread> {
-        let thetas = self.pool.searched_again(self.parts, places, self.found)?;
+        let thetas = self.pool.searched_again(self.parts, places, self.estimated)?;
         Ok(thetas.map_or_else(Default::default, |thetas| thetas.map(Some)))
     }
 }

@@ -26,60 +26,60 @@ impl Pool<'_> {
         &self,
         parts: &AnyParts,
         estimator: Estimator,
-        found: &mut Estimated,
+        estimated: &mut Estimated,
     ) -> Result<(), Unread> {
-        let Some((theta, intercepts)) = found.theta() else { return Ok(()) };
+        let Some((theta, intercepts)) = estimated.theta() else { return Ok(()) };
         let intercepts = if self.additional.intercepts == Intercepts::None { [0.0; 3] } else { intercepts };
         let start = self.model.layout().woven(&theta, intercepts);
-        let mut deviations = found.means().deviations();
+        let mut deviations = estimated.means().deviations();
         parts.each(&mut |part| deviations.add(part.run.measured))?;
-        let std = deviations.found();
-        let sizes = self.sizes(found.least_squares_sums(), std);
+        let std = deviations.std();
+        let sizes = self.sizes(estimated.least_squares_sums(), std);
         let mut scales = Scales { std, sizes, follow: Follow::Simulated(self.unknown()) };
         let simulated = self.continued(parts, &start, &scales)?;
         let best = if estimator == Estimator::PredictionError {
             // A filter can follow motion that a simulation cannot.
-            let from = simulated.as_ref().map_or(&start, |found| &found.parameters);
+            let from = simulated.as_ref().map_or(&start, |searched| &searched.parameters);
             let predicted = self.predicted(parts, from, &scales)?;
             predicted.map(|(follow, best, noises)| {
-                (scales.follow, found.noises) = (follow, noises);
+                (scales.follow, estimated.noises) = (follow, noises);
                 best
             })
         } else {
             match simulated {
-                Some(found) if self.mostly_noise(parts, &found, std)? => {
+                Some(searched) if self.mostly_noise(parts, &searched, std)? => {
                     let unknown = Unknown { initial: InitialState::Estimated, ..self.unknown() };
                     scales.follow = Follow::Simulated(unknown);
-                    self.least_errors(parts, &found.parameters, &scales)?
+                    self.least_errors(parts, &searched.parameters, &scales)?
                 }
-                found => found,
+                searched => searched,
             }
         };
         let Some(best) = best else {
             let recordings = self.diverging(parts, &start)?;
-            found.unfound = Some(Unfound { estimator, recordings });
+            estimated.unfound = Some(Unfound { estimator, recordings });
             let none = || DegreeFit { status: Status::Unfound, solution: None };
-            found.degrees = [none(), none(), none()];
+            estimated.degrees = [none(), none(), none()];
             return Ok(());
         };
         for (d, (theta, intercept)) in self.split(&best.parameters).into_iter().enumerate() {
             let model = &self.vessel.model.degrees[d];
             if theta.iter().enumerate().all(|(i, value)| model.at_bound(i, *value)) {
-                found.degrees[d] = DegreeFit { status: Status::Bounded, solution: None };
+                estimated.degrees[d] = DegreeFit { status: Status::Bounded, solution: None };
             }
-            if let Some(solution) = &mut found.degrees[d].solution {
+            if let Some(solution) = &mut estimated.degrees[d].solution {
                 (solution.theta, solution.intercept) = (theta, intercept);
             }
-            found.used[d] = estimator;
+            estimated.used[d] = estimator;
         }
-        found.searched = Some((best, scales));
+        estimated.searched = Some((best, scales));
         Ok(())
     }
 
     /// Whether sensor noise is a large share of the errors of free simulations of `found`: then the first sample of a
     /// part is as noisy as any other, and its start is an additional unknown. Noise is estimated from third
     /// differences, to which smooth motion adds little.
-    fn mostly_noise(&self, parts: &AnyParts, found: &Searched, std: [f64; 3]) -> Result<bool, Unread> {
+    fn mostly_noise(&self, parts: &AnyParts, simulated: &Searched, std: [f64; 3]) -> Result<bool, Unread> {
         let (mut noise, mut counted, mut samples) = (0.0, 0_u64, 0);
         parts.each(&mut |part| {
             let rows = part.run.measured.as_chunks::<3>().0;
@@ -92,7 +92,7 @@ impl Pool<'_> {
             }
             samples += part.run.samples();
         })?;
-        Ok(noise * samples as f64 > NOISY * found.squares * counted as f64)
+        Ok(noise * samples as f64 > NOISY * simulated.squares * counted as f64)
     }
 
     /// Minimises the errors of predictions by filters for the noise and drifting current that make the first parts
@@ -118,8 +118,8 @@ impl Pool<'_> {
         };
         let follow = Follow::Predicted(noise.levels, noise.parameters.clone());
         let scales = Scales { follow, std: scales.std, sizes: scales.sizes.clone() };
-        let found = self.least_errors(parts, &noise.parameters, &scales)?;
-        Ok(found.map(|found| (scales.follow, found, noise.kinds)))
+        let searched = self.least_errors(parts, &noise.parameters, &scales)?;
+        Ok(searched.map(|best| (scales.follow, best, noise.kinds)))
     }
 
     /// The estimate of a search from the parts at `drawn`, started at that from all: θ̂ of surge, sway and yaw.
@@ -130,9 +130,9 @@ impl Pool<'_> {
         &self,
         parts: &AnyParts,
         drawn: &[usize],
-        found: &Estimated,
+        estimated: &Estimated,
     ) -> Result<Option<[Vec<f64>; 3]>, Unread> {
-        let Some((all, scales)) = &found.searched else { return Ok(None) };
+        let Some((all, scales)) = &estimated.searched else { return Ok(None) };
         let best = self.least_errors(&Drawn { parts, places: drawn }, &all.parameters, scales)?;
         Ok(best.map(|best| self.split(&best.parameters).map(|(theta, _)| theta)))
     }
@@ -175,15 +175,15 @@ impl Pool<'_> {
         start: &[f64],
         scales: &Scales,
     ) -> Result<Option<Searched>, Unread> {
-        if let Some(found) = self.least_errors(parts, start, scales)? {
-            return Ok(Some(found));
+        if let Some(searched) = self.least_errors(parts, start, scales)? {
+            return Ok(Some(searched));
         }
         for share in DAMPED {
             let damped = |(value, size): (&f64, &f64)| if *size > 0.0 { share * value } else { *value };
             let from: Vec<f64> = start.iter().zip(&scales.sizes).map(damped).collect();
-            let found = self.through_windows(parts, from, scales)?;
-            if found.as_ref().is_some_and(|found| found.converged) {
-                return Ok(found);
+            let searched = self.through_windows(parts, from, scales)?;
+            if searched.as_ref().is_some_and(|searched| searched.converged) {
+                return Ok(searched);
             }
         }
         Ok(None)
@@ -199,8 +199,8 @@ impl Pool<'_> {
         let lengths = std::iter::successors(Some(SHORTEST), |length| Some(2 * length));
         for length in lengths.take_while(|length| *length < longest) {
             let windows = Windowed::new(parts, length);
-            if let Some(found) = self.least_errors(&windows, &at, scales)? {
-                at = found.parameters;
+            if let Some(searched) = self.least_errors(&windows, &at, scales)? {
+                at = searched.parameters;
             }
         }
         self.least_errors(parts, &at, scales)

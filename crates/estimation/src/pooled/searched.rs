@@ -88,8 +88,8 @@ pub fn least_errors<P: Parts>(
     follow: &Follow,
 ) -> Result<Option<Searched>, P::Error> {
     let faults = Faults::default();
-    let found = least_errors_any(model, &faults.erased(parts), start, std, sizes, follow);
-    found.map_err(|unread| faults.take(unread))
+    let searched = least_errors_any(model, &faults.erased(parts), start, std, sizes, follow);
+    searched.map_err(|unread| faults.take(unread))
 }
 
 /// See [`least_errors`].
@@ -108,18 +108,18 @@ pub(super) fn least_errors_any(
     let asked = Question { model, held: start.to_vec(), free, weights, follow };
     let weights = asked.weighting();
     let mut problem = Problem { asked, parts, order, ambient };
-    let found = minimize(&mut problem, vec![Weighting::Fixed(weights)], vec![from], STEPS)?.pop();
-    let Some(found) = found.filter(|found| matches!(found.status, Ended::Converged | Ended::Stalled)) else {
+    let minima = minimize(&mut problem, vec![Weighting::Fixed(weights)], vec![from], STEPS)?.pop();
+    let Some(minimum) = minima.filter(|end| matches!(end.status, Ended::Converged | Ended::Stalled)) else {
         return Ok(None);
     };
-    Ok(problem.spread(&found)?.map(|Spread { covariance, effective_parts, currents }| Searched {
+    Ok(problem.spread(&minimum)?.map(|Spread { covariance, effective_parts, currents }| Searched {
         covariance,
         effective_parts,
         currents,
-        squares: (0..3).map(|d| weights[d] * found.linear.squares[d]).sum(),
-        parameters: problem.asked.whole(&found.point),
-        steps: found.steps,
-        converged: found.status == Ended::Converged,
+        squares: (0..3).map(|d| weights[d] * minimum.linear.squares[d]).sum(),
+        parameters: problem.asked.whole(&minimum.point),
+        steps: minimum.steps,
+        converged: minimum.status == Ended::Converged,
     }))
 }
 
@@ -179,7 +179,7 @@ impl Question<'_> {
         let settled = |(i, parts): (usize, &[Part])| {
             let group = SideBySide::of(&parts.iter().map(Part::view).collect::<Vec<_>>());
             let recordings = Recordings::of(self.model, &group);
-            let mut found: Vec<Settled> = match self.unknown() {
+            let mut settled: Vec<Settled> = match self.unknown() {
                 None => self.linears(&recordings, whole).into_iter().map(Settled::from).collect(),
                 Some(unknown) => {
                     let starts = &ambient[i * LANES..][..parts.len()];
@@ -187,8 +187,8 @@ impl Question<'_> {
                     ambient.settled(&self.free, starts, spread)
                 }
             };
-            found.truncate(group.runs);
-            found
+            settled.truncate(group.runs);
+            settled
         };
         parts.par_chunks(LANES).enumerate().flat_map_iter(settled).collect()
     }
@@ -229,19 +229,19 @@ impl Problem<'_> {
     }
 
     /// The covariance of all parameters, the effective number of parts for each, and the currents of the parts.
-    fn spread(&self, found: &Minimum) -> Result<Option<Spread>, Unread> {
+    fn spread(&self, minimum: &Minimum) -> Result<Option<Spread>, Unread> {
         let weights = self.asked.weighting();
-        let Ok(inverse) = found.inverse(weights) else { return Ok(None) };
+        let Ok(inverse) = minimum.inverse(weights) else { return Ok(None) };
         let places = &self.asked.free;
         let (all, free, parts) = (self.asked.held.len(), places.len(), self.parts.count() as f64);
         let (mut covariance, mut shares) = (vec![0.0; all * all], vec![[0.0; 2]; all]);
         let mut settled = Vec::new();
-        self.each(&found.point, true, &mut |settled_part| {
+        self.each(&minimum.point, true, &mut |settled_part| {
             let (normal, gradient) = settled_part.linear.weighted(weights);
             // Without a part that alone determines a parameter there is no estimate: it is treated as hardly
             // informative.
             let moved =
-                found.without(&settled_part.linear, weights).unwrap_or_else(|_| times(&inverse, &gradient));
+                minimum.without(&settled_part.linear, weights).unwrap_or_else(|_| times(&inverse, &gradient));
             for (i, (row, a)) in places.iter().zip(&moved).enumerate() {
                 for (column, b) in places.iter().zip(&moved) {
                     covariance[row * all + column] += (parts - 1.0) / parts * a * b;
@@ -257,8 +257,8 @@ impl Problem<'_> {
             currents.resize(settled.len(), [[0.0; 2]; 2]);
             let pairs = places.iter().flat_map(|i| places.iter().map(move |j| i * all + j));
             let of_parameters: Vec<f64> = pairs.map(|k| covariance[k]).collect();
-            let found = self.order.iter().zip(&settled);
-            found.for_each(|(place, settled)| currents[*place] = settled.current(&of_parameters));
+            let ordered = self.order.iter().zip(&settled);
+            ordered.for_each(|(place, settled)| currents[*place] = settled.current(&of_parameters));
         }
         Ok(Some(Spread { covariance, effective_parts: shares.into_iter().map(alike).collect(), currents }))
     }
@@ -366,9 +366,9 @@ impl Residuals for Ambient<'_> {
         let request_of = |lane: usize| asked.iter().find(|request| request.problem == lane).or(asked.first());
         let points: Vec<&[f64]> =
             (0..LANES).filter_map(request_of).map(|request| request.point.as_slice()).collect();
-        let found = self.linears(&points, &self.places);
+        let linears = self.linears(&points, &self.places);
         let wanted = |lane: &usize| asked.iter().any(|request| request.problem == *lane);
-        Ok((0..LANES).zip(found).filter(|(lane, _)| wanted(lane)).map(|(_, linear)| linear).collect())
+        Ok((0..LANES).zip(linears).filter(|(lane, _)| wanted(lane)).map(|(_, linear)| linear).collect())
     }
 }
 

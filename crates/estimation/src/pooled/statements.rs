@@ -200,9 +200,10 @@ const NOMINAL: f64 = 3.0;
 
 /// Estimates on the other side of zero than their `nominal` values, in words; `found` are those of the parameters of `model`
 /// with their standard errors, where both are known.
-pub fn against_nominal(model: &Model, nominal: &[f64], found: &[Option<[f64; 2]>]) -> Option<String> {
-    let parameters = model.parameter_names().zip(nominal).zip(found).enumerate();
-    let known = parameters.filter_map(|(i, ((name, nominal), found))| Some((i, name, *nominal, (*found)?)));
+pub fn against_nominal(model: &Model, nominal: &[f64], estimates: &[Option<[f64; 2]>]) -> Option<String> {
+    let parameters = model.parameter_names().zip(nominal).zip(estimates).enumerate();
+    let known =
+        parameters.filter_map(|(i, ((name, nominal), estimate))| Some((i, name, *nominal, (*estimate)?)));
     let counted: Vec<_> = known
         .filter(|(.., nominal, [estimate, error])| {
             *error > 0.0 && estimate.abs() > FAR * error && nominal.abs() > NOMINAL * error

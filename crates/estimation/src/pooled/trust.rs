@@ -143,7 +143,7 @@ pub struct SourceErrors {
 /// The data for judging an estimate.
 pub(super) struct Judge<'a> {
     pub pool: &'a Pool<'a>,
-    pub found: &'a Estimated,
+    pub estimated: &'a Estimated,
     pub parts: &'a AnyParts<'a>,
     pub judgement: &'a Judgement,
     pub resampling: Resampling<'a>,
@@ -177,38 +177,39 @@ impl Judge<'_> {
     /// Parts that cannot be read.
     pub(super) fn degrees(&self) -> Result<Vec<DegreeTrust>, Unread> {
         let mut accounts =
-            DegreeOfFreedom::ALL.map(|d| Account::new(self.found, d as usize, self.bandwidth()));
-        let mut fit = InstrumentFit::new(self.found);
+            DegreeOfFreedom::ALL.map(|d| Account::new(self.estimated, d as usize, self.bandwidth()));
+        let mut fit = InstrumentFit::new(self.estimated);
         let mut i = 0;
         self.parts.each(&mut |part| {
             self.account(i, &part, &mut accounts, &mut fit);
             i += 1;
         })?;
-        let (fits, mut degrees) = (fit.found(), Vec::new());
+        let (fits, mut degrees) = (fit.percent(), Vec::new());
         let (resamples, layout) = (self.resamples()?, self.pool.vessel.model.layout());
         for (d, account) in DegreeOfFreedom::ALL.into_iter().zip(accounts) {
             let bootstrap = Bootstrap::of_resamples(&resamples, &layout.terms(d as usize));
             let places = self.pool.model.layout().terms(d as usize);
-            let mut degree = account.closed(self.found, places, fits.map(|fits| fits[d as usize]), bootstrap);
+            let mut degree =
+                account.closed(self.estimated, places, fits.map(|fits| fits[d as usize]), bootstrap);
             // Errors of a search compare parts.
             degree.covariance = degree
                 .covariance
-                .filter(|_| self.parts.count() > 1 || !self.found.used[d as usize].searches());
-            let fit = &self.found.degrees[d as usize];
-            degrees.push(judged(self.pool, d, fit, self.found.used[d as usize], &degree));
+                .filter(|_| self.parts.count() > 1 || !self.estimated.used[d as usize].searches());
+            let fit = &self.estimated.degrees[d as usize];
+            degrees.push(judged(self.pool, d, fit, self.estimated.used[d as usize], &degree));
         }
         Ok(degrees)
     }
 
     /// Adds a part to the accounts of all degrees of freedom.
     fn account(&self, i: usize, part: &PartView, accounts: &mut [Account; 3], fit: &mut InstrumentFit) {
-        let instruments = self.found.instruments.as_deref();
+        let instruments = self.estimated.instruments.as_deref();
         // Parts that diverge were refused before.
         let simulated = instruments.and_then(|model| self.pool.regression(part, Some(model)).ok());
         if let Some((_, states)) = &simulated {
             fit.add(states, part.run.measured);
         }
-        let by = |account: &&mut Account| self.found.simulated(account.d).is_some();
+        let by = |account: &&mut Account| self.estimated.simulated(account.d).is_some();
         let (instrumented, others): (Vec<_>, Vec<_>) = accounts.iter_mut().partition(by);
         if let Some((regression, _)) = simulated {
             instrumented.into_iter().for_each(|account| account.add(i, &regression));
@@ -226,7 +227,7 @@ impl Judge<'_> {
             Resampling::Given(resamples) => Ok(Cow::Borrowed(resamples)),
             Resampling::Drawn(_) if replicates == 0 => Ok(Cow::Borrowed(&[])),
             Resampling::Drawn(done) => {
-                let resampler = Resampler::new(self.pool, self.found, self.parts, seed)?;
+                let resampler = Resampler::new(self.pool, self.estimated, self.parts, seed)?;
                 Ok(Cow::Owned(resampler.first(replicates, done)?))
             }
         }
@@ -237,7 +238,7 @@ impl Judge<'_> {
     /// # Errors
     /// Runs that cannot be read.
     pub(super) fn sources(&self, runs: &dyn AnyRuns) -> Result<Vec<SourceErrors>, Unread> {
-        let model = self.found.parameters(&self.pool.model);
+        let model = self.estimated.parameters(&self.pool.model);
         let mut sources = Vec::with_capacity(runs.sources());
         runs.each_source(&mut |source, windows| {
             sources.push(self.source(source, &windows, model.as_deref()))
@@ -337,11 +338,11 @@ struct Account<'a> {
 }
 
 impl<'a> Account<'a> {
-    fn new(found: &'a Estimated, d: usize, bandwidth: usize) -> Self {
-        let (sums, solution) = (found.data(d), found.degrees[d].solution.as_ref());
+    fn new(estimated: &'a Estimated, d: usize, bandwidth: usize) -> Self {
+        let (sums, solution) = (estimated.data(d), estimated.degrees[d].solution.as_ref());
         let p = sums.total().degrees[d].parameters();
         // An estimate of a search has a covariance of its own.
-        let searches = found.searched.is_some() && found.used[d].searches();
+        let searches = estimated.searched.is_some() && estimated.used[d].searches();
         Self {
             d,
             centring: sums.centring(),
@@ -372,13 +373,13 @@ impl<'a> Account<'a> {
     /// The result over all parts for the parameters at `places` of the model with intercepts.
     fn closed(
         self,
-        found: &Estimated,
+        estimated: &Estimated,
         places: Range<usize>,
         instrument_fit: Option<f64>,
         bootstrap: Option<Bootstrap>,
     ) -> Degree {
         let (d, centring) = (self.d, self.centring);
-        let searched = || found.searched.as_ref().map(|(searched, _)| searched.covariance_of(places));
+        let searched = || estimated.searched.as_ref().map(|(searched, _)| searched.covariance_of(places));
         let covariance = self.solution.and_then(|solution| match self.meat {
             Some(meat) => Some(meat.covariance(&centring, solution, d)),
             None => searched(),
@@ -388,7 +389,7 @@ impl<'a> Account<'a> {
             whiteness: self.solution.map(|_| self.tests.whiteness()),
             crossed: self.solution.and_then(|_| self.tests.strongest()),
             strength: self.strength.partial(),
-            diagnosis: found.data(d).diagnose(d),
+            diagnosis: estimated.data(d).diagnose(d),
             instrument_fit,
             bootstrap,
         }
@@ -416,8 +417,8 @@ pub struct InstrumentFit {
 
 impl InstrumentFit {
     /// The fit over the parts that `found` was estimated from.
-    pub fn new(found: &Estimated) -> Self {
-        Self::from_deviations(found.means().deviations())
+    pub fn new(estimated: &Estimated) -> Self {
+        Self::from_deviations(estimated.means().deviations())
     }
 
     /// The fit over parts with these `measured` states.
@@ -441,8 +442,8 @@ impl InstrumentFit {
     }
 
     /// 100 (1 − RMSE/std) \[%\]; `None` if a state does not vary, and without instruments.
-    pub fn found(&self) -> Option<[f64; 3]> {
-        let std = self.deviations.found();
+    pub fn percent(&self) -> Option<[f64; 3]> {
+        let std = self.deviations.std();
         let fits = [0, 1, 2].map(|d: usize| 100.0 * (1.0 - (self.squares[d] / self.samples).sqrt() / std[d]));
         fits.iter().all(|f| f.is_finite()).then_some(fits)
     }

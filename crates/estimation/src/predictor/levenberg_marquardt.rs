@@ -90,9 +90,9 @@ impl Minimum {
     /// Takes the linearised problem at the point; returns whether that is a minimum.
     pub(crate) fn look(&mut self, linear: Linear, weighting: Weighting) -> bool {
         let looked = Progress::new(weighting, Vec::new(), std::mem::take(&mut self.point), linear);
-        let found = looked.ended == Some(Ended::Converged);
+        let is_minimum = looked.ended == Some(Ended::Converged);
         (self.point, self.linear, self.unseen) = (looked.point, looked.linear, false);
-        found
+        is_minimum
     }
 
     /// The inverse of the normal matrix of the free unknowns, with zero rows and columns for held ones, or an unknown

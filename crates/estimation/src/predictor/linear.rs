@@ -183,7 +183,7 @@ pub(crate) fn blocks<const N: usize>(
 ) -> Vec<Vec<Linear>> {
     let (rows, columns) = (recordings.longest() + 1, free.len() + 1);
     let new = || [0; 3].map(|_| Products::<Lane>::new(columns));
-    let (mut products, mut found) = (new(), Vec::new());
+    let (mut products, mut blocks) = (new(), Vec::new());
     sweep(
         recordings,
         unknowns,
@@ -203,11 +203,11 @@ pub(crate) fn blocks<const N: usize>(
             products.iter_mut().for_each(Products::advance);
             if (step.k + 1) * BLOCKS / rows > step.k * BLOCKS / rows {
                 let full = std::mem::replace(&mut products, new());
-                found.push(linears(full, recordings, from_start));
+                blocks.push(linears(full, recordings, from_start));
             }
         },
     );
-    found
+    blocks
 }
 
 /// The contribution of `levels` to the covariance of Σ sᵀWe in addition to measurement noise, to first order about

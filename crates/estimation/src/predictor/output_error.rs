@@ -44,15 +44,15 @@ pub fn output_error(
     let others = searches.open().flat_map(|run| (1..attempts).filter_map(move |i| likely(run, i)));
     let easier = searches.open().flat_map(|run| (0..attempts).filter_map(move |i| eased(run, i)));
     let (others, easier): (Vec<Try>, Vec<Try>) = (others.collect(), easier.collect());
-    let mut found = searches.minima(others.iter().chain(&easier), STEPS);
-    let begun = found.split_off(others.len());
-    searches.keep(&others, found);
+    let mut minima = searches.minima(others.iter().chain(&easier), STEPS);
+    let begun = minima.split_off(others.len());
+    searches.keep(&others, minima);
     let open: Vec<usize> = searches.open().collect();
     let begun = easier.iter().zip(begun).filter(|(start, _)| open.contains(&start.run));
     let after: Vec<Try> =
         begun.map(|(start, at)| Try { run: start.run, weights: Likelihood, point: at.point }).collect();
-    let found = searches.minima(after.iter(), STEPS);
-    searches.keep(&after, found);
+    let minima = searches.minima(after.iter(), STEPS);
+    searches.keep(&after, minima);
     let fits = searches.fits(spread);
     WORKSPACE.set(searches.workspace);
     fits
@@ -97,17 +97,17 @@ impl Searches<'_> {
     /// Searches again for the runs without a minimum, from `start`, which is given the best result so far.
     fn attempt(&mut self, steps: usize, start: impl Fn(usize, Option<&Minimum>) -> Option<Try>) {
         let tries: Vec<Try> = self.open().filter_map(|run| start(run, self.best[run].as_ref())).collect();
-        let found = self.minima(tries.iter(), steps);
-        self.keep(&tries, found);
+        let minima = self.minima(tries.iter(), steps);
+        self.keep(&tries, minima);
     }
 
     /// Keeps the better of the new and the previous result.
-    fn keep(&mut self, tries: &[Try], found: Vec<Minimum>) {
-        for (start, found) in tries.iter().zip(found) {
+    fn keep(&mut self, tries: &[Try], minima: Vec<Minimum>) {
+        for (start, minimum) in tries.iter().zip(minima) {
             let best = &mut self.best[start.run];
             *best = Some(match best.take() {
-                Some(before) => better(before, found),
-                None => found,
+                Some(before) => better(before, minimum),
+                None => minimum,
             });
         }
     }
@@ -116,7 +116,7 @@ impl Searches<'_> {
     fn minima<'t>(&mut self, tries: impl Iterator<Item = &'t Try>, steps: usize) -> Vec<Minimum> {
         let tries: Vec<&Try> = tries.collect();
         let runs: Vec<RunView> = tries.iter().map(|start| self.runs[start.run]).collect();
-        let mut found = BTreeMap::new();
+        let mut by_try = BTreeMap::new();
         for together in of_one_length(&runs, 0..runs.len(), TOGETHER) {
             let workspace = std::mem::take(&mut self.workspace);
             let mut search =
@@ -131,9 +131,9 @@ impl Searches<'_> {
             let weighting = together.iter().map(|i| weighting(&runs[*i], tries[*i].weights)).collect();
             let Ok(minima) = minimize(&mut search, weighting, starts, steps);
             self.workspace = search.workspace;
-            found.extend(together.into_iter().zip(minima));
+            by_try.extend(together.into_iter().zip(minima));
         }
-        found.into_values().collect()
+        by_try.into_values().collect()
     }
 
     /// The outcomes of the runs. Minima that only slopes indicate are verified here, in lanes; those that are not
@@ -151,9 +151,9 @@ impl Searches<'_> {
         };
         let tries: Vec<Try> = missed.iter().filter_map(from).collect();
         self.exactly = true;
-        for (start, mut found) in tries.iter().zip(self.minima(tries.iter(), STEPS)) {
-            found.steps += self.best[start.run].as_ref().map_or(0, |before| before.steps);
-            self.best[start.run] = Some(found);
+        for (start, mut minimum) in tries.iter().zip(self.minima(tries.iter(), STEPS)) {
+            minimum.steps += self.best[start.run].as_ref().map_or(0, |before| before.steps);
+            self.best[start.run] = Some(minimum);
         }
         self.fit(missed, spread, &mut fits);
         fits
@@ -167,16 +167,16 @@ impl Searches<'_> {
         for (group, runs) in groups(self.runs, searched.into_iter()) {
             let recordings = Recordings::of(self.model, &runs);
             let free = self.unknown.free(self.model);
-            let mut found: Vec<Minimum> = group.iter().filter_map(|run| self.best[*run].take()).collect();
-            let points: Vec<&Vec<f64>> = found.iter().map(|minimum| &minimum.point).collect();
+            let mut minima: Vec<Minimum> = group.iter().filter_map(|run| self.best[*run].take()).collect();
+            let points: Vec<&Vec<f64>> = minima.iter().map(|minimum| &minimum.point).collect();
             let unknowns = side_by_side(&points, &free, recordings.unknowns());
             let problem = Simulations { recordings, unknowns, free, unknown: self.unknown };
             let weighting: Vec<Weighting> =
                 group.iter().map(|run| weighting(&self.runs[*run], Likelihood)).collect();
-            if !found.iter().any(|minimum| minimum.unseen) {
+            if !minima.iter().any(|minimum| minimum.unseen) {
                 problem.follow(spread, &mut kept);
             } else {
-                let each = group.iter().zip(&mut found).zip(&weighting).zip(problem.look(spread, &mut kept));
+                let each = group.iter().zip(&mut minima).zip(&weighting).zip(problem.look(spread, &mut kept));
                 for (((run, minimum), weighting), linear) in
                     each.filter(|(((_, minimum), _), _)| minimum.unseen)
                 {
@@ -185,8 +185,8 @@ impl Searches<'_> {
                     }
                 }
             }
-            let errors = problem.standard_errors(&group, &found, &weighting, spread, &kept);
-            for ((run, minimum), errors) in group.into_iter().zip(found).zip(errors) {
+            let errors = problem.standard_errors(&group, &minima, &weighting, spread, &kept);
+            for ((run, minimum), errors) in group.into_iter().zip(minima).zip(errors) {
                 fits[run] = fit(&problem.recordings, &minimum, errors, self.unknown);
                 self.best[run] = Some(minimum);
             }
@@ -317,7 +317,7 @@ impl<'a> Search<'a> {
         let (model, free) = (self.model, self.free.clone());
         let by_run: BTreeMap<usize, &Asked> =
             asked.iter().map(|request| (request.problem, request)).collect();
-        let mut found = BTreeMap::new();
+        let mut results = BTreeMap::new();
         for Packed { runs, data } in self.packed(asked) {
             let Some(any) = runs.iter().find_map(|run| by_run.get(run)) else { continue };
             let recordings = Recordings::of(model, data);
@@ -326,10 +326,10 @@ impl<'a> Search<'a> {
             let points: Vec<&[f64]> = requests.iter().map(|request| request.point.as_slice()).collect();
             let unknowns = side_by_side(&points, &free, recordings.unknowns());
             let looked = look(&recordings, &unknowns, &requests);
-            found.extend(runs.iter().copied().zip(looked).filter(|(run, _)| by_run.contains_key(run)));
+            results.extend(runs.iter().copied().zip(looked).filter(|(run, _)| by_run.contains_key(run)));
         }
         // Requests are in ascending order of problems, as is the map.
-        found.into_values().collect()
+        results.into_values().collect()
     }
 }
 
@@ -363,7 +363,7 @@ impl Residuals for Search<'_> {
     fn slopes(&mut self, asked: &[Asked]) -> Vec<Slopes> {
         let (unknown, free) = (self.unknown, self.free.clone());
         let mut path = std::mem::take(&mut self.workspace.path);
-        let found = self.each(asked, |recordings, unknowns, lanes| {
+        let slopes = self.each(asked, |recordings, unknowns, lanes| {
             let samples = recordings.samples[0] + usize::from(unknown.start_counts());
             let weights = |lane: usize, squares| {
                 let weighting = lanes.get(lane).or(lanes.first()).map(|request| request.weighting);
@@ -372,7 +372,7 @@ impl Residuals for Search<'_> {
             unknown.slopes(recordings, unknowns, &free, weights, &mut path)
         });
         self.workspace.path = path;
-        found
+        slopes
     }
 
     fn bounds(&self) -> Vec<[f64; 2]> {
@@ -409,12 +409,12 @@ impl Simulations<'_> {
     fn standard_errors(
         &self,
         group: &[usize],
-        found: &[Minimum],
+        minima: &[Minimum],
         weighting: &[Weighting],
         spread: Spread,
         kept: &Sensitivities<Lane>,
     ) -> Vec<Option<Errors>> {
-        let pairs = found.iter().zip(weighting);
+        let pairs = minima.iter().zip(weighting);
         let weights: Vec<[f64; 3]> = pairs
             .map(|(minimum, weighting)| weighting.weights(minimum.linear.squares, minimum.linear.samples))
             .collect();
@@ -458,7 +458,7 @@ impl Simulations<'_> {
             }
             Spread::Found(_) => None,
         };
-        found.iter().enumerate().map(errors).collect()
+        minima.iter().enumerate().map(errors).collect()
     }
 
     /// The contribution of `levels` to the covariance of the scores, by lane, see [`disturbed_scores`].

@@ -39,8 +39,8 @@ pub fn prediction_error(
         let at =
             |run: usize, i: usize| starts[run].get(i).or(starts[run].last()).cloned().unwrap_or_default();
         let starts: Vec<_> = (0..attempts).map(|i| by_lane(group.len(), |run| at(group[run], i))).collect();
-        let found = with_states!(levels, rounds(recordings, &starts, initial, levels));
-        group.iter().zip(found).for_each(|(run, fit)| fits[*run] = fit);
+        let of_group = with_states!(levels, rounds(recordings, &starts, initial, levels));
+        group.iter().zip(of_group).for_each(|(run, fit)| fits[*run] = fit);
     }
     fits
 }
@@ -69,8 +69,8 @@ pub(crate) fn errors_by_blocks(
     let recordings = &Recordings::of(model, &alike);
     let unknowns: Vec<Lane> = theta.iter().copied().chain([0.0; 3]).map(Lane::splat).collect();
     let known = initial == InitialState::Known;
-    let found = with_states!(levels, of_blocks(recordings, &unknowns, levels, known));
-    let blocks: Vec<&Linear> = found.iter().filter_map(|block| block.first()).collect();
+    let all_blocks = with_states!(levels, of_blocks(recordings, &unknowns, levels, known));
+    let blocks: Vec<&Linear> = all_blocks.iter().filter_map(|block| block.first()).collect();
     let mut whole = (*blocks.first()?).clone();
     blocks[1..].iter().for_each(|block| whole.add(block));
     let (whole, _) = whole.weighted([1.0; 3]);
@@ -112,9 +112,9 @@ impl<const N: usize> Residuals for Predictions<'_, N> {
         let points: Vec<&[f64]> =
             (0..LANES).filter_map(request_of).map(|request| request.point.as_slice()).collect();
         let unknowns = side_by_side(&points, &self.free, self.recordings.unknowns());
-        let found = linearize(self.recordings, &unknowns, &self.free, Some(self.levels), &self.gains, true);
+        let linears = linearize(self.recordings, &unknowns, &self.free, Some(self.levels), &self.gains, true);
         let wanted = |lane: &usize| asked.iter().any(|request| request.problem == *lane);
-        Ok((0..LANES).zip(found).filter(|(lane, _)| wanted(lane)).map(|(_, linear)| linear).collect())
+        Ok((0..LANES).zip(linears).filter(|(lane, _)| wanted(lane)).map(|(_, linear)| linear).collect())
     }
 
     fn bounds(&self) -> Vec<[f64; 2]> {
@@ -134,13 +134,13 @@ fn rounds<const N: usize>(
     for starts in starts {
         if best.is_empty() || best.iter().any(|b| b.status != Ended::Converged) {
             let point = |lane: usize| match best.get(lane).filter(|b| b.status == Ended::Converged) {
-                Some(found) => found.point.clone(),
+                Some(converged) => converged.point.clone(),
                 None => starts[lane].clone(),
             };
-            let found = round::<N>(recordings, std::array::from_fn(point), &free, levels, known);
+            let minima = round::<N>(recordings, std::array::from_fn(point), &free, levels, known);
             best = match best.is_empty() {
-                true => found,
-                false => best.into_iter().zip(found).map(|(a, b)| better(a, b)).collect(),
+                true => minima,
+                false => best.into_iter().zip(minima).map(|(a, b)| better(a, b)).collect(),
             };
         }
     }

@@ -59,7 +59,7 @@ impl Forward {
     /// log|det| of the information of one of its `samples`, on average; `None` if that is singular.
     pub fn log_det(&self, samples: u64) -> Option<f64> {
         let mut mean: Vec<f64> = self.information.iter().map(|f| f / samples as f64).collect();
-        numerics::log_det(self.information.len().isqrt(), &mut mean).map(|found| found.log_abs)
+        numerics::log_det(self.information.len().isqrt(), &mut mean).map(|log_det| log_det.log_abs)
     }
 
     /// −log of the criterion of one of its `samples`, by which designs are compared.
@@ -76,26 +76,26 @@ impl TraceCriterion<'_> {
         let run = Recordings::simulated(&model, self.initial, exogenous);
         let mut adjoints = Vec::new();
         let keep = |columns: &[[Lane; 3]]| adjoints.extend_from_slice(columns);
-        let mut found = RunInformation::by(&run, &parameters, &self.noise, Sensitivities::default(), keep);
-        let states = std::mem::take(&mut found.path.states);
+        let mut sums = RunInformation::by(&run, &parameters, &self.noise, Sensitivities::default(), keep);
+        let states = std::mem::take(&mut sums.path.states);
         if check_diverged(states.iter().copied()).is_some() {
             return None;
         }
         let n = parameters.len();
-        let inverse = inverse(n, &found.information)?;
-        let meat = found.meat();
+        let inverse = inverse(n, &sums.information)?;
+        let meat = sums.meat();
         let layout = model.layout();
         let counted = layout.woven(self.weights, [0.0; 3]);
         let trace = |variances: &[f64]| counted.iter().zip(variances).map(|(g, v)| g * v).sum::<f64>();
         let all = sandwich(n, &inverse, &meat);
-        let (value, measurement_value) = (trace(&all), trace(&sandwich(n, &inverse, &found.measurement)));
+        let (value, measurement_value) = (trace(&all), trace(&sandwich(n, &inverse, &sums.measurement)));
         (value.is_finite() && value > 0.0).then(|| Forward {
             states,
             value,
             measurement_value,
             variances: layout.theta(&all),
-            information: found.information,
-            path: found.path,
+            information: sums.information,
+            path: sums.path,
             adjoints,
             meat,
             inverse,

@@ -48,8 +48,8 @@ impl Everything {
     /// The result of an estimator on the first run.
     fn first(&self, estimator: Estimator) -> Option<&Found> {
         match estimator {
-            Estimator::Ls => self.ls.first().map(|regressed| &regressed.found),
-            Estimator::Iv | Estimator::Auto => self.iv.first().map(|regressed| &regressed.found),
+            Estimator::Ls => self.ls.first().map(|regressed| &regressed.outcome),
+            Estimator::Iv | Estimator::Auto => self.iv.first().map(|regressed| &regressed.outcome),
             Estimator::OutputError => self.simulated.first(),
             Estimator::PredictionError => self.predicted.first(),
         }
@@ -62,18 +62,18 @@ impl Everything {
         estimator: Estimator,
         runs: &[Run],
     ) -> Vec<(RunEstimate, Option<&'f [f64]>)> {
-        let rows = |found: &mut dyn Iterator<Item = &'f Found>, excited: &[Regressed]| {
-            let each = found.zip(excited).zip(runs);
-            let row = |((found, excited), run): ((&'f Found, &Regressed), &Run)| {
-                let row = all.estimate(estimator, run, found, excited);
-                let covariance = found.covariance.as_deref().filter(|_| row.estimate.is_some());
+        let rows = |outcomes: &mut dyn Iterator<Item = &'f Found>, excited: &[Regressed]| {
+            let each = outcomes.zip(excited).zip(runs);
+            let row = |((outcome, excited), run): ((&'f Found, &Regressed), &Run)| {
+                let row = all.estimate(estimator, run, outcome, excited);
+                let covariance = outcome.covariance.as_deref().filter(|_| row.estimate.is_some());
                 (row, covariance)
             };
             each.map(row).collect()
         };
         match estimator {
-            Estimator::Ls => rows(&mut self.ls.iter().map(|r| &r.found), &self.ls),
-            Estimator::Iv | Estimator::Auto => rows(&mut self.iv.iter().map(|r| &r.found), &self.iv),
+            Estimator::Ls => rows(&mut self.ls.iter().map(|r| &r.outcome), &self.ls),
+            Estimator::Iv | Estimator::Auto => rows(&mut self.iv.iter().map(|r| &r.outcome), &self.iv),
             Estimator::OutputError => rows(&mut self.simulated.iter(), &self.iv),
             Estimator::PredictionError => rows(&mut self.predicted.iter(), &self.iv),
         }
@@ -101,8 +101,8 @@ impl RunEstimators<'_> {
         if let Some(moved) = &self.vessel.model.forces {
             return Ok(self.by_forces(moved, runs)?.into_iter().map(|(row, _)| row).collect());
         }
-        let found = self.found(runs, near)?;
-        Ok(self.rows(&found, runs).into_iter().map(|(row, _)| row).collect())
+        let results = self.results(runs, near)?;
+        Ok(self.rows(&results, runs).into_iter().map(|(row, _)| row).collect())
     }
 
     /// The same, each with its covariance.
@@ -116,14 +116,14 @@ impl RunEstimators<'_> {
         if let Some(moved) = &self.vessel.model.forces {
             return self.by_forces(moved, runs);
         }
-        let found = self.found(runs, None)?;
-        let rows = self.rows(&found, runs).into_iter();
+        let results = self.results(runs, None)?;
+        let rows = self.rows(&results, runs).into_iter();
         Ok(rows.map(|(row, covariance)| (row, covariance.map(<[f64]>::to_vec))).collect())
     }
 
     /// All estimates with their covariances, run by run.
-    fn rows<'f>(&self, found: &'f Everything, runs: &[Run]) -> Vec<(RunEstimate, Option<&'f [f64]>)> {
-        let columns = self.estimators.iter().map(|e| found.by(self, *e, runs).into_iter());
+    fn rows<'f>(&self, results: &'f Everything, runs: &[Run]) -> Vec<(RunEstimate, Option<&'f [f64]>)> {
+        let columns = self.estimators.iter().map(|e| results.by(self, *e, runs).into_iter());
         let mut columns: Vec<_> = columns.collect();
         let row = |_| columns.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();
         runs.iter().flat_map(row).collect()
@@ -139,16 +139,16 @@ impl RunEstimators<'_> {
         let Some(estimator) = self.estimators.first().copied().filter(|_| model.forces.is_none()) else {
             return Ok(None);
         };
-        let found = self.found(runs, None)?;
+        let results = self.results(runs, None)?;
         let (intercepts, current) =
-            found.first(estimator).map_or((None, None), |found| (found.intercepts, found.current));
+            results.first(estimator).map_or((None, None), |outcome| (outcome.intercepts, outcome.current));
         let surroundings = current.map(|current| Surroundings::of((name, 0), current));
-        let row = found.by(self, estimator, runs).pop().map(|(row, _)| row);
+        let row = results.by(self, estimator, runs).pop().map(|(row, _)| row);
         let Some((row, theta)) = row.and_then(|row| Some((row.clone(), row.estimate?.0))) else {
             return Ok(None);
         };
         let simple = self.regressed(InstrumentKind::Regressors, runs)?;
-        let simple = simple.first().and_then(|regressed| regressed.found.theta()).map(<[f64]>::to_vec);
+        let simple = simple.first().and_then(|regressed| regressed.outcome.theta()).map(<[f64]>::to_vec);
         let whole = RunView::measured(&run.measured, &run.exogenous);
         let part = PartView { label: "", source: name, run: whole };
         let left = |theta: &[f64]| match self.removal {
@@ -164,38 +164,38 @@ impl RunEstimators<'_> {
     }
 
     /// Everything that the requested estimators need, each computed once; searches begin at `near`, if known.
-    fn found(&self, runs: &[Run], near: Option<&[Option<Vec<f64>>]>) -> Result<Everything, RunError> {
+    fn results(&self, runs: &[Run], near: Option<&[Option<Vec<f64>>]>) -> Result<Everything, RunError> {
         use Estimator::{Ls, OutputError, PredictionError};
         let wanted = |any: &[Estimator]| self.estimators.iter().any(|e| any.contains(e));
-        let mut found = Everything::default();
+        let mut results = Everything::default();
         if wanted(&[Ls]) {
-            found.ls = self.regressed(InstrumentKind::Regressors, runs)?;
+            results.ls = self.regressed(InstrumentKind::Regressors, runs)?;
         }
         if self.estimators.iter().any(|e| *e != Ls) {
-            found.iv = self.instrumented(runs)?;
+            results.iv = self.instrumented(runs)?;
         }
         if wanted(&[OutputError, PredictionError]) {
             let levels = self.levels.as_ref();
             let near = match near {
                 Some(near) => {
                     let or_iv = |(near, iv): (&Option<Vec<f64>>, &Regressed)| {
-                        near.as_deref().or(iv.found.theta()).map(<[f64]>::to_vec)
+                        near.as_deref().or(iv.outcome.theta()).map(<[f64]>::to_vec)
                     };
-                    near.iter().zip(&found.iv).map(or_iv).collect()
+                    near.iter().zip(&results.iv).map(or_iv).collect()
                 }
-                None => refined(self.vessel, runs, &found.iv, self.removal, levels),
+                None => refined(self.vessel, runs, &results.iv, self.removal, levels),
             };
-            let free = self.output_error(runs, &near, &found.iv, wanted(&[OutputError]));
-            found.simulated = free.iter().map(Found::from).collect();
+            let free = self.output_error(runs, &near, &results.iv, wanted(&[OutputError]));
+            results.simulated = free.iter().map(Found::from).collect();
             if wanted(&[PredictionError]) {
                 let fits = match levels {
                     Some(levels) => self.prediction_error(runs, &free, &near, levels),
                     None => self.calibrated(runs, &free, &near),
                 };
-                found.predicted = fits.iter().map(Found::from).collect();
+                results.predicted = fits.iter().map(Found::from).collect();
             }
         }
-        Ok(found)
+        Ok(results)
     }
 
     fn regressed(&self, kind: InstrumentKind, runs: &[Run]) -> Result<Vec<Regressed>, RunError> {
@@ -211,14 +211,14 @@ impl RunEstimators<'_> {
         instrumented.then(|| collinear_run(self.vessel, run, self.removal)).flatten()
     }
 
-    fn estimate(&self, estimator: Estimator, run: &Run, found: &Found, excited: &Regressed) -> RunEstimate {
+    fn estimate(&self, estimator: Estimator, run: &Run, outcome: &Found, excited: &Regressed) -> RunEstimate {
         let collinear = estimator.by_instruments().then(|| self.collinear(run)).flatten();
         match collinear {
             Some(at) => {
                 let none = excited.clone().unidentified(at.degree, at.parameter);
-                none.estimate(self.vessel, run, estimator, &none.found)
+                none.estimate(self.vessel, run, estimator, &none.outcome)
             }
-            None => excited.estimate(self.vessel, run, estimator, found),
+            None => excited.estimate(self.vessel, run, estimator, outcome),
         }
     }
 }
@@ -262,12 +262,12 @@ impl RunEstimators<'_> {
         let (layout, model) =
             (self.vessel.model.layout().with_intercepts(), self.vessel.model.with_intercepts());
         // The last estimator with an estimate: those that simulate come after those that regress.
-        let found = |rows: &[RunEstimate]| {
+        let theta_of = |rows: &[RunEstimate]| {
             rows.iter().rev().find_map(|e| e.estimate.as_ref().map(|(theta, _)| theta.clone()))
         };
         let mut alike: Vec<Alike> = Vec::new();
         for (run, rows) in estimates.chunks(each).enumerate() {
-            if let Some(theta) = found(rows) {
+            if let Some(theta) = theta_of(rows) {
                 Alike::add(&mut alike, model.held_at_bounds(&layout.woven(&theta, [0.0; 3])), run);
             }
         }
@@ -281,8 +281,8 @@ impl RunEstimators<'_> {
                 levels: self.levels.filter(|_| self.asks(Asked::Stated)),
                 names: &[],
             };
-            for (run, found) in asked.iter().zip(criticise_each(&subject, thetas)) {
-                if found.is_some_and(|found| found.rejected) {
+            for (run, criticism) in asked.iter().zip(criticise_each(&subject, thetas)) {
+                if criticism.is_some_and(|tests| tests.rejected) {
                     reject(&mut estimates[run * each..(run + 1) * each]);
                 }
             }

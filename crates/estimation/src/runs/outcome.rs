@@ -25,7 +25,7 @@ pub(super) struct Found {
 /// The result of instrumental variables, or least squares, on one run, and its excitation.
 #[derive(Clone)]
 pub(super) struct Regressed {
-    pub found: Found,
+    pub outcome: Found,
     pub condition: [f64; 3],
     /// Per degree of freedom the index of the parameter.
     pub weakest: [usize; 3],
@@ -45,18 +45,18 @@ impl Found {
 impl From<&Fit> for Found {
     fn from(fit: &Fit) -> Self {
         match fit {
-            Fit::Converged(found) => Self {
-                status: if found.standard_errors.iter().any(|error| error.is_nan()) {
+            Fit::Converged(fitted) => Self {
+                status: if fitted.standard_errors.iter().any(|error| error.is_nan()) {
                     EstimateStatus::Waves
-                } else if found.approximate {
+                } else if fitted.approximate {
                     EstimateStatus::Approximate
                 } else {
                     EstimateStatus::Identified
                 },
-                estimate: Some((found.parameters.clone(), found.standard_errors.clone())),
-                covariance: found.covariance.clone(),
-                intercepts: Some(found.intercepts),
-                current: found.current,
+                estimate: Some((fitted.parameters.clone(), fitted.standard_errors.clone())),
+                covariance: fitted.covariance.clone(),
+                intercepts: Some(fitted.intercepts),
+                current: fitted.current,
             },
             Fit::NotConverged(_) => Self::none(EstimateStatus::NotConverged),
             Fit::NotIdentifiable(_) => Self::none(EstimateStatus::NotIdentifiable),
@@ -73,15 +73,15 @@ impl Regressed {
         let weakest = [0, 1, 2].map(|d: usize| excitation[d].weakest);
         let condition = excitation.map(|e| e.condition);
         match outcome {
-            Outcome::Identified(found) => {
-                let estimate = Some((found.parameters, found.standard_errors));
-                let covariance = Some(found.covariance);
-                let found = Found { estimate, covariance, ..Found::none(EstimateStatus::Identified) };
-                Ok(Self { found, condition, weakest })
+            Outcome::Identified(regression) => {
+                let estimate = Some((regression.parameters, regression.standard_errors));
+                let covariance = Some(regression.covariance);
+                let outcome = Found { estimate, covariance, ..Found::none(EstimateStatus::Identified) };
+                Ok(Self { outcome, condition, weakest })
             }
             Outcome::NotIdentifiable(Direction { degree, parameter }) => {
-                let found = Found::none(EstimateStatus::NotIdentifiable);
-                Ok(Self { found, condition, weakest }.unidentified(degree, parameter))
+                let outcome = Found::none(EstimateStatus::NotIdentifiable);
+                Ok(Self { outcome, condition, weakest }.unidentified(degree, parameter))
             }
             Outcome::TooShort => {
                 Err(RunError::TooShort { design: run.design.clone(), run: run.run, samples: run.samples() })
@@ -91,13 +91,13 @@ impl Regressed {
 
     /// The same without an estimate.
     pub(super) fn without(mut self, status: EstimateStatus) -> Self {
-        self.found = Found::none(status);
+        self.outcome = Found::none(status);
         self
     }
 
     /// The same without an estimate, because of this parameter.
     pub(super) fn unidentified(mut self, degree: usize, parameter: usize) -> Self {
-        self.found = Found::none(EstimateStatus::NotIdentifiable);
+        self.outcome = Found::none(EstimateStatus::NotIdentifiable);
         self.weakest[degree] = parameter;
         self.condition[degree] = f64::INFINITY;
         self
@@ -109,15 +109,15 @@ impl Regressed {
         vessel: &Vessel,
         run: &Run,
         estimator: Estimator,
-        found: &Found,
+        outcome: &Found,
     ) -> RunEstimate {
         let named = |d: usize| vessel.model.degrees[d].parameters[self.weakest[d]].clone();
         RunEstimate {
             design: run.design.clone(),
             run: run.run,
             estimator,
-            status: found.status,
-            estimate: found.estimate.clone(),
+            status: outcome.status,
+            estimate: outcome.estimate.clone(),
             condition: self.condition,
             weakest: [0, 1, 2].map(named),
         }
@@ -188,7 +188,7 @@ pub(super) fn refined(
             }
             batch.round(round == 0);
         }
-        batch.found
+        batch.thetas
     };
     groups(&lengths).into_iter().flat_map(group).collect()
 }
@@ -200,7 +200,7 @@ struct Refinement<'a> {
     noise: Option<Noise>,
     /// The runs with the latest simulations as instruments.
     runs: Prepared<'a>,
-    found: Vec<Option<Vec<f64>>>,
+    thetas: Vec<Option<Vec<f64>>>,
     /// The models of the simulations.
     models: Vec<Vec<f64>>,
     done: Vec<bool>,
@@ -214,15 +214,16 @@ impl<'a> Refinement<'a> {
         removal: MeanRemoval,
         noise: Option<Noise>,
     ) -> Self {
-        let found: Vec<Option<Vec<f64>>> = iv.iter().map(|r| r.found.theta().map(<[f64]>::to_vec)).collect();
+        let thetas: Vec<Option<Vec<f64>>> =
+            iv.iter().map(|r| r.outcome.theta().map(<[f64]>::to_vec)).collect();
         Self {
             vessel,
             removal,
             noise,
             runs: Prepared::regressed(vessel, runs),
-            models: found.iter().map(|theta| theta.as_ref().unwrap_or(&vessel.nominal).clone()).collect(),
-            done: found.iter().map(Option::is_none).collect(),
-            found,
+            models: thetas.iter().map(|theta| theta.as_ref().unwrap_or(&vessel.nominal).clone()).collect(),
+            done: thetas.iter().map(Option::is_none).collect(),
+            thetas,
         }
     }
 
@@ -231,7 +232,7 @@ impl<'a> Refinement<'a> {
         self.runs.simulate(&parameters);
         let batch = self.runs.batch();
         let outcomes = estimate_prefiltered(&batch, &parameters, self.removal, self.noise.as_ref());
-        for (lane, outcome) in outcomes.into_iter().enumerate().take(self.found.len()) {
+        for (lane, outcome) in outcomes.into_iter().enumerate().take(self.thetas.len()) {
             let diverged = self.runs.diverged(lane).is_some();
             if diverged && first && self.models[lane] != self.vessel.nominal {
                 self.models[lane].clone_from(&self.vessel.nominal);
@@ -250,13 +251,13 @@ impl<'a> Refinement<'a> {
             self.done[lane] = true;
             return;
         };
-        if let Some(theta) = &self.found[lane] {
+        if let Some(theta) = &self.thetas[lane] {
             let moves = next.parameters.iter().zip(theta).zip(&next.standard_errors);
             // At a bound a parameter neither moves nor has an error.
             let still = |moved: f64| moved <= ENOUGH || moved.is_nan();
             self.done[lane] = moves.map(|((a, b), se)| (a - b).abs() / se).all(still);
         }
         self.models[lane].clone_from(&next.parameters);
-        self.found[lane] = Some(next.parameters);
+        self.thetas[lane] = Some(next.parameters);
     }
 }

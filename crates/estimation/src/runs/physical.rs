@@ -65,9 +65,9 @@ impl RunEstimators<'_> {
         }
         self.estimators.iter().try_for_each(|estimator| estimator.check(self.vessel))?;
         if self.initial != InitialState::Known {
-            let (found, expected) =
+            let (start, expected) =
                 ("measured ones", "simulated runs, whose start is known, of a ship with forces");
-            return Err(Invalid::new("runs", found, expected, "fit them by `estimate pool`"));
+            return Err(Invalid::new("runs", start, expected, "fit them by `estimate pool`"));
         }
         if self.additional != AdditionalUnknowns::default() {
             let expected = "the numbers of a ship with forces alone";
@@ -88,15 +88,15 @@ impl RunEstimators<'_> {
         self.check_forces().map_err(RunError::Forces)?;
         let noise = white(self.levels.as_ref()).map_err(RunError::Forces)?;
         let one = Single { vessel: self.vessel, moved, noise };
-        let found: Vec<Found> = runs.par_iter().map(|run| one.found(run)).collect();
-        let row = |(run, found): (&Run, &Found)| {
+        let outcomes: Vec<Found> = runs.par_iter().map(|run| one.estimate(run)).collect();
+        let row = |(run, outcome): (&Run, &Found)| {
             let rows = self
                 .estimators
                 .iter()
-                .map(|estimator| (found.row(run, *estimator), found.covariance.clone()));
+                .map(|estimator| (outcome.row(run, *estimator), outcome.covariance.clone()));
             rows.collect::<Vec<_>>()
         };
-        Ok(runs.iter().zip(&found).flat_map(row).collect())
+        Ok(runs.iter().zip(&outcomes).flat_map(row).collect())
     }
 }
 
@@ -118,7 +118,7 @@ struct Found {
 }
 
 impl Single<'_> {
-    fn found(&self, run: &Run) -> Found {
+    fn estimate(&self, run: &Run) -> Found {
         let Self { vessel, moved, noise } = self;
         let simulated = SimulatedRun {
             initial: run.initial,
@@ -127,8 +127,8 @@ impl Single<'_> {
             sample_s: moved.sample_s,
         };
         let measured = MeasuredRun { run: simulated, measured: &run.measured, noise: noise.measurement };
-        let found = measured.most_probable(&moved.forces, &self.priors(), &vessel.nominal);
-        let theta = match found {
+        let searched = measured.most_probable(&moved.forces, &self.priors(), &vessel.nominal);
+        let theta = match searched {
             Ok(theta) => theta,
             Err(Unfit::Undetermined(name)) => return Found::none(EstimateStatus::NotIdentifiable, name),
             Err(_) => return Found::none(EstimateStatus::NotConverged, self.first()),

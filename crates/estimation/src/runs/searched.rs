@@ -34,16 +34,17 @@ impl RunEstimators<'_> {
         errors: bool,
     ) -> Vec<Fit> {
         let starts = |(near, iv): (&Near, &Regressed)| {
-            self.starts([near.as_deref(), iv.found.theta()].map(|theta| theta.map(without)))
+            self.starts([near.as_deref(), iv.outcome.theta()].map(|theta| theta.map(without)))
         };
         let starts: Vec<Vec<Vec<f64>>> = near.iter().zip(iv).map(starts).collect();
         let (model, views) = (self.lifted(), views(runs));
         let of = |run: usize, theta: &[f64]| {
             let noise = self.noise(&model, views[run], &[theta.to_vec()]);
             let waves = noise.as_ref().is_some_and(|noise| noise.waves);
-            let found = |noise: Calibrated| FoundSpread { levels: noise.near, factor: noise.factor, waves };
+            let spread_of =
+                |noise: Calibrated| FoundSpread { levels: noise.near, factor: noise.factor, waves };
             let blocks = FoundSpread { levels: Vec::new(), factor: 1.0, waves };
-            noise.filter(|noise| noise.white).map_or(blocks, found)
+            noise.filter(|noise| noise.white).map_or(blocks, spread_of)
         };
         let spread = match &self.levels {
             Some(levels) => Spread::Stated(levels),
@@ -93,14 +94,14 @@ impl RunEstimators<'_> {
         // An estimate by simulations is a different one: it does not replace a failed estimate by a filter.
         let none = || match free {
             Fit::NotIdentifiable(_) => free.clone(),
-            Fit::Converged(found) => Fit::NotConverged(found.steps),
+            Fit::Converged(fitted) => Fit::NotConverged(fitted.steps),
             Fit::NotConverged(steps) => Fit::NotConverged(*steps),
         };
         let Some(noise) = self.noise(&model, view, &starts) else { return none() };
         let starts = [vec![noise.parameters.clone()]];
         let fit = prediction_error(&model, &[view], &starts, self.initial, &noise.levels).pop();
         match fit {
-            Some(Fit::Converged(found)) => Fit::Converged(self.with_errors_of(found, &model, view, &noise)),
+            Some(Fit::Converged(fitted)) => Fit::Converged(self.with_errors_of(fitted, &model, view, &noise)),
             other => other.unwrap_or_else(none),
         }
     }
@@ -113,12 +114,12 @@ impl RunEstimators<'_> {
 
     /// An estimate under noise that was found, with standard errors that allow for it, or marked as approximate if
     /// the errors follow no known kind of noise.
-    fn with_errors_of(&self, found: Fitted, model: &Model, run: RunView, noise: &Calibrated) -> Fitted {
+    fn with_errors_of(&self, fitted: Fitted, model: &Model, run: RunView, noise: &Calibrated) -> Fitted {
         let layout = model.layout();
-        let theta = layout.woven(&found.parameters, found.intercepts);
-        let found_ones = || (found.standard_errors.clone(), found.covariance.clone());
+        let theta = layout.woven(&fitted.parameters, fitted.intercepts);
+        let found_ones = || (fitted.standard_errors.clone(), fitted.covariance.clone());
         let (widths, covariance) = if noise.waves {
-            (vec![f64::NAN; found.standard_errors.len()], None)
+            (vec![f64::NAN; fitted.standard_errors.len()], None)
         } else if noise.white {
             let widest = noise.widest.as_ref().map(|errors| (layout.theta(errors), None));
             let (all, covariance) = widest.unwrap_or_else(found_ones);
@@ -133,9 +134,9 @@ impl RunEstimators<'_> {
         };
         // A parameter at a bound has no error.
         let zero = |(before, error): (&f64, f64)| if *before == 0.0 { 0.0 } else { error };
-        let covariance = covariance.map(|covariance| held(covariance, &found.standard_errors));
-        let standard_errors = found.standard_errors.iter().zip(widths).map(zero).collect();
-        Fitted { standard_errors, covariance, approximate: !noise.white, ..found }
+        let covariance = covariance.map(|covariance| held(covariance, &fitted.standard_errors));
+        let standard_errors = fitted.standard_errors.iter().zip(widths).map(zero).collect();
+        Fitted { standard_errors, covariance, approximate: !noise.white, ..fitted }
     }
 
     /// The model with its intercepts, if it is to have any.
@@ -159,13 +160,13 @@ type Start<'a> = (&'a [f64], [f64; 3]);
 
 fn converged(fit: &Fit) -> Option<&Fitted> {
     match fit {
-        Fit::Converged(found) => Some(found),
+        Fit::Converged(fitted) => Some(fitted),
         _ => None,
     }
 }
 
-fn with_intercepts(found: &Fitted) -> Start<'_> {
-    (&found.parameters, found.intercepts)
+fn with_intercepts(fitted: &Fitted) -> Start<'_> {
+    (&fitted.parameters, fitted.intercepts)
 }
 
 fn without(theta: &[f64]) -> Start<'_> {
@@ -197,10 +198,10 @@ impl RunEstimators<'_> {
         let one = slice::from_ref(run);
         let diverged = match self.regressed(InstrumentKind::Nominal, one) {
             Err(RunError::Diverged(at)) => RunError::Diverged(at),
-            found => return found.map(|mut regressed| regressed.remove(0)),
+            other => return other.map(|mut regressed| regressed.remove(0)),
         };
         let simple = self.regressed(InstrumentKind::Regressors, one)?.remove(0);
-        let Some(start) = simple.found.theta() else { return Err(diverged) };
+        let Some(start) = simple.outcome.theta() else { return Err(diverged) };
         let instrumented =
             match self.output_error(one, &[Some(start.to_vec())], slice::from_ref(&simple), false).pop() {
                 Some(Fit::Converged(fitted)) => self.instrumented_by(run, &fitted.parameters)?,
@@ -220,8 +221,8 @@ impl RunEstimators<'_> {
         let (outcome, excitation) =
             Instruments::new(&batch, self.removal).estimate_with_excitation(&batch).swap_remove(0);
         let mut regressed = Regressed::new(run, outcome, excitation)?;
-        if regressed.found.status == EstimateStatus::Identified {
-            regressed.found.status = EstimateStatus::OwnInstruments;
+        if regressed.outcome.status == EstimateStatus::Identified {
+            regressed.outcome.status = EstimateStatus::OwnInstruments;
         }
         Ok(Some(regressed))
     }

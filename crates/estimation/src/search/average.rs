@@ -70,18 +70,18 @@ impl Study<'_> {
             (0..sets.len()).flat_map(|set| numbers.clone().map(move |number| (set, number))).collect();
         let find = |(set, number): (usize, u32)| {
             let (ridge, base) = given[set].as_ref()?;
-            let found = self.drawn(sets[set], (base, *ridge), wanted.seed, number);
+            let drawn = self.drawn(sets[set], (base, *ridge), wanted.seed, number);
             done(1);
-            found
+            drawn
         };
-        let mut found: Vec<Option<Drawn>> = jobs.into_par_iter().map(find).collect();
-        let without = found.split_off(wanted.models as usize);
+        let mut members: Vec<Option<Drawn>> = jobs.into_par_iter().map(find).collect();
+        let without = members.split_off(wanted.models as usize);
         let fitted = |drawn: &mut [Option<Drawn>]| {
-            drawn.iter_mut().map(|found| Some(found.take()?.0)).collect::<Option<Vec<_>>>()
+            drawn.iter_mut().map(|member| Some(member.take()?.0)).collect::<Option<Vec<_>>>()
         };
         let mut without = without;
         let by_folds = without.chunks_mut(wanted.models as usize).map(fitted).collect();
-        Some(Averages { all: found.into_iter().collect::<Option<_>>()?, by_folds })
+        Some(Averages { all: members.into_iter().collect::<Option<_>>()?, by_folds })
     }
 
     /// Model `number`, whose structure is found on the recordings that it draws, and that is fitted to all but one fold.
@@ -118,9 +118,9 @@ impl Averages {
         let (fitted, found_on): (Vec<Fitted>, Vec<Vec<String>>) = self.all.into_iter().unzip();
         let all: Vec<&Recording> = recordings.iter().collect();
         let followed = scores_of_mean(&ships(&fitted), &all, Laid::SideBySide, limit(&all));
-        let member = |(found, found_on): (&Fitted, Vec<String>)| {
-            let model = without_intercepts(&found.model);
-            Member { delivered: delivered(&model, found, recordings, parts), model, found_on }
+        let member = |(fitted, found_on): (&Fitted, Vec<String>)| {
+            let model = without_intercepts(&fitted.model);
+            Member { delivered: delivered(&model, fitted, recordings, parts), model, found_on }
         };
         let members = fitted.iter().zip(found_on).map(member).collect();
         Averaged { members, output_rmse: together(followed.iter()).rmse() }
@@ -190,16 +190,16 @@ impl Study<'_> {
     pub fn resampled(&self, wanted: BootstrapOptions, done: &(dyn Fn(usize) + Sync)) -> Option<Resampled> {
         let streams = Streams::new(wanted.seed, "bootstrap over recordings");
         let one = |number: u32| {
-            let found = self.searched_again(&draw_again(self.recordings, &streams, number));
+            let model = self.searched_again(&draw_again(self.recordings, &streams, number));
             done(1);
-            found
+            model
         };
         let all: Vec<Option<Fitted>> = (0..wanted.resamples).into_par_iter().map(one).collect();
-        let failed = all.iter().filter(|found| found.is_none()).count() as u64;
-        let found: Vec<Fitted> = all.into_iter().flatten().collect();
-        (found.len() > 1).then(|| Resampled {
-            parameters: summed_up(&found),
-            searches: found.len() as u64,
+        let failed = all.iter().filter(|fitted| fitted.is_none()).count() as u64;
+        let models: Vec<Fitted> = all.into_iter().flatten().collect();
+        (models.len() > 1).then(|| Resampled {
+            parameters: summed_up(&models),
+            searches: models.len() as u64,
             failed,
         })
     }
@@ -228,9 +228,9 @@ impl Study<'_> {
 }
 
 /// The quantiles over `found` of every parameter that one of them has.
-fn summed_up(found: &[Fitted]) -> BTreeMap<String, ResampledParameter> {
+fn summed_up(models: &[Fitted]) -> BTreeMap<String, ResampledParameter> {
     let mut values: BTreeMap<String, Vec<f64>> = BTreeMap::new();
-    for fitted in found {
+    for fitted in models {
         let layout = fitted.model.layout();
         let named = fitted.model.parameter_names().zip(&fitted.theta).zip(layout.are_intercepts());
         for ((name, value), _) in named.filter(|(_, intercept)| !intercept) {
@@ -239,7 +239,7 @@ fn summed_up(found: &[Fitted]) -> BTreeMap<String, ResampledParameter> {
     }
     let summary = |(name, values): (String, Vec<f64>)| {
         let chosen = values.len() as u64;
-        let absent = std::iter::repeat_n(0.0, found.len() - values.len());
+        let absent = std::iter::repeat_n(0.0, models.len() - values.len());
         let all = sorted(values.into_iter().chain(absent).map(Some));
         let at = |q: f64| quantile(&all, q).unwrap_or(0.0);
         (name, ResampledParameter { chosen, low: at(0.025), high: at(0.975) })
@@ -281,6 +281,6 @@ pub fn folds_of_drawn(recordings: &[Recording], drawn: &[usize], count: usize) -
     let mut distinct = drawn.to_vec();
     distinct.dedup();
     let kept: Vec<&Recording> = distinct.iter().map(|i| &recordings[*i]).collect();
-    let found = folds(&kept, count.min(kept.len()));
-    drawn.iter().map(|i| found[distinct.partition_point(|drawn| drawn < i)]).collect()
+    let dealt = folds(&kept, count.min(kept.len()));
+    drawn.iter().map(|i| dealt[distinct.partition_point(|drawn| drawn < i)]).collect()
 }

@@ -306,12 +306,12 @@ pub(crate) fn combined(model: &Model, recordings: &[Recording]) -> Vec<String> {
             add_outer(sums, &terms, &terms);
         }
     });
-    let found = (0..3).flat_map(|d| {
+    let names = (0..3).flat_map(|d| {
         dependent_columns(layout.terms(d).len(), &squares[d], COMBINED)
             .into_iter()
             .map(move |i| model.degrees[d].parameters[i].clone())
     });
-    found.collect()
+    names.collect()
 }
 
 /// `lifted` without its intercepts.
@@ -328,11 +328,11 @@ pub(crate) fn without_intercepts(lifted: &Model) -> Model {
 /// The model `found`, whose structure without intercepts is `structure`.
 pub(crate) fn delivered(
     structure: &Model,
-    found: &Fitted,
+    fitted: &Fitted,
     recordings: &[Recording],
     parts: &[Part],
 ) -> Delivered {
-    let Fitted { model: lifted, theta: parameters } = found;
+    let Fitted { model: lifted, theta: parameters } = fitted;
     let layout = lifted.layout();
     let (theta, intercepts) = (layout.theta(parameters), layout.intercepts(parameters));
     let (increment_std, constants) = gained(structure, recordings, &theta);

@@ -148,13 +148,13 @@ impl Study<'_> {
         for (fold, Judged { model, base, limit, .. }) in by_folds.iter().enumerate() {
             let recordings = self.within(fold);
             let of = |model: &Model, theta: &[f64]| scores(model, theta, &recordings, laid, *limit);
-            let found = model.as_ref().map(|found| of(&found.model, &found.theta));
+            let searched = model.as_ref().map(|fitted| of(&fitted.model, &fitted.theta));
             let base = base.as_ref().map(|base| of(self.base, base));
             let several = averages.and_then(|all| all[fold].as_deref());
             let average = several.map(|several| scores_of_mean(&ships(several), &recordings, laid, *limit));
             for (i, recording) in recordings.iter().enumerate() {
                 let [search, base, average] =
-                    [&found, &base, &average].map(|scores| scores.as_ref().map(|s| s[i]));
+                    [&searched, &base, &average].map(|scores| scores.as_ref().map(|s| s[i]));
                 all.push(LeftOut { recording, fold, search, base, average });
             }
         }

@@ -196,8 +196,8 @@ fn scored(
         let windows: Vec<RunView> = recording.scored(laid).collect();
         let mut score = Score::default();
         for group in windows.chunks(LANES) {
-            for (window, found) in group.iter().zip(squares(group)) {
-                match found {
+            for (window, errors) in group.iter().zip(squares(group)) {
+                match errors {
                     Some(squares) => {
                         (0..3).for_each(|d| score.squares[d] += squares[d]);
                         score.samples += window.samples() as u64;
@@ -261,12 +261,12 @@ pub(crate) fn squares_of_mean(
     let mut mean = MeanTrajectory::default();
     for (model, theta) in models {
         let simulated = states(model, theta, &runs);
-        let found = errors(&simulated, &runs, limit);
-        within.iter_mut().zip(found).for_each(|(within, squares)| *within &= squares.is_some());
+        let squares_of_model = errors(&simulated, &runs, limit);
+        within.iter_mut().zip(squares_of_model).for_each(|(within, squares)| *within &= squares.is_some());
         mean.add(&simulated);
     }
-    let found = errors(mean.mean(), &runs, limit);
-    found.into_iter().zip(within).map(|(squares, within)| squares.filter(|_| within)).collect()
+    let squares_of_all = errors(mean.mean(), &runs, limit);
+    squares_of_all.into_iter().zip(within).map(|(squares, within)| squares.filter(|_| within)).collect()
 }
 
 fn states(model: &Model, theta: &[Lane], runs: &SideBySide) -> Vec<Lane> {

@@ -324,9 +324,9 @@ pub(crate) fn minimum(problem: &Problem, start: Vec<f64>, ridge: f64, ending: En
         let before = cost(&beta, &looked);
         let taken = loop {
             let trial = stepped(problem, &beta, &slopes, [ridge, damping]);
-            let found = trial.and_then(|trial| problem.look(&trial).map(|looked| (trial, looked)));
-            match found.filter(|(trial, looked)| cost(trial, looked) <= before) {
-                Some(found) => break Some(found),
+            let stepped = trial.and_then(|trial| problem.look(&trial).map(|looked| (trial, looked)));
+            match stepped.filter(|(trial, looked)| cost(trial, looked) <= before) {
+                Some(better) => break Some(better),
                 None if damping > DAMPING[1] => break None,
                 None => damping = (10.0 * damping).max(1e-3),
             }

@@ -162,9 +162,9 @@ impl<'a> Problem<'a> {
         let theta: Vec<Lane> = self.theta(beta).into_iter().map(Lane::splat).collect();
         let groups: Vec<&[RunView]> = self.windows.chunks(LANES).collect();
         let errors = |group: &&[RunView]| squares(self.model, &theta, group, self.limit);
-        let found: Vec<Vec<Option<[f64; 3]>>> = groups.par_iter().map(errors).collect();
+        let all_squares: Vec<Vec<Option<[f64; 3]>>> = groups.par_iter().map(errors).collect();
         let (mut loss, mut weights) = (0.0, Vec::with_capacity(self.windows.len()));
-        for (group, squares) in groups.into_iter().zip(found) {
+        for (group, squares) in groups.into_iter().zip(all_squares) {
             for (window, squares) in group.iter().zip(squares) {
                 let squares = squares?;
                 let n = (3 * window.samples()) as f64;

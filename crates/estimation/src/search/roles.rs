@@ -82,9 +82,9 @@ impl Roles {
         let one = |name: &Option<String>| name.as_ref().map(place).transpose();
         let (ports, starboards) = (all(&named.ports)?, all(&named.starboards)?);
         if ports.len() != starboards.len() {
-            let found = format!("{} of --port and {} of --starboard", ports.len(), starboards.len());
+            let counts = format!("{} of --port and {} of --starboard", ports.len(), starboards.len());
             let expected = "as many on either side";
-            return Err(Invalid::new("thrusters", found, expected, "name them in pairs, in the same order"));
+            return Err(Invalid::new("thrusters", counts, expected, "name them in pairs, in the same order"));
         }
         let mut roles = Self {
             rudders: all(&named.rudders)?,

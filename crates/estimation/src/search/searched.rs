@@ -177,9 +177,9 @@ pub fn search(
         recordings: setting.diverging(&nested),
     };
     let (chosen, score) = chosen(&nested.all, lost)?;
-    let mut found = setting.by_ridge(&nested, chosen).ok_or_else(lost)?;
+    let mut models = setting.by_ridge(&nested, chosen).ok_or_else(lost)?;
     if options.compact {
-        found = setting.few(&nested, chosen, done).ok_or_else(lost)?;
+        models = setting.few(&nested, chosen, done).ok_or_else(lost)?;
     }
     let averages = match options.average {
         Some(wanted) => Some(setting.averages(&nested, chosen, wanted, done).ok_or(SearchError::NoAverage)?),
@@ -191,30 +191,30 @@ pub fn search(
         None => None,
     };
     let nested_score =
-        setting.judged(&found.by_folds, averages.as_ref().map(|averages| averages.by_folds.as_slice()));
+        setting.judged(&models.by_folds, averages.as_ref().map(|averages| averages.by_folds.as_slice()));
     let ship = |fitted: &Fitted| FittedShip { model: fitted.model.clone(), theta: fitted.theta.clone() };
-    let without = found.by_folds.iter().map(|judged| judged.model.as_ref().map(ship)).collect();
+    let without = models.by_folds.iter().map(|judged| judged.model.as_ref().map(ship)).collect();
     let candidates = nested.all.candidates;
     let mut statements =
-        self::statements(&candidates, chosen, score, &found.sizes, &found.all, &nested_score);
-    statements.push(errors(resampled.as_ref(), &found.all));
+        self::statements(&candidates, chosen, score, &models.sizes, &models.all, &nested_score);
+    statements.push(errors(resampled.as_ref(), &models.all));
     if options.cut.scored.is_none() {
         statements.insert(1, CHOSEN_ON_WINDOWS.to_owned());
     }
     let parts: Vec<Part> = recordings.iter().flat_map(|r| &r.whole).cloned().collect();
-    let structure = without_intercepts(&found.all.model);
+    let structure = without_intercepts(&models.all.model);
     let combined = combined(&structure, &recordings);
     statements.extend(combined_in_words(&combined));
     Ok(Searched {
         statements,
-        delivered: delivered(&structure, &found.all, &recordings, &parts),
+        delivered: delivered(&structure, &models.all, &recordings, &parts),
         samples: parts.iter().map(|part| part.samples() as u64).sum(),
         windows: recordings.iter().map(|r| r.scored(Laid::SideBySide).count() as u64).sum(),
         std: setting.std,
         candidates,
         chosen,
-        sizes: found.sizes,
-        chosen_by_folds: found.chosen_by_folds,
+        sizes: models.sizes,
+        chosen_by_folds: models.chosen_by_folds,
         nested: nested_score,
         model: structure,
         resampled,
@@ -295,21 +295,21 @@ impl Study<'_> {
             Some((compact, fitted?))
         };
         let wanted: Vec<Option<usize>> = std::iter::once(None).chain(self.all_folds().map(Some)).collect();
-        let mut found: Vec<Option<(Compact, Fitted)>> = wanted.into_par_iter().map(search).collect();
-        let (compact, all) = found.remove(0)?;
+        let mut searches: Vec<Option<(Compact, Fitted)>> = wanted.into_par_iter().map(search).collect();
+        let (compact, all) = searches.remove(0)?;
         let mut chosen_by_folds = BTreeMap::new();
-        for (_, fitted) in found.iter().flatten() {
+        for (_, fitted) in searches.iter().flatten() {
             fitted
                 .model
                 .parameter_names()
                 .for_each(|name| *chosen_by_folds.entry(name.to_owned()).or_insert(0) += 1);
         }
-        let judged = |(fold, found): (usize, Option<(Compact, Fitted)>)| {
+        let judged = |(fold, compacted): (usize, Option<(Compact, Fitted)>)| {
             let path = &nested.paths[&vec![fold]];
-            let model = found.map(|(_, fitted)| fitted);
+            let model = compacted.map(|(_, fitted)| fitted);
             Judged { ridge: ridge(&nested.without[fold]), model, base: path.base.clone(), limit: path.limit }
         };
-        let by_folds = found.into_iter().enumerate().map(judged).collect();
+        let by_folds = searches.into_iter().enumerate().map(judged).collect();
         Some(Found { all, by_folds, sizes: compact.sizes, chosen_by_folds })
     }
 }
@@ -319,11 +319,11 @@ const CHOSEN_ON_WINDOWS: &str =
     "the ridge was chosen over windows of the length that is fitted, though whole runs are scored";
 
 /// The errors of the parameters of the model `found`, in words: from searches over resampled recordings, or none.
-fn errors(resampled: Option<&Resampled>, found: &Fitted) -> String {
+fn errors(resampled: Option<&Resampled>, fitted: &Fitted) -> String {
     let Some(Resampled { searches, failed, parameters }) = resampled else {
         return "held back by a ridge; predictions have bands, parameters have no errors".to_owned();
     };
-    let named = found.model.parameter_names().filter_map(|name| Some((name, parameters.get(name)?)));
+    let named = fitted.model.parameter_names().filter_map(|name| Some((name, parameters.get(name)?)));
     let intervals = named.map(|(name, resampled)| {
         let times =
             if resampled.chosen < *searches { format!(", in {}", resampled.chosen) } else { String::new() };
@@ -342,7 +342,7 @@ fn statements(
     chosen: usize,
     score: f64,
     sizes: &[SizeScore],
-    found: &Fitted,
+    fitted: &Fitted,
     nested: &NestedScore,
 ) -> Vec<String> {
     let mut out = vec![format!(
@@ -353,11 +353,11 @@ fn statements(
     if !sizes.is_empty() {
         out.push(format!(
             "{} terms, the fewest that follow folds left out within a standard error of the best of {} numbers of terms",
-            found.model.parameters(),
+            fitted.model.parameters(),
             sizes.len()
         ));
     }
-    out.extend(at_bounds(found));
+    out.extend(at_bounds(fitted));
     out.extend(left_out(nested));
     let rejected: u64 = candidates.iter().map(|c| c.rejected).sum();
     if rejected > 0 {
@@ -415,9 +415,9 @@ fn combined_in_words(names: &[String]) -> Option<String> {
 }
 
 /// Names the parameters at a bound.
-fn at_bounds(found: &Fitted) -> Option<String> {
-    let bounds = found.model.bounds()?;
-    let parameters = found.model.parameter_names().zip(&found.theta).zip(bounds);
+fn at_bounds(fitted: &Fitted) -> Option<String> {
+    let bounds = fitted.model.bounds()?;
+    let parameters = fitted.model.parameter_names().zip(&fitted.theta).zip(bounds);
     let held: Vec<String> = parameters
         .filter(|((_, theta), ends)| ends.contains(theta))
         .map(|((name, _), _)| format!("`{name}`"))
@@ -454,18 +454,18 @@ fn contradicting(nested: &NestedScore) -> Option<String> {
 }
 
 /// The gain of averaging on recordings that were left out.
-pub fn averaged(found: &NestedAverage) -> Vec<String> {
-    let mut out = vec![match &found.errors {
+pub fn averaged(average: &NestedAverage) -> Vec<String> {
+    let mut out = vec![match &average.errors {
         Some(errors) => format!("the average with recordings left out: fit {}", fits(errors)),
         None => format!(
             "the average is not validated: without some fold a model is missing, or diverges ({} windows) on what was left out",
-            found.diverged
+            average.diverged
         ),
     }];
-    out.extend(found.overlapping.as_ref().map(|overlapping| {
+    out.extend(average.overlapping.as_ref().map(|overlapping| {
         format!("the average over windows that begin at every quarter of one: fit {}", fits(overlapping))
     }));
-    let pairs = [(&found.over_search, "the single model"), (&found.over_base, "the base structure")];
+    let pairs = [(&average.over_search, "the single model"), (&average.over_base, "the base structure")];
     let sentence = |(margin, than): (&Option<Margin>, &str)| {
         margin.as_ref().map(|margin| format!("the average is {}", against(margin, than)))
     };

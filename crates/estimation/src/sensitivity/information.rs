@@ -74,7 +74,7 @@ pub fn output_informations(
     let layout = model.layout();
     let width = model.exogenous().max(1);
     let samples: Vec<usize> = runs.iter().map(|run| run.exogenous.len() / width).collect();
-    let mut found = Vec::with_capacity(runs.len());
+    let mut means = Vec::with_capacity(runs.len());
     let mut path = Sensitivities::default();
     for group in lanes::groups(&samples) {
         let (group_runs, samples) = (&runs[group.clone()], samples[group.start]);
@@ -89,10 +89,10 @@ pub fn output_informations(
         let run =
             Recordings { model: &model, measured: &[], exogenous: &exogenous, initial, samples: samples_of };
         let sums = RunInformation::by(&run, &parameters, noise, path, |_| ());
-        found.extend((0..group_runs.len()).map(|lane| sums.mean(samples, |entry| entry[lane])));
+        means.extend((0..group_runs.len()).map(|lane| sums.mean(samples, |entry| entry[lane])));
         path = sums.path;
     }
-    found
+    means
 }
 
 /// Mean over the samples of Sᵀ S, n × n, rows and columns of intercepts zero: the variance of a free run due to

@@ -50,15 +50,15 @@ struct Slopes {
 impl Search<'_> {
     /// The most likely levels of a kind: the two best of `starts` climb a few steps, and the better one is continued.
     pub fn best(&self, starts: &[Guess]) -> Option<Best> {
-        let mut found: Vec<(Guess, f64)> = Vec::with_capacity(starts.len());
+        let mut likelihoods: Vec<(Guess, f64)> = Vec::with_capacity(starts.len());
         for some in starts.chunks(LANES) {
             let guesses = std::array::from_fn(|lane| some[lane.min(some.len() - 1)]);
             let likelihood = self.sums(&guesses, None).likelihood;
-            found.extend(some.iter().enumerate().map(|(lane, start)| (*start, likelihood[lane])));
+            likelihoods.extend(some.iter().enumerate().map(|(lane, start)| (*start, likelihood[lane])));
         }
-        found.retain(|(_, likelihood)| likelihood.is_finite());
-        found.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let begun = found.iter().take(2).filter_map(|(start, _)| self.climb(*start, FIRST));
+        likelihoods.retain(|(_, likelihood)| likelihood.is_finite());
+        likelihoods.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let begun = likelihoods.iter().take(2).filter_map(|(start, _)| self.climb(*start, FIRST));
         let better = begun.reduce(|a, b| if b.likelihood > a.likelihood { b } else { a })?;
         self.climb_on(better.guess, &better.change, STEPS)
     }
@@ -120,7 +120,7 @@ impl Search<'_> {
     /// `None` if the filter's numbers are not finite, or the parameters cannot be distinguished.
     fn slopes(&self, at: &Guess, change: &[f64]) -> Option<Slopes> {
         let levels = at.kind.levels();
-        let mut found = Slopes {
+        let mut point = Slopes {
             at: Best { guess: *at, likelihood: 0.0, change: Vec::new() },
             slopes: [0.0; MOST],
             curvature: [0.0; MOST * MOST],
@@ -136,7 +136,7 @@ impl Search<'_> {
             let sums = self.sums(&guesses, Some((change, &mut samples)));
             let changed = first..levels.min(first + AT_ONCE);
             for i in changed.clone() {
-                found.slopes[i] = (sums.likelihood[1 + i - first] - sums.likelihood[0]) / CHANGE;
+                point.slopes[i] = (sums.likelihood[1 + i - first] - sums.likelihood[0]) / CHANGE;
             }
             for (slopes, [scale, squares]) in by_sample.iter_mut().zip(&samples) {
                 for i in changed.clone() {
@@ -144,19 +144,19 @@ impl Search<'_> {
                 }
             }
             if first == 0 {
-                found.at.likelihood = sums.likelihood[0];
-                found.at.change = sums.change()?.0;
+                point.at.likelihood = sums.likelihood[0];
+                point.at.change = sums.change()?.0;
             }
         }
         for slopes in &by_sample {
             for (i, a) in slopes[..levels].iter().enumerate() {
                 // For twice the log-likelihood: half the squared gradients.
-                let row = found.curvature[i * MOST..].iter_mut().zip(&slopes[..levels]);
+                let row = point.curvature[i * MOST..].iter_mut().zip(&slopes[..levels]);
                 row.for_each(|(sum, b)| *sum += 0.5 * a * b);
             }
         }
-        let finite = found.at.likelihood.is_finite() && found.slopes.iter().all(|s| s.is_finite());
-        finite.then_some(found)
+        let finite = point.at.likelihood.is_finite() && point.slopes.iter().all(|s| s.is_finite());
+        finite.then_some(point)
     }
 }
 
@@ -259,8 +259,8 @@ fn each<T: Copy>(noises: &[[f64; 3]], others: &[T], guess: impl Fn([f64; 3], T) 
 }
 
 /// Starts of a kind that begins at others, which were found before it.
-pub(super) fn after(kind: NoiseKind, found: &[Guess]) -> Vec<Guess> {
-    let of = |kind: NoiseKind| found.iter().find(|guess| guess.kind == kind);
+pub(super) fn after(kind: NoiseKind, earlier: &[Guess]) -> Vec<Guess> {
+    let of = |kind: NoiseKind| earlier.iter().find(|guess| guess.kind == kind);
     let forces = of(NoiseKind::Forces);
     let all = |guess: &Guess| (0..guess.kind.levels()).map(|i| guess.level(i)).collect::<Vec<f64>>();
     match (kind, forces, of(NoiseKind::Current)) {

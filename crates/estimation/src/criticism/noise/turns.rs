@@ -73,7 +73,7 @@ impl Noise {
 struct State<'a> {
     theta: Vec<f64>,
     lines: Vec<Line<'a>>,
-    found: Vec<Best>,
+    kinds: Vec<Best>,
     best: Best,
 }
 
@@ -81,19 +81,19 @@ impl<'a> Turns<'a> {
     /// Noise and parameters, found alternately from `theta` until the parameters converge. `before`: the kinds that
     /// were found for nearly the same model, the likeliest first. `None` if the filter's numbers are not finite, or
     /// the parameters cannot be distinguished.
-    pub fn found(&self, theta: &[f64], before: &[(Guess, f64)]) -> Option<(Vec<f64>, Noise)> {
+    pub fn alternate(&self, theta: &[f64], before: &[(Guess, f64)]) -> Option<(Vec<f64>, Noise)> {
         let lines: Vec<Line> = self.runs.iter().map(|run| Line::free(self.model, theta, *run)).collect();
-        let (found, best) = self.compared(&lines, before)?;
-        let mut state = State { theta: theta.to_vec(), lines, found, best };
+        let (kinds, best) = self.compared(&lines, before)?;
+        let mut state = State { theta: theta.to_vec(), lines, kinds, best };
         for turn in 0..TURNS {
             if turn > 0 && COMPARED.contains(&turn) {
-                let before: Kinds = state.found.iter().map(|best| (best.guess, value(best))).collect();
-                (state.found, state.best) = self.compared(&state.lines, &before)?;
+                let before: Kinds = state.kinds.iter().map(|best| (best.guess, value(best))).collect();
+                (state.kinds, state.best) = self.compared(&state.lines, &before)?;
             } else if turn > 0 {
                 let search = self.search(&state.lines, (ENOUGH, RISE));
                 let again = search.climb(state.best.guess, AGAIN)?;
                 let kind = again.guess.kind;
-                state.found.iter_mut().filter(|best| best.guess.kind == kind).for_each(|best| {
+                state.kinds.iter_mut().filter(|best| best.guess.kind == kind).for_each(|best| {
                     *best = again.clone();
                 });
                 state.best = again;
@@ -151,18 +151,18 @@ impl<'a> Turns<'a> {
             None => search.best(&others),
         };
         let each = |kind: &NoiseKind| begun(kind, seen.starts(*kind, self.rate_hz));
-        let mut found: Vec<Best> = first.par_iter().filter_map(each).collect();
-        let mut simple: Vec<Guess> = found.iter().map(|best| best.guess).collect();
+        let mut bests: Vec<Best> = first.par_iter().filter_map(each).collect();
+        let mut simple: Vec<Guess> = bests.iter().map(|best| best.guess).collect();
         simple.extend(before.iter().map(|(guess, _)| *guess).filter(|guess| far(guess.kind)));
         let each = |kind: &NoiseKind| begun(kind, after(*kind, &simple));
-        found.extend(later.par_iter().filter_map(each).collect::<Vec<_>>());
-        let best = found.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?.clone();
-        found.extend(before.iter().filter(|(guess, _)| far(guess.kind)).map(|(guess, likelihood)| Best {
+        bests.extend(later.par_iter().filter_map(each).collect::<Vec<_>>());
+        let best = bests.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?.clone();
+        bests.extend(before.iter().filter(|(guess, _)| far(guess.kind)).map(|(guess, likelihood)| Best {
             guess: *guess,
             likelihood: best.likelihood - cost(&best.guess) + cost(guess) + likelihood - highest,
             change: vec![0.0; best.change.len()],
         }));
-        Some((found, best))
+        Some((bests, best))
     }
 
     /// The change of the parameters to the least white errors of all runs, and its maximum in standard errors.
@@ -202,21 +202,21 @@ impl<'a> Turns<'a> {
 
     fn ended(&self, state: State, turns: usize, at_rest: bool) -> Option<(Vec<f64>, Noise)> {
         let errors = |guess: &Guess| {
-            let found = self.all(&state, guess);
+            let sums = self.all(&state, guess);
             let freedom = self.runs.iter().map(RunView::samples).sum::<usize>() * 3;
-            let (change, errors) = found.change()?;
-            let explained: f64 = change.iter().zip(&found.gradient).map(|(a, b)| a * b).sum();
+            let (change, errors) = sums.change()?;
+            let explained: f64 = change.iter().zip(&sums.gradient).map(|(a, b)| a * b).sum();
             let freedom = (freedom as f64 - change.len() as f64).max(1.0);
-            let variance = ((found.squares - explained) / freedom).max(0.0);
+            let variance = ((sums.squares - explained) / freedom).max(0.0);
             Some(errors.into_iter().map(|error| error * variance.sqrt()).collect::<Vec<f64>>())
         };
         let standard_errors = errors(&state.best.guess)?;
-        let near = state.found.iter().filter(|best| value(best) >= value(&state.best) - NEAR);
+        let near = state.kinds.iter().filter(|best| value(best) >= value(&state.best) - NEAR);
         let mut widest = standard_errors.clone();
         for errors in near.filter_map(|best| errors(&best.guess)) {
             widest.iter_mut().zip(errors).for_each(|(most, error)| *most = most.max(error));
         }
-        let mut kinds: Kinds = state.found.iter().map(|best| (best.guess, value(best))).collect();
+        let mut kinds: Kinds = state.kinds.iter().map(|best| (best.guess, value(best))).collect();
         kinds.sort_by(|a, b| b.1.total_cmp(&a.1));
         let noise = Noise { guess: state.best.guess, kinds, turns, at_rest, errors: standard_errors, widest };
         Some((state.theta, noise))

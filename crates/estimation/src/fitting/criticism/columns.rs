@@ -101,16 +101,16 @@ impl Pass<'_> {
     ) -> Result<(Vec<Sums>, Vec<Vec<Column>>), Unfit> {
         let known = self.derivatives(group, theta, starts);
         let sums = self.sums_of(group, &known);
-        let mut found: Vec<Vec<Column>> = sums.iter().map(|_| Vec::new()).collect();
+        let mut columns_by_window: Vec<Vec<Column>> = sums.iter().map(|_| Vec::new()).collect();
         for block in blocks {
             let slopes = self.by_candidates(group, (theta, starts), block);
             let all = self.products(&known, &slopes, block.count());
-            for (lane, (window, window_sums)) in found.iter_mut().zip(&sums).enumerate() {
+            for (lane, (window, window_sums)) in columns_by_window.iter_mut().zip(&sums).enumerate() {
                 let columns = all.columns(lane, theta.len(), window_sums);
                 window.extend(columns.ok_or_else(|| self.without_start(&group.windows[lane]))?);
             }
         }
-        Ok((sums, found))
+        Ok((sums, columns_by_window))
     }
 
     /// Derivatives of the errors by the candidates of `block`: [`AT_ONCE`] for each error.

@@ -121,7 +121,7 @@ impl Problem<'_> {
     /// A start of a window or a number that nothing determines.
     pub fn criticise(&self, fit: &Fit, channels: Channels) -> Result<Criticism, Unfit> {
         let signs = self.signs(fit, channels.all);
-        let mut found = Criticism {
+        let mut criticism = Criticism {
             signs,
             late: Vec::new(),
             terms: Vec::new(),
@@ -130,10 +130,10 @@ impl Problem<'_> {
             whole: false,
             p_value: None,
         };
-        if !found.has_wrong_sign() {
-            self.scored(fit, channels, &mut found)?;
+        if !criticism.has_wrong_sign() {
+            self.scored(fit, channels, &mut criticism)?;
         }
-        Ok(found)
+        Ok(criticism)
     }
 
     /// Why the fit from `theta` failed by `error`: a wrong sign, where one explains that it came to no end.
@@ -157,7 +157,7 @@ impl Problem<'_> {
     }
 
     /// Adds scores of late inputs and of products.
-    fn scored(&self, fit: &Fit, channels: Channels, found: &mut Criticism) -> Result<(), Unfit> {
+    fn scored(&self, fit: &Fit, channels: Channels, criticism: &mut Criticism) -> Result<(), Unfit> {
         let inputs = inputs(self.forces, channels.inputs);
         let terms = channels.products(self.forces)?;
         let (blocks, measures) = self.blocks(&inputs, &terms, channels.all)?;
@@ -167,23 +167,23 @@ impl Problem<'_> {
         let judged =
             all.iter().map(|score| score.as_ref().zip(score.as_ref().and_then(|_| probabilities.next())));
         let (late, others): (Vec<_>, Vec<_>) = judged.enumerate().partition(|(i, _)| *i < inputs.len());
-        found.p_value =
+        criticism.p_value =
             late.iter().chain(&others).filter_map(|(_, judged)| judged.map(|(_, p)| p)).reduce(f64::min);
-        found.late = late
+        criticism.late = late
             .into_iter()
             .filter_map(|(i, score)| {
                 score.map(|scored| late_input(&channels.all[inputs[i]].name, scored, fit))
             })
             .collect();
-        self.compare_late(fit, channels.all, &mut found.late);
+        self.compare_late(fit, channels.all, &mut criticism.late);
         for ((product, measure), (_, judged)) in terms.iter().zip(measures).zip(others) {
             match judged {
-                Some(score) => found.terms.push(absent(product, measure, score, fit)),
-                None => found.hidden.push(label(product)),
+                Some(score) => criticism.terms.push(absent(product, measure, score, fit)),
+                None => criticism.hidden.push(label(product)),
             }
         }
-        sort(&mut found.terms);
-        (found.units, found.whole) = (units, whole);
+        sort(&mut criticism.terms);
+        (criticism.units, criticism.whole) = (units, whole);
         Ok(())
     }
 
@@ -348,11 +348,11 @@ impl Pass<'_> {
     /// A start of a window or a number that nothing determines.
     pub(crate) fn scores(&self, fit: &Fit, blocks: &[Block]) -> Result<Scores, Unfit> {
         let groups: Vec<_> = self.groups.iter().zip(&fit.starts).collect();
-        let found: Result<Vec<_>, Unfit> = groups
+        let sums_and_columns: Result<Vec<_>, Unfit> = groups
             .par_iter()
             .map(|(group, starts)| self.columns(group, (&fit.theta, starts), blocks))
             .collect();
-        let (sums, columns): (Vec<Vec<Sums>>, Vec<Vec<Vec<Column>>>) = found?.into_iter().unzip();
+        let (sums, columns): (Vec<Vec<Sums>>, Vec<Vec<Vec<Column>>>) = sums_and_columns?.into_iter().unzip();
         let reduced = self.determined(&sums)?;
         let fitted = self.fitted(fit, &sums, &reduced)?;
         let windows: Vec<(&Sums, &Reduced, &Vec<Column>)> = sums

@@ -330,7 +330,7 @@ impl Turns<'_> {
         };
         let kinds: [(Swapped, Vec<Placed>); 2] =
             [(Swapped::Thrusters, thrusters.collect()), (Swapped::Propellers, propellers.collect())];
-        let mut found = Vec::new();
+        let mut alternatives = Vec::new();
         for (kind, placed) in &kinds {
             for (i, j) in opposite(placed) {
                 let mut all = written.clone();
@@ -339,10 +339,15 @@ impl Turns<'_> {
                     .map(|pair| pair.map(Clone::clone));
                 let turn = Turn::Exchanged(names, inputs);
                 let forces = Forces::new(&all, self.channels).ok();
-                found.extend(forces.map(|forces| Alternative { turn, forces, negated: None, changed: None }));
+                alternatives.extend(forces.map(|forces| Alternative {
+                    turn,
+                    forces,
+                    negated: None,
+                    changed: None,
+                }));
             }
         }
-        found
+        alternatives
     }
 }
 

@@ -61,8 +61,8 @@ pub struct OtherNoise {
 }
 
 impl From<&Noise> for FoundNoise {
-    fn from(found: &Noise) -> Self {
-        let (guess, best) = (&found.guess, found.kinds.first().map_or(0.0, |(_, likelihood)| *likelihood));
+    fn from(noise: &Noise) -> Self {
+        let (guess, best) = (&noise.guess, noise.kinds.first().map_or(0.0, |(_, likelihood)| *likelihood));
         let of = |of: &str, std: [f64; 3], times: [f64; 3]| {
             let each = DegreeOfFreedom::ALL.map(|d| FoundDrift {
                 of: of.to_owned(),
@@ -75,15 +75,15 @@ impl From<&Noise> for FoundNoise {
         };
         let forces = guess.forces().map(|(std, times)| of("force", std, times));
         let sensors = guess.sensors().map(|(std, time)| of("sensor", std, [time; 3]));
-        let others = found.kinds.iter().filter(|(other, _)| other.kind != guess.kind);
+        let others = noise.kinds.iter().filter(|(other, _)| other.kind != guess.kind);
         Self {
             kind: guess.kind,
             drifts: forces.or(sensors).unwrap_or_default(),
             others: others
                 .map(|(guess, likelihood)| OtherNoise { kind: guess.kind, below: best - likelihood })
                 .collect(),
-            turns: found.turns as u64,
-            at_rest: found.at_rest,
+            turns: noise.turns as u64,
+            at_rest: noise.at_rest,
         }
     }
 }
@@ -179,11 +179,11 @@ impl Criticism {
         };
         let white = self.whiteness.iter().flat_map(|w| [w.statistic, w.p_value, w.first_autocorrelation]);
         let optional = [self.p_value, self.current_time_s].into_iter().flatten();
-        let found = self.noise.iter().flat_map(|noise| {
+        let noises = self.noise.iter().flat_map(|noise| {
             let drifts = noise.drifts.iter().flat_map(|drift| [drift.std, drift.time_s]);
             drifts.chain(noise.others.iter().map(|other| other.below))
         });
-        noise.into_iter().chain(found).chain(white).chain(optional).all(f64::is_finite)
+        noise.into_iter().chain(noises).chain(white).chain(optional).all(f64::is_finite)
             && self.absent.iter().all(absent)
             && self.apart.iter().all(|apart| apart.p_value.is_finite())
     }
@@ -219,13 +219,13 @@ const NAMED: usize = 4;
 
 /// The verdict, what is most likely missing, what it cannot be distinguished from, what the runs would have shown.
 /// `under_white`: whether the model is rejected under white noise, which is not the likeliest.
-pub(super) fn statements(found: &Criticism, under_white: bool) -> Vec<String> {
+pub(super) fn statements(criticism: &Criticism, under_white: bool) -> Vec<String> {
     let mut out = Vec::new();
-    let Some(p) = found.p_value else {
+    let Some(p) = criticism.p_value else {
         return vec!["structure: the runs tell of nothing that the model lacks".to_owned()];
     };
-    out.extend(contradictions(&found.apart));
-    match (found.verdict, found.absent.first()) {
+    out.extend(contradictions(&criticism.apart));
+    match (criticism.verdict, criticism.absent.first()) {
         (Verdict::Rejected, Some(first)) if p < LEVEL => {
             let p = if p < 1e-4 { "p < 0.0001".to_owned() } else { format!("p {p:.4}") };
             let values = values(first);
@@ -235,15 +235,15 @@ pub(super) fn statements(found: &Criticism, under_white: bool) -> Vec<String> {
                 first.label()
             ));
             let others: Vec<String> =
-                found.absent[1..].iter().filter(|a| a.candidate).map(Absent::label).collect();
+                criticism.absent[1..].iter().filter(|a| a.candidate).map(Absent::label).collect();
             if !others.is_empty() {
                 out.push(format!("cannot be told from: {}", listed(&others)));
             }
         }
-        (Verdict::None, _) if found.waves_s.is_some() => out.push(format!(
+        (Verdict::None, _) if criticism.waves_s.is_some() => out.push(format!(
             "no verdict on the model: its errors oscillate with a period of about {:.1} s, as where waves move the ship, so that \
              tests and standard errors do not hold",
-            found.waves_s.unwrap_or_default()
+            criticism.waves_s.unwrap_or_default()
         )),
         (Verdict::None, _) => out.push(
             "no verdict on the model: these errors follow no noise known here, so that tests and standard errors do not hold"
@@ -254,23 +254,23 @@ pub(super) fn statements(found: &Criticism, under_white: bool) -> Vec<String> {
     }
     let detectable = |(name, degree): &(&str, Option<&str>)| {
         let is = |a: &&Absent| a.name == *name && a.degree.as_deref() == *degree;
-        let absent = found.absent.iter().find(is)?;
+        let absent = criticism.absent.iter().find(is)?;
         Some(format!("{} from {} {}", absent.label(), number(absent.visible_from), absent.unit))
     };
     let visible: Vec<String> = REPORTED.iter().filter_map(detectable).collect();
     if !visible.is_empty() {
         out.push(format!("these runs would have shown {}", listed(&visible)));
     }
-    out.extend(found.noise.as_ref().map(|noise| noise_found(found, noise)));
-    if let Some(f) = &found.feedback {
+    out.extend(criticism.noise.as_ref().map(|noise| noise_found(criticism, noise)));
+    if let Some(f) = &criticism.feedback {
         out.push(format!(
             "`{}` answers the measured {} within the sample (correlation {:.2}), as under an autopilot that steers by the sensor \
              that is logged: `ls` and `iv` are then biased; use `output-error`, or steer by another sensor",
             f.input, f.state, f.correlation
         ));
     }
-    if found.stated_noise && (found.error_ratio - 1.0).abs() > OFF {
-        out.push(format!("errors are {:.2} times the stated noise", found.error_ratio));
+    if criticism.stated_noise && (criticism.error_ratio - 1.0).abs() > OFF {
+        out.push(format!("errors are {:.2} times the stated noise", criticism.error_ratio));
     }
     out
 }
@@ -292,8 +292,8 @@ fn contradictions(apart: &[Apart]) -> Option<String> {
 }
 
 /// The noise that was found, its size, and the distance of the next kind.
-fn noise_found(found: &Criticism, noise: &FoundNoise) -> String {
-    let [u, v, r] = [found.noise_u, found.noise_v, found.noise_r].map(number);
+fn noise_found(criticism: &Criticism, noise: &FoundNoise) -> String {
+    let [u, v, r] = [criticism.noise_u, criticism.noise_v, criticism.noise_r].map(number);
     let mut parts = vec![format!("white noise of u {u}, v {v} m/s, r {r} rad/s")];
     for (of, name) in [("force", "forces, in a sample"), ("sensor", "sensors that drift by")] {
         let each = noise.drifts.iter().filter(|drift| drift.of == of);
@@ -306,10 +306,10 @@ fn noise_found(found: &Criticism, noise: &FoundNoise) -> String {
             parts.push(format!("{name} {}", each.join(", ")));
         }
     }
-    if found.current_std > 0.0 {
+    if criticism.current_std > 0.0 {
         let drifting = |time| format!("drifting over {} s", number(time));
-        let time = found.current_time_s.map_or("new at every sample".to_owned(), drifting);
-        parts.push(format!("a current of {} m/s, {time}", number(found.current_std)));
+        let time = criticism.current_time_s.map_or("new at every sample".to_owned(), drifting);
+        parts.push(format!("a current of {} m/s, {time}", number(criticism.current_std)));
     }
     let turns = if noise.turns == 1 { "turn" } else { "turns" };
     let rest = if noise.at_rest { "" } else { ", without coming to rest" };
