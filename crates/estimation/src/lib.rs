@@ -29,5 +29,5 @@ pub use sensitivity::{
     OutputInformation, Simulated, output_information, output_informations, prediction_weights,
 };
 pub use validate::{
-    Candidate, FreeRun, RunScore, ValidationRuns, free_runs, not_relative, parameter_error, rmse_norm,
+    EstimateView, FreeRun, RunScore, ValidationRuns, free_runs, not_relative, parameter_error, rmse_norm,
 };

@@ -160,7 +160,7 @@ pub struct RunScore {
 
 /// A candidate to be scored: its origin, and θ̂ if there is one.
 #[derive(Clone, Copy, Debug)]
-pub struct Candidate<'a> {
+pub struct EstimateView<'a> {
     /// The design of the run that was estimated.
     pub design: &'a str,
     /// Its number.
@@ -173,7 +173,7 @@ pub struct Candidate<'a> {
     pub parameters: Option<&'a [f64]>,
 }
 
-impl<'a> From<&'a RunEstimate> for Candidate<'a> {
+impl<'a> From<&'a RunEstimate> for EstimateView<'a> {
     fn from(run_estimate: &'a RunEstimate) -> Self {
         let RunEstimate { design, run, estimator, status, estimate, .. } = run_estimate;
         let parameters = estimate.as_ref().map(|(theta, _)| theta.as_slice());
@@ -200,19 +200,19 @@ impl<'a> ValidationRuns<'a> {
 
     /// Scores of `estimates`; parameter errors if the `truth` is known.
     pub fn score(&self, estimates: &[RunEstimate], truth: Option<&[f64]>) -> Vec<RunScore> {
-        self.scores(&estimates.iter().map(Candidate::from).collect::<Vec<_>>(), truth)
+        self.scores(&estimates.iter().map(EstimateView::from).collect::<Vec<_>>(), truth)
     }
 
     /// [`Self::score`] of candidates.
-    pub fn scores(&self, candidates: &[Candidate], truth: Option<&[f64]>) -> Vec<RunScore> {
-        let some = |chunk: &[Candidate]| match chunk.len() {
+    pub fn scores(&self, candidates: &[EstimateView], truth: Option<&[f64]>) -> Vec<RunScore> {
+        let some = |chunk: &[EstimateView]| match chunk.len() {
             0..=LANES => self.score_groups::<1>(chunk, truth),
             _ => self.score_groups::<GROUPS>(chunk, truth),
         };
         candidates.chunks(GROUPS * LANES).flat_map(some).collect()
     }
 
-    fn score_groups<const G: usize>(&self, candidates: &[Candidate], truth: Option<&[f64]>) -> Vec<RunScore> {
+    fn score_groups<const G: usize>(&self, candidates: &[EstimateView], truth: Option<&[f64]>) -> Vec<RunScore> {
         let model = &self.vessel.model;
         let zero = vec![0.0; model.parameters()];
         let of = |i: usize| candidates[i.min(candidates.len() - 1)].parameters.unwrap_or(&zero);
@@ -230,7 +230,7 @@ impl<'a> ValidationRuns<'a> {
         each.map(|(candidate, error)| self.scored(candidate, error, truth)).collect()
     }
 
-    fn scored(&self, candidate: &Candidate, squares: Option<[f64; 3]>, truth: Option<&[f64]>) -> RunScore {
+    fn scored(&self, candidate: &EstimateView, squares: Option<[f64; 3]>, truth: Option<&[f64]>) -> RunScore {
         let samples = self.samples() as f64;
         let rmse =
             squares.filter(|_| candidate.parameters.is_some()).map(|s| s.map(|x| (x / samples).sqrt()));

@@ -37,7 +37,7 @@ impl Effect {
 
 /// Something that a model may lack.
 #[derive(Clone, Debug)]
-pub(super) struct Candidate {
+pub(super) struct CandidateEffect {
     /// The degree of freedom of a term.
     pub degree: Option<DegreeOfFreedom>,
     /// Its name: `r |r|`, `lag`, `current`.
@@ -48,7 +48,7 @@ pub(super) struct Candidate {
     pub group: Group,
 }
 
-impl Candidate {
+impl CandidateEffect {
     /// The name of its degree of freedom.
     pub fn place(&self) -> Option<&'static str> {
         self.degree.map(DegreeOfFreedom::name)
@@ -65,7 +65,7 @@ pub(super) struct Lifted {
     /// Indices of the others.
     pub others: Vec<usize>,
     /// The candidates, with columns among `others`.
-    pub candidates: Vec<Candidate>,
+    pub candidates: Vec<CandidateEffect>,
 }
 
 impl Lifted {
@@ -85,7 +85,7 @@ impl Lifted {
             known.extend(place..place + lifted_degree.terms.len());
             place += lifted_degree.terms.len();
             for (name, term) in absent(model, degree, &names) {
-                candidates.push(Candidate {
+                candidates.push(CandidateEffect {
                     degree: Some(degree),
                     unit: model.unit(degree, &term),
                     name,
@@ -102,7 +102,7 @@ impl Lifted {
         let [lag, delay, north, east] = effects;
         let mut add = |name: &str, unit: &str, unknowns: Vec<Vec<usize>>| {
             let (name, unit, group) = (name.to_owned(), unit.to_owned(), Group { unknowns });
-            candidates.push(Candidate { degree: None, name, unit, group });
+            candidates.push(CandidateEffect { degree: None, name, unit, group });
         };
         if model.inputs > 0 {
             add("lag of the inputs", "s", vec![lag]);

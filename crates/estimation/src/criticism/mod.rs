@@ -21,9 +21,9 @@ use ship::engine::{RunView, SideBySide};
 use ship::model::Model;
 
 use crate::sensitivity::{Flow, NoiseModel, Recordings, filter, with_states};
-use library::{Candidate, Lifted, with_effects};
+use library::{CandidateEffect, Lifted, with_effects};
 use noise::{Guess, LASTING};
-use problems::{Problems, Refinement, Series, State, each_with_noise, with_noise};
+use problems::{Problems, Refinement, Series, TestedEstimate, each_with_noise, with_noise};
 use residuals::{apart, feedback, waves};
 use score::{Draws, Projected, reject_under_white, tested, under_white};
 use verdict::statements;
@@ -69,7 +69,7 @@ fn judge(
 }
 
 /// The verdict of the runs on every estimate.
-fn verdicts(subject: &Subject, problems: &Problems, states: Vec<State>) -> Vec<Option<Criticism>> {
+fn verdicts(subject: &Subject, problems: &Problems, states: Vec<TestedEstimate>) -> Vec<Option<Criticism>> {
     let lifted = Lifted::new(subject.model);
     let draws = Draws::new(lifted.candidates.iter().map(|c| c.group.unknowns.len()).sum());
     let (sums, series) = problems.look(&lifted, &states);
@@ -106,7 +106,7 @@ fn judged(
     subject: &Subject,
     lifted: &Lifted,
     draws: &Draws,
-    state: &State,
+    state: &TestedEstimate,
     projected: &Projected,
     series: &Series,
 ) -> Criticism {
@@ -141,7 +141,7 @@ fn judged(
 }
 
 /// Standard deviations of the noise; that of the current, and the time over which it drifts.
-fn noise(subject: &Subject, state: &State) -> ([f64; 3], (f64, Option<f64>)) {
+fn noise(subject: &Subject, state: &TestedEstimate) -> ([f64; 3], (f64, Option<f64>)) {
     match (subject.levels, &state.noise) {
         (Some(levels), _) => {
             let current = match levels.current {
@@ -177,7 +177,7 @@ fn is_white(test: &Whiteness) -> bool {
 fn white_once_named(
     problems: &Problems,
     problem: usize,
-    state: &State,
+    state: &TestedEstimate,
     lifted: &Lifted,
     criticism: &Criticism,
 ) -> bool {
@@ -230,13 +230,13 @@ fn white_once_named(
 struct Richer {
     model: Model,
     exogenous: Vec<Vec<f64>>,
-    state: State,
+    state: TestedEstimate,
 }
 
 impl Richer {
     /// Adds what is `absent` from the model of `subject`; returns whether that was possible.
     fn add(&mut self, subject: &Subject, runs: &[RunView], lifted: &Lifted, absent: &Absent) -> bool {
-        let is = |c: &&Candidate| c.name == absent.name && c.place() == absent.degree.as_deref();
+        let is = |c: &&CandidateEffect| c.name == absent.name && c.place() == absent.degree.as_deref();
         let Some(candidate) = lifted.candidates.iter().find(is) else { return false };
         if candidate.degree.is_none() {
             self.exogenous = runs.iter().map(|run| self.with_effects(subject, run)).collect();

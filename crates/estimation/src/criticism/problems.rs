@@ -28,7 +28,7 @@ pub struct Subject<'a> {
 
 /// An estimate to be tested, with the noise to test it under.
 #[derive(Clone, Debug)]
-pub(super) struct State {
+pub(super) struct TestedEstimate {
     pub parameters: Vec<f64>,
     /// The noise that was found if none is stated.
     pub noise: Option<Noise>,
@@ -83,7 +83,7 @@ impl<'a> Problems<'a> {
 
     /// White errors of the `wanted` problems at these states, and their derivatives by the model's parameters; `None`
     /// if they are not finite.
-    pub fn white(&self, wanted: &[usize], states: &[State]) -> Vec<Option<Linear>> {
+    pub fn white(&self, wanted: &[usize], states: &[TestedEstimate]) -> Vec<Option<Linear>> {
         let free: Vec<usize> = (0..self.subject.model.parameters()).collect();
         let mut sums = Sums(vec![None; self.count()]);
         for (group, runs) in self.groups.iter().filter(|(group, _)| self.any(group, wanted)) {
@@ -94,7 +94,7 @@ impl<'a> Problems<'a> {
     }
 
     /// The same for every run by itself, for one estimate from all, under the stated or found noise.
-    pub fn by_run(&self, state: &State) -> Vec<(usize, Linear)> {
+    pub fn by_run(&self, state: &TestedEstimate) -> Vec<(usize, Linear)> {
         let free: Vec<usize> = (0..self.subject.model.parameters()).collect();
         let kind = state.noise.as_ref().map(|noise| noise.guess.kind);
         let states_of = Levelled(kind.map_or(self.states(), NoiseKind::states));
@@ -115,14 +115,14 @@ impl<'a> Problems<'a> {
         let levels = NoiseModel { measurement, current: Flow::Still, force: Some(gusts), drift: None };
         let forced = Subject { levels: Some(levels), ..*self.subject };
         let same = Problems { subject: &forced, groups: self.groups.clone(), of_run: self.of_run.clone() };
-        let zero = State { parameters: vec![0.0; self.subject.model.parameters()], noise: None };
+        let zero = TestedEstimate { parameters: vec![0.0; self.subject.model.parameters()], noise: None };
         let sums = same.white(wanted, &vec![zero; self.count()]);
         let step = |problem: &usize| Some((*problem, newton_step(sums[*problem].as_ref()?)?.0));
         wanted.iter().filter_map(step).collect()
     }
 
     /// White errors and all sensitivities, those by the model's own parameters first, and the errors themselves.
-    pub fn look(&self, lifted: &Lifted, states: &[State]) -> (Vec<Option<Linear>>, Vec<Series>) {
+    pub fn look(&self, lifted: &Lifted, states: &[TestedEstimate]) -> (Vec<Option<Linear>>, Vec<Series>) {
         let mut sums = Sums(vec![None; self.count()]);
         let mut series: Vec<Series> = vec![Vec::new(); self.count()];
         let mut look = |group: &[usize], runs: &SideBySide, count: &Levelled| {
@@ -145,13 +145,13 @@ impl<'a> Problems<'a> {
     }
 
     /// Parameters by lane.
-    fn parameters(&self, group: &[usize], states: &[State]) -> Vec<Lane> {
+    fn parameters(&self, group: &[usize], states: &[TestedEstimate]) -> Vec<Lane> {
         let of = |run: usize| &states[self.of_run[group[run]]].parameters;
         (0..self.subject.model.parameters()).map(|i| lane(group.len(), |run| of(run)[i])).collect()
     }
 
     /// The disturbances of every lane.
-    fn levels(&self, group: &[usize], states: &[State]) -> NoiseModel<Lane> {
+    fn levels(&self, group: &[usize], states: &[TestedEstimate]) -> NoiseModel<Lane> {
         let guess_of = |run: usize| states[self.of_run[group[run]]].noise.as_ref().map(|noise| noise.guess);
         match (self.subject.levels, guess_of(0)) {
             (None, Some(first)) => {
@@ -198,7 +198,7 @@ fn white<const N: usize>(
     problems: &Problems,
     group: &[usize],
     runs: &SideBySide,
-    states: &[State],
+    states: &[TestedEstimate],
     free: &[usize],
 ) -> Vec<Linear> {
     let (subject, levels) = (problems.subject, problems.levels(group, states));
@@ -213,7 +213,7 @@ fn look_at<const N: usize>(
     lifted: &Lifted,
     group: &[usize],
     runs: &SideBySide,
-    states: &[State],
+    states: &[TestedEstimate],
 ) -> (Vec<Linear>, Vec<[Vec<f64>; 3]>) {
     let (subject, levels) = (problems.subject, problems.levels(group, states));
     let parameters = problems.parameters(group, states);
@@ -271,17 +271,17 @@ const SHORTER: i32 = 6;
 /// Estimates while they are refined to the least white errors under stated noise.
 pub(super) struct Refinement<'a> {
     problems: &'a Problems<'a>,
-    states: Vec<State>,
+    states: Vec<TestedEstimate>,
     errors: Vec<Option<Linear>>,
 }
 
 impl<'a> Refinement<'a> {
     pub fn new(problems: &'a Problems<'a>, starts: &[Vec<f64>]) -> Self {
-        let state = |start: &Vec<f64>| State { parameters: start.clone(), noise: None };
+        let state = |start: &Vec<f64>| TestedEstimate { parameters: start.clone(), noise: None };
         Self { problems, states: starts.iter().map(state).collect(), errors: Vec::new() }
     }
 
-    pub fn run(mut self) -> Vec<State> {
+    pub fn run(mut self) -> Vec<TestedEstimate> {
         self.settle((0..self.states.len()).collect());
         self.elsewhere();
         self.states
@@ -298,7 +298,7 @@ impl<'a> Refinement<'a> {
         }
         let (states, errors) = (self.states.clone(), self.errors.clone());
         for (problem, parameters) in self.problems.least_squares(&open) {
-            self.states[problem] = State { parameters, noise: None };
+            self.states[problem] = TestedEstimate { parameters, noise: None };
         }
         self.settle(open.clone());
         let err = |errors: &Option<Linear>| errors.as_ref().map_or(f64::INFINITY, squares);
@@ -381,10 +381,10 @@ pub(super) fn each_with_noise(
     problems: &Problems,
     starts: &[Vec<f64>],
     before: &[(Guess, f64)],
-) -> Vec<State> {
+) -> Vec<TestedEstimate> {
     let each = starts.par_iter().enumerate().map(|(problem, start)| {
         let state = with_noise(problems, problem, std::slice::from_ref(start), before);
-        state.unwrap_or(State { parameters: start.clone(), noise: None })
+        state.unwrap_or(TestedEstimate { parameters: start.clone(), noise: None })
     });
     each.collect()
 }
@@ -396,14 +396,14 @@ pub(super) fn with_noise(
     problem: usize,
     starts: &[Vec<f64>],
     before: &[(Guess, f64)],
-) -> Option<State> {
+) -> Option<TestedEstimate> {
     let turns = problems.turns(problem);
     let elsewhere = || {
         let simple = problems.least_squares(&[problem]).pop();
         simple.and_then(|(_, parameters)| turns.alternate(&parameters, before))
     };
     let noisy = starts.iter().find_map(|start| turns.alternate(start, before)).or_else(elsewhere);
-    noisy.map(|(parameters, noise)| State { parameters, noise: Some(noise) })
+    noisy.map(|(parameters, noise)| TestedEstimate { parameters, noise: Some(noise) })
 }
 
 /// Twice the restricted log-likelihood of all runs of `subject`, up to a constant, by which kinds of noise are compared. The

@@ -7,7 +7,7 @@ use numerics::{quadratic_of_inverse, times};
 use ship::engine::RunView;
 use ship::model::Model;
 
-use super::problems::{Problems, Series, State, Subject};
+use super::problems::{Problems, Series, TestedEstimate, Subject};
 use super::verdict::{Apart, Feedback};
 use crate::predictor::{Linear, scaled_inverse};
 
@@ -185,7 +185,7 @@ const LEFT: f64 = 1e-6;
 
 /// Recordings that contradict the others, the farthest first: they are removed one by one until the rest agree. At
 /// most half of the recordings are named.
-pub(super) fn apart(problems: &Problems, state: &State) -> Vec<Apart> {
+pub(super) fn apart(problems: &Problems, state: &TestedEstimate) -> Vec<Apart> {
     let mut left = recordings(problems, state);
     let mut out = Vec::new();
     let most = left.len() / 2;
@@ -202,7 +202,7 @@ pub(super) fn apart(problems: &Problems, state: &State) -> Vec<Apart> {
 }
 
 /// White errors of every recording, and their derivatives by the parameters.
-fn recordings(problems: &Problems, state: &State) -> Vec<(String, Linear)> {
+fn recordings(problems: &Problems, state: &TestedEstimate) -> Vec<(String, Linear)> {
     let mut all: Vec<(String, Linear)> = Vec::new();
     for (run, linear) in problems.by_run(state) {
         let name = problems.subject.names[run];

@@ -2,9 +2,9 @@ use numerics::distributions::log_chi_square_tail;
 use numerics::{inverse, times};
 use ship::engine::Streams;
 
-use super::library::{Candidate, Lifted};
+use super::library::{CandidateEffect, Lifted};
 use super::noise::{Noise, NoiseKind};
-use super::problems::{Problems, State};
+use super::problems::{Problems, TestedEstimate};
 use super::verdict::{Absent, Criticism, LEVEL, Verdict, called};
 use crate::predictor::{Linear, scaled_inverse};
 
@@ -131,7 +131,7 @@ const CLOSE: f64 = 6.0;
 pub(super) fn tested(lifted: &Lifted, draws: &Draws, projected: &Projected) -> (Vec<Absent>, Vec<String>) {
     let scored = lifted.candidates.iter().map(|candidate| (candidate, projected.score(&candidate.group)));
     let (testable, hidden): (Vec<_>, Vec<_>) = scored.partition(|(_, score)| score.is_some());
-    let testable: Vec<(&Candidate, Score)> =
+    let testable: Vec<(&CandidateEffect, Score)> =
         testable.into_iter().filter_map(|(c, score)| Some((c, score?))).collect();
     let groups = testable.iter().map(|(candidate, score)| (&candidate.group, score)).collect::<Vec<_>>();
     let probabilities = draws.adjusted(projected, &groups);
@@ -146,7 +146,7 @@ pub(super) fn tested(lifted: &Lifted, draws: &Draws, projected: &Projected) -> (
 }
 
 /// The test of `candidate`, where `most` is the evidence of the likeliest.
-fn absent(candidate: &Candidate, score: &Score, p_value: f64, most: f64) -> Absent {
+fn absent(candidate: &CandidateEffect, score: &Score, p_value: f64, most: f64) -> Absent {
     let evidence = -2.0 * score.log_p;
     Absent {
         name: candidate.name.clone(),
@@ -173,15 +173,15 @@ pub(super) fn under_white(
     problems: &Problems,
     lifted: &Lifted,
     draws: &Draws,
-    states: &[State],
+    states: &[TestedEstimate],
 ) -> Vec<Option<Vec<Absent>>> {
-    let white = |state: &State| {
+    let white = |state: &TestedEstimate| {
         let likeliest = state.noise.as_ref().filter(|noise| noise.guess.kind != NoiseKind::White)?;
         let guess = *likeliest.within(TAKEN).find(|guess| guess.kind == NoiseKind::White)?;
         Some(Noise { guess, ..likeliest.clone() })
     };
-    let under = |state: &State| State { parameters: state.parameters.clone(), noise: white(state) };
-    let white_states: Vec<State> = states.iter().map(under).collect();
+    let under = |state: &TestedEstimate| TestedEstimate { parameters: state.parameters.clone(), noise: white(state) };
+    let white_states: Vec<TestedEstimate> = states.iter().map(under).collect();
     if white_states.iter().all(|state| state.noise.is_none()) {
         return vec![None; states.len()];
     }

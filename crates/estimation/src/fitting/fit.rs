@@ -4,8 +4,8 @@ use numerics::{Lane, congruence, scaled_inverse, symmetric};
 use rayon::prelude::*;
 
 use super::sums::{Reduced, reduced};
-use super::{Pass, Window, distance, held, moved, pulls};
-use crate::fitting::sums::{Errors, Sums};
+use super::{Pass, Window, at_bound, clamped_step, distance, prior_gradient};
+use crate::fitting::sums::{WindowErrors, WindowSums};
 use crate::fitting::{Problem, Starts, Unfit};
 
 /// A step that lowers the cost by a smaller share, and was to, ends the search.
@@ -158,7 +158,7 @@ impl Pass<'_> {
                 slopes.iter_mut().zip(piece).for_each(|(sum, slope)| *sum += weight * slope);
             }
         }
-        slopes.iter_mut().zip(self.pulls(theta)).for_each(|(sum, [_, slope])| *sum += 2.0 * slope);
+        slopes.iter_mut().zip(self.prior_gradient(theta)).for_each(|(sum, [_, slope])| *sum += 2.0 * slope);
         (at.cost, slopes)
     }
 
@@ -172,7 +172,7 @@ impl Pass<'_> {
     }
 
     /// Sums of all windows, group by group.
-    pub(crate) fn all_sums(&self, theta: &[f64], starts: &[Vec<[f64; 3]>]) -> Vec<Vec<Sums>> {
+    pub(crate) fn all_sums(&self, theta: &[f64], starts: &[Vec<[f64; 3]>]) -> Vec<Vec<WindowSums>> {
         let groups: Vec<_> = self.groups.iter().zip(starts).collect();
         groups.par_iter().map(|(group, starts)| self.sums(group, theta, starts)).collect()
     }
@@ -180,7 +180,7 @@ impl Pass<'_> {
     /// The cost at θ and these starts.
     fn at(&self, theta: Vec<f64>, starts: Vec<Vec<[f64; 3]>>) -> At {
         let groups: Vec<_> = self.groups.iter().zip(&starts).collect();
-        let all: Vec<Vec<Errors>> =
+        let all: Vec<Vec<WindowErrors>> =
             groups.par_iter().map(|(group, starts)| self.errors(group, &theta, starts)).collect();
         let knee = self.settings.knee;
         let (mut cost, mut squares) = (0.0, [0.0; 3]);
@@ -193,17 +193,17 @@ impl Pass<'_> {
     }
 
     /// A window's share in the mean over windows, by its samples.
-    pub(crate) fn share(&self, window: &Errors) -> f64 {
+    pub(crate) fn share(&self, window: &WindowErrors) -> f64 {
         window.samples as f64 / self.samples as f64
     }
 
     /// Where a step with this damping leads, and by how much it is expected to lower the cost; `None` where it cannot be
     /// computed.
-    fn tried(&self, at: &At, sums: &[Vec<Sums>], damping: f64) -> Result<Option<(At, f64)>, Unfit> {
+    fn tried(&self, at: &At, sums: &[Vec<WindowSums>], damping: f64) -> Result<Option<(At, f64)>, Unfit> {
         let n = at.theta.len();
         let Some(windows) = self.reduced(sums, damping) else { return Ok(None) };
         let (products, gradient) = self.normal(&at.theta, sums, &windows);
-        let held = held(self.forces, &at.theta, &gradient);
+        let held = at_bound(self.forces, &at.theta, &gradient);
         let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
         if let Some(i) = free.iter().find(|i| products[**i * n + **i] <= 0.0) {
             return Err(Unfit::Undetermined(self.forces.parameters()[*i].name.clone()));
@@ -221,7 +221,7 @@ impl Pass<'_> {
             return Ok(None);
         }
         let steps = step.iter().zip(&scale).map(|(step, scale)| step / scale);
-        let theta = moved(self.forces, &at.theta, &free, steps);
+        let theta = clamped_step(self.forces, &at.theta, &free, steps);
         let change: Vec<f64> = theta.iter().zip(&at.theta).map(|(new, old)| new - old).collect();
         let starts = at.starts.iter().zip(&windows).map(|(starts, windows)| {
             starts.iter().zip(windows).map(|(start, window)| window.start(*start, &change)).collect()
@@ -239,7 +239,7 @@ impl Pass<'_> {
     ///
     /// # Errors
     /// A window whose start is not determined.
-    pub(crate) fn determined(&self, sums: &[Vec<Sums>]) -> Result<Vec<Vec<Reduced>>, Unfit> {
+    pub(crate) fn determined(&self, sums: &[Vec<WindowSums>]) -> Result<Vec<Vec<Reduced>>, Unfit> {
         let n = self.forces.parameters().len();
         let reduce =
             |(window, window_sums)| reduced(window_sums, n, 0.0).ok_or_else(|| self.without_start(window));
@@ -248,16 +248,16 @@ impl Pass<'_> {
     }
 
     /// Every window reduced to θ.
-    fn reduced(&self, sums: &[Vec<Sums>], damping: f64) -> Option<Vec<Vec<Reduced>>> {
+    fn reduced(&self, sums: &[Vec<WindowSums>], damping: f64) -> Option<Vec<Vec<Reduced>>> {
         let n = self.forces.parameters().len();
         sums.iter().map(|group| group.iter().map(|window| reduced(window, n, damping)).collect()).collect()
     }
 
     /// The second and first derivatives of half the cost by θ.
-    fn normal(&self, theta: &[f64], sums: &[Vec<Sums>], windows: &[Vec<Reduced>]) -> (Vec<f64>, Vec<f64>) {
+    fn normal(&self, theta: &[f64], sums: &[Vec<WindowSums>], windows: &[Vec<Reduced>]) -> (Vec<f64>, Vec<f64>) {
         let n = theta.len();
         let (mut products, mut gradient) = self.information(n, sums, windows);
-        for (i, [pull, slope]) in self.pulls(theta).into_iter().enumerate() {
+        for (i, [pull, slope]) in self.prior_gradient(theta).into_iter().enumerate() {
             products[i * n + i] += pull;
             gradient[i] += slope;
         }
@@ -268,7 +268,7 @@ impl Pass<'_> {
     pub(crate) fn information(
         &self,
         n: usize,
-        sums: &[Vec<Sums>],
+        sums: &[Vec<WindowSums>],
         windows: &[Vec<Reduced>],
     ) -> (Vec<f64>, Vec<f64>) {
         let (mut products, mut gradient) = (vec![0.0; n * n], vec![0.0; n]);
@@ -281,12 +281,12 @@ impl Pass<'_> {
     }
 
     /// What the prior of each of θ adds to the second and to the first derivative of half the cost.
-    pub(crate) fn pulls(&self, theta: &[f64]) -> Vec<[f64; 2]> {
-        pulls(theta, &self.priors, self.prior_cost())
+    pub(crate) fn prior_gradient(&self, theta: &[f64]) -> Vec<[f64; 2]> {
+        prior_gradient(theta, &self.priors, self.prior_cost())
     }
 
     /// What a window's sums of squares count in the cost.
-    pub(crate) fn weight(&self, window: &Errors) -> f64 {
+    pub(crate) fn weight(&self, window: &WindowErrors) -> f64 {
         self.share(window) * window.slope(self.settings.knee) / window.numbers()
     }
 
@@ -403,10 +403,10 @@ impl Pass<'_> {
         pieces: usize,
     ) -> Result<Estimates, Unfit> {
         let n = fit.theta.len();
-        let pulls = self.pulls(&fit.theta);
+        let pulls = self.prior_gradient(&fit.theta);
         gradient.iter_mut().zip(&pulls).for_each(|(sum, [_, slope])| *sum += slope);
         let pulls: Vec<f64> = pulls.iter().map(|[pull, _]| *pull).collect();
-        let held = held(self.forces, &fit.theta, &gradient);
+        let held = at_bound(self.forces, &fit.theta, &gradient);
         let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
         let m = free.len();
         let inner =

@@ -12,7 +12,7 @@
 
 mod criticism;
 mod fit;
-mod information;
+mod simulated;
 mod sums;
 
 use std::ops::Deref;
@@ -24,7 +24,7 @@ use thiserror::Error;
 
 pub use criticism::{AbsentTerm, Channels, Criticism, LEVEL, LateInput, Lateness, Turn, TurnedSign};
 pub use fit::{Estimates, Fit, Parameter};
-pub use information::{MeasuredRun, PredictedErrors, RunInformation, SimulatedRun, Slopes, WhiteNoise};
+pub use simulated::{MeasuredRun, PredictedErrors, RunInformation, SimulatedRun, StateSlopes, WhiteNoise};
 pub use sums::cost_of_rms;
 
 /// How long inputs before a window may act in it, where thrusters follow theirs late \[s\].
@@ -36,9 +36,9 @@ const MOST: f64 = 1e6;
 /// Recordings that a force model is fitted to.
 pub struct Problem<'a> {
     pub(crate) forces: &'a Forces,
-    pub(crate) recordings: Vec<Recording<'a>>,
+    pub(crate) recordings: Vec<RecordingView<'a>>,
     pub(crate) settings: Settings,
-    pub(crate) groups: Vec<Group>,
+    pub(crate) groups: Vec<WindowGroup>,
     pub(crate) priors: Vec<Option<Prior>>,
     /// Of u, v \[m/s\], r \[rad/s\].
     pub(crate) deviations: [f64; 3],
@@ -55,7 +55,7 @@ impl<'a> Problem<'a> {
     /// No free number, no sample, or a state that does not vary.
     pub fn new(
         forces: &'a Forces,
-        recordings: Vec<Recording<'a>>,
+        recordings: Vec<RecordingView<'a>>,
         width: usize,
         settings: Settings,
     ) -> Result<Self, Unfit> {
@@ -68,7 +68,7 @@ impl<'a> Problem<'a> {
             && thrusters.iter().any(|thruster| thruster.lag_s.is_some() || thruster.dead_time_s.is_some());
         let before = if late { settings.samples(HISTORY_S) } else { 0 };
         let windows = windows(&recordings, &settings);
-        let groups = Group::all(&windows, &recordings, width, before);
+        let groups = WindowGroup::all(&windows, &recordings, width, before);
         let prior = |parameter: &ship::forces::Parameter| {
             parameter.prior.map(|deviation| Prior { mean: parameter.nominal, deviation })
         };
@@ -120,7 +120,7 @@ impl<'a> Problem<'a> {
 }
 
 /// Standard deviations of u, v, r after the first sample of each recording.
-fn deviations(recordings: &[Recording]) -> Result<[f64; 3], Unfit> {
+fn deviations(recordings: &[RecordingView]) -> Result<[f64; 3], Unfit> {
     if recordings.iter().all(|recording| recording.samples() == 0) {
         return Err(Unfit::NoSample);
     }
@@ -212,7 +212,7 @@ impl Settings {
 
 /// A recording, or a part of one without gaps: N samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Recording<'a> {
+pub struct RecordingView<'a> {
     /// Its name.
     pub name: &'a str,
     /// Inputs and measured disturbances, in the order of the ship's channels: N rows.
@@ -221,7 +221,7 @@ pub struct Recording<'a> {
     pub measured: &'a [f64],
 }
 
-impl Recording<'_> {
+impl RecordingView<'_> {
     /// Number of samples N.
     pub fn samples(&self) -> usize {
         (self.measured.len() / 3).saturating_sub(1)
@@ -237,7 +237,7 @@ pub(crate) struct Window {
 }
 
 /// All recordings in equal windows of at most the length that is set, longest first and otherwise in order.
-fn windows(recordings: &[Recording], settings: &Settings) -> Vec<Window> {
+fn windows(recordings: &[RecordingView], settings: &Settings) -> Vec<Window> {
     let most = settings.samples(settings.window_s);
     let mut all = Vec::new();
     for (recording, cut) in recordings.iter().enumerate() {
@@ -253,7 +253,7 @@ fn windows(recordings: &[Recording], settings: &Settings) -> Vec<Window> {
 }
 
 /// Up to [`LANES`] windows side by side.
-pub(crate) struct Group {
+pub(crate) struct WindowGroup {
     /// Places of the windows, in order.
     pub windows: Vec<Window>,
     /// The longest of them.
@@ -266,9 +266,9 @@ pub(crate) struct Group {
     pub measured: Vec<Lane>,
 }
 
-impl Group {
+impl WindowGroup {
     /// Of `windows`, with rows of `width` inputs. Where a recording has no row, its nearest one counts.
-    pub fn new(windows: &[Window], recordings: &[Recording], width: usize, before: usize) -> Self {
+    pub fn new(windows: &[Window], recordings: &[RecordingView], width: usize, before: usize) -> Self {
         let samples = windows.iter().map(|window| window.samples).max().unwrap_or(0);
         let lane = |of: &dyn Fn(&Window) -> f64| lanes::lane(windows.len(), |i| of(&windows[i]));
         let input = |k: usize, i: usize| {
@@ -294,7 +294,7 @@ impl Group {
     }
 
     /// All `windows` in groups.
-    pub fn all(windows: &[Window], recordings: &[Recording], width: usize, before: usize) -> Vec<Self> {
+    pub fn all(windows: &[Window], recordings: &[RecordingView], width: usize, before: usize) -> Vec<Self> {
         windows.chunks(LANES).map(|chunk| Self::new(chunk, recordings, width, before)).collect()
     }
 }
@@ -439,7 +439,7 @@ fn distance(theta: &[f64], priors: &[Option<Prior>]) -> f64 {
 
 /// What the prior of each of θ adds to the second and to the first derivative of half the cost, where the squares of distances
 /// are multiplied by `weight`.
-fn pulls(theta: &[f64], priors: &[Option<Prior>], weight: f64) -> Vec<[f64; 2]> {
+fn prior_gradient(theta: &[f64], priors: &[Option<Prior>], weight: f64) -> Vec<[f64; 2]> {
     let pull = |(value, prior): (&f64, &Option<Prior>)| {
         let Some(prior) = prior else { return [0.0; 2] };
         let pull = weight / (prior.deviation * prior.deviation);
@@ -449,7 +449,7 @@ fn pulls(theta: &[f64], priors: &[Option<Prior>], weight: f64) -> Vec<[f64; 2]> 
 }
 
 /// Which of θ lie at a bound that the cost pushes them to.
-fn held(forces: &Forces, theta: &[f64], gradient: &[f64]) -> Vec<bool> {
+fn at_bound(forces: &Forces, theta: &[f64], gradient: &[f64]) -> Vec<bool> {
     let limited = |((value, gradient), parameter): ((&f64, &f64), &ship::forces::Parameter)| {
         let [low, high] = parameter.bounds;
         (*value <= low && *gradient > 0.0) || (*value >= high && *gradient < 0.0)

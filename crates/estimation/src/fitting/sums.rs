@@ -3,7 +3,7 @@
 use numerics::{LANES, Lane, vectorized};
 use ship::forces::{Body, Dual, Real};
 
-use super::{Group, Pass, Window};
+use super::{WindowGroup, Pass, Window};
 use crate::fitting::Inputs;
 
 /// Unknowns by which derivatives are computed at once.
@@ -16,13 +16,13 @@ pub fn cost_of_rms(rms: f64, knee: f64) -> f64 {
 
 /// What a window errs by.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Errors {
+pub(crate) struct WindowErrors {
     /// Sums of squares in u, v and r.
     pub squares: [f64; 3],
     pub samples: usize,
 }
 
-impl Errors {
+impl WindowErrors {
     /// Numbers that are compared.
     pub fn numbers(&self) -> f64 {
         (3 * self.samples) as f64
@@ -46,8 +46,8 @@ impl Errors {
 
 /// Sums of a window: of products of the derivatives of its errors, and of these with the errors, piece by piece.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Sums {
-    pub errors: Errors,
+pub(crate) struct WindowSums {
+    pub errors: WindowErrors,
     /// JᵀJ, square, of θ and then of the start.
     pub products: Vec<f64>,
     /// Jᵀe of each piece.
@@ -64,7 +64,7 @@ pub(crate) struct Derivatives {
 
 impl Pass<'_> {
     /// Errors of the windows of `group`, which start at `starts`.
-    pub fn errors(&self, group: &Group, theta: &[f64], starts: &[[f64; 3]]) -> Vec<Errors> {
+    pub fn errors(&self, group: &WindowGroup, theta: &[f64], starts: &[[f64; 3]]) -> Vec<WindowErrors> {
         let theta: Vec<Lane> = theta.iter().map(|value| Lane::splat(*value)).collect();
         let body = self.forces.body(&theta);
         let mut squares = [Lane::ZERO; 3];
@@ -73,12 +73,12 @@ impl Pass<'_> {
     }
 
     /// The errors and sums of the windows of `group`, which start at `starts`.
-    pub fn sums(&self, group: &Group, theta: &[f64], starts: &[[f64; 3]]) -> Vec<Sums> {
+    pub fn sums(&self, group: &WindowGroup, theta: &[f64], starts: &[[f64; 3]]) -> Vec<WindowSums> {
         self.sums_of(group, &self.derivatives(group, theta, starts))
     }
 
     /// The errors of the windows of `group`, which start at `starts`, and their derivatives.
-    pub fn derivatives(&self, group: &Group, theta: &[f64], starts: &[[f64; 3]]) -> Derivatives {
+    pub fn derivatives(&self, group: &WindowGroup, theta: &[f64], starts: &[[f64; 3]]) -> Derivatives {
         let unknowns = self.unknowns();
         let rows = 3 * (group.samples + 1);
         let mut slopes = vec![Lane::ZERO; rows * unknowns];
@@ -98,7 +98,7 @@ impl Pass<'_> {
     }
 
     /// The sums of `own`, the derivatives of the windows of `group`.
-    pub fn sums_of(&self, group: &Group, derivatives: &Derivatives) -> Vec<Sums> {
+    pub fn sums_of(&self, group: &WindowGroup, derivatives: &Derivatives) -> Vec<WindowSums> {
         let (unknowns, Derivatives { slopes, left }) = (self.unknowns(), derivatives);
         let piece = self.settings.samples(self.settings.piece_s);
         let mut products = vec![Lane::ZERO; unknowns * unknowns];
@@ -111,7 +111,7 @@ impl Pass<'_> {
             .map(|(lane, errors)| {
                 let at = |i: usize, j: usize| products[i.min(j) * unknowns + i.max(j)][lane];
                 let pieces = gradients.chunks_exact(unknowns);
-                Sums {
+                WindowSums {
                     errors,
                     products: (0..unknowns * unknowns).map(|k| at(k / unknowns, k % unknowns)).collect(),
                     pieces: pieces.map(|piece| piece.iter().map(|sum| sum[lane]).collect()).collect(),
@@ -122,8 +122,8 @@ impl Pass<'_> {
 }
 
 /// The errors of the windows of `group`, from their sums of squares.
-fn window_errors(group: &Group, squares: [Lane; 3]) -> Vec<Errors> {
-    let of = |(lane, window): (usize, &Window)| Errors {
+fn window_errors(group: &WindowGroup, squares: [Lane; 3]) -> Vec<WindowErrors> {
+    let of = |(lane, window): (usize, &Window)| WindowErrors {
         squares: squares.map(|square| square[lane]),
         samples: window.samples,
     };
@@ -139,7 +139,7 @@ pub(crate) fn start(starts: &[[f64; 3]]) -> [Lane; 3] {
 #[inline(always)]
 fn follow<X: Real>(
     pass: &Pass,
-    group: &Group,
+    group: &WindowGroup,
     body: &Body<X>,
     state: [X; 3],
     lift: impl Fn(Lane) -> X,
@@ -160,7 +160,7 @@ fn follow<X: Real>(
 #[inline(always)]
 pub(crate) fn follow_acting<X: Real>(
     pass: &Pass,
-    group: &Group,
+    group: &WindowGroup,
     body: &Body<X>,
     mut state: [X; 3],
     input: impl Fn(usize) -> X,
@@ -179,7 +179,7 @@ pub(crate) fn follow_acting<X: Real>(
 
 /// 1 in windows that have sample `k`, else 0.
 #[inline(always)]
-pub(crate) fn counted(group: &Group, k: usize) -> [bool; LANES] {
+pub(crate) fn counted(group: &WindowGroup, k: usize) -> [bool; LANES] {
     std::array::from_fn(|lane| group.windows.get(lane).is_some_and(|window| k <= window.samples))
 }
 
@@ -190,7 +190,7 @@ pub(crate) fn only(value: Lane, counted: [bool; LANES]) -> Lane {
 }
 
 #[inline(always)]
-fn squared(pass: &Pass, group: &Group, body: &Body<Lane>, start: [Lane; 3], squares: &mut [Lane; 3]) {
+fn squared(pass: &Pass, group: &WindowGroup, body: &Body<Lane>, start: [Lane; 3], squares: &mut [Lane; 3]) {
     follow(
         pass,
         group,
@@ -212,7 +212,7 @@ fn squared(pass: &Pass, group: &Group, body: &Body<Lane>, start: [Lane; 3], squa
 #[inline(always)]
 fn columns(
     pass: &Pass,
-    group: &Group,
+    group: &WindowGroup,
     body: &Body<Dual<Lane, AT_ONCE>>,
     start: [Dual<Lane, AT_ONCE>; 3],
     (count, width): (usize, usize),
@@ -272,7 +272,7 @@ const SINGULAR: f64 = 1e-9;
 
 /// The sums of `window` over θ of length `n` alone; `damping` is a share that is added to the diagonal of its start.
 /// `None` where the start is not determined.
-pub(crate) fn reduced(window: &Sums, n: usize, damping: f64) -> Option<Reduced> {
+pub(crate) fn reduced(window: &WindowSums, n: usize, damping: f64) -> Option<Reduced> {
     let all = n + window.starts(n);
     let at = |i: usize, j: usize| window.products[i * all + j];
     let gradient: Vec<f64> = (0..all).map(|i| window.pieces.iter().map(|piece| piece[i]).sum()).collect();
@@ -301,7 +301,7 @@ pub(crate) fn reduced(window: &Sums, n: usize, damping: f64) -> Option<Reduced> 
     Some(Reduced { products, gradient: left, follows, stays: start_step })
 }
 
-impl Sums {
+impl WindowSums {
     /// Unknowns of its start, besides `n` of θ.
     pub fn starts(&self, n: usize) -> usize {
         self.pieces.first().map_or(0, |piece| piece.len() - n)

@@ -7,7 +7,7 @@ use ship::model::DegreeOfFreedom;
 use thiserror::Error;
 
 use super::resampler::{Resampler, Resampling};
-use super::statements::{against_nominal, entangled, statements};
+use super::statements::{against_nominal, collinear, statements};
 use super::trust::Judge;
 use super::{
     DegreeTrust, Delivered, Estimated, Follow, Judgement, NoEstimate, Pool, Resample, SourceErrors, Unfound,
@@ -157,7 +157,7 @@ fn estimate_any(
     }
     let lost = estimated.diverged.as_ref().map(LostInstruments::to_string);
     let criticised = criticism.iter().flat_map(|criticism| &criticism.statements).cloned();
-    let alike = delivered.iter().flat_map(|model| entangled(model, pool.model.layout()));
+    let alike = delivered.iter().flat_map(|model| collinear(model, pool.model.layout()));
     let stalled = stalled(&estimated).map(str::to_owned);
     let spread = stalled
         .into_iter()

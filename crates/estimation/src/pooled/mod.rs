@@ -37,7 +37,7 @@ pub use enriched::{Added, Enriched, Grown, enriched, grown};
 pub use estimate::{PoolError, Pooled, StandardErrors, estimate, resampled, standard_errors, unstated};
 pub use resampler::{Bootstrap, Resample, Resampled, Resampling, redraw};
 pub use searched::{Follow, Scales, Searched, least_errors};
-pub use statements::{entangled, lies_above};
+pub use statements::{collinear, lies_above};
 pub use trust::{DegreeTrust, InstrumentFit, InstrumentResidual, Judgement, ParameterTrust, SourceErrors};
 
 /// The options of all estimates of a study.

@@ -10,7 +10,7 @@ use ship::engine::SideBySide;
 use ship::model::Model;
 
 use crate::predictor::{
-    Asked, Ended, Linear, Minimum, NoiseModel, Recordings, Residuals, STEPS, Unknown, Weighting, linearize,
+    Linearization, Ended, Linear, Minimum, NoiseModel, Recordings, Residuals, STEPS, Unknown, Weighting, linearize,
     minimize, scaled_inverse,
 };
 use crate::sensitivity::{filter, with_states};
@@ -107,7 +107,7 @@ pub(super) fn least_errors_any(
     let from = free.iter().map(|i| start[*i]).collect();
     let asked = Question { model, held: start.to_vec(), free, weights, follow };
     let weights = asked.weighting();
-    let mut problem = Problem { asked, parts, order, ambient };
+    let mut problem = PooledProblem { asked, parts, order, ambient };
     let minima = minimize(&mut problem, vec![Weighting::Fixed(weights)], vec![from], STEPS)?.pop();
     let Some(minimum) = minima.filter(|end| matches!(end.status, Ended::Converged | Ended::Stalled)) else {
         return Ok(None);
@@ -124,7 +124,7 @@ pub(super) fn least_errors_any(
 }
 
 /// One problem: all parts, [`LANES`] of them at a time.
-struct Problem<'a> {
+struct PooledProblem<'a> {
     asked: Question<'a>,
     parts: &'a AnyParts<'a>,
     /// Indices of the parts: those of similar length share lanes.
@@ -205,7 +205,7 @@ impl Question<'_> {
     }
 }
 
-impl Problem<'_> {
+impl PooledProblem<'_> {
     /// Calls `look` with every linearised part, in order; with the spread of its own unknowns if requested.
     fn each(&self, point: &[f64], spread: bool, look: &mut dyn FnMut(Settled)) -> Result<(), Unread> {
         let whole = self.asked.whole(point);
@@ -283,12 +283,12 @@ struct Spread {
     currents: Vec<[[f64; 2]; 2]>,
 }
 
-impl Residuals for Problem<'_> {
+impl Residuals for PooledProblem<'_> {
     type Error = Unread;
 
-    fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Unread> {
+    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<Linear>, Unread> {
         let mut totals = Vec::new();
-        for Asked { point, .. } in asked {
+        for Linearization { point, .. } in asked {
             let (mut total, mut ambient): (Option<Linear>, _) = (None, Vec::new());
             self.each(point, false, &mut |part| {
                 match &mut total {
@@ -361,7 +361,7 @@ struct Ambient<'a> {
 impl Residuals for Ambient<'_> {
     type Error = Infallible;
 
-    fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Infallible> {
+    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<Linear>, Infallible> {
         // Idle lanes, of converged parts, repeat the point of the first.
         let request_of = |lane: usize| asked.iter().find(|request| request.problem == lane).or(asked.first());
         let points: Vec<&[f64]> =

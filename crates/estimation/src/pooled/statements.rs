@@ -96,7 +96,7 @@ struct Pair<'a> {
 
 /// The pairs of estimates of `delivered`, whose model with intercepts has this `layout`, that correlate most: a sentence
 /// each with the accuracy of both, and of their best combination.
-pub fn entangled(delivered: &Delivered, layout: ParameterLayout) -> Vec<String> {
+pub fn collinear(delivered: &Delivered, layout: ParameterLayout) -> Vec<String> {
     let mut pairs = pairs(delivered, layout);
     pairs.sort_by(|a, b| b.correlation.abs().total_cmp(&a.correlation.abs()));
     let sentences = pairs.iter().take(MOST).map(Pair::sentence);

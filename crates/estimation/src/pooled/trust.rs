@@ -150,7 +150,7 @@ pub(super) struct Judge<'a> {
 }
 
 /// Numbers of one degree of freedom.
-pub(super) struct Degree {
+pub(super) struct DegreeStatistics {
     pub covariance: Option<Vec<f64>>,
     pub whiteness: Option<Whiteness>,
     pub crossed: Option<CrossCorrelation>,
@@ -184,7 +184,7 @@ impl Judge<'_> {
             self.account(i, &part, &mut accounts, &mut fit);
             i += 1;
         })?;
-        let (fits, mut degrees) = (fit.percent(), Vec::new());
+        let (fits, mut degrees) = (fit.found(), Vec::new());
         let (resamples, layout) = (self.resamples()?, self.pool.vessel.model.layout());
         for (d, account) in DegreeOfFreedom::ALL.into_iter().zip(accounts) {
             let bootstrap = Bootstrap::of_resamples(&resamples, &layout.terms(d as usize));
@@ -265,7 +265,7 @@ pub(super) fn judged(
     d: DegreeOfFreedom,
     fit: &DegreeFit,
     used: Estimator,
-    degree: &Degree,
+    degree: &DegreeStatistics,
 ) -> DegreeTrust {
     let covariance = degree.covariance.as_deref();
     let model = &pool.vessel.model.degrees[d as usize];
@@ -301,7 +301,7 @@ pub(super) fn judged(
 fn parameters(
     pool: &Pool,
     d: DegreeOfFreedom,
-    degree: &Degree,
+    degree: &DegreeStatistics,
     solution: Option<&Solution>,
 ) -> Vec<ParameterTrust> {
     let whole = &pool.vessel.model;
@@ -377,14 +377,14 @@ impl<'a> Account<'a> {
         places: Range<usize>,
         instrument_fit: Option<f64>,
         bootstrap: Option<Bootstrap>,
-    ) -> Degree {
+    ) -> DegreeStatistics {
         let (d, centring) = (self.d, self.centring);
         let searched = || estimated.searched.as_ref().map(|(searched, _)| searched.covariance_of(places));
         let covariance = self.solution.and_then(|solution| match self.meat {
             Some(meat) => Some(meat.covariance(&centring, solution, d)),
             None => searched(),
         });
-        Degree {
+        DegreeStatistics {
             covariance,
             whiteness: self.solution.map(|_| self.tests.whiteness()),
             crossed: self.solution.and_then(|_| self.tests.strongest()),
@@ -442,7 +442,7 @@ impl InstrumentFit {
     }
 
     /// 100 (1 − RMSE/std) \[%\]; `None` if a state does not vary, and without instruments.
-    pub fn percent(&self) -> Option<[f64; 3]> {
+    pub fn found(&self) -> Option<[f64; 3]> {
         let std = self.deviations.std();
         let fits = [0, 1, 2].map(|d: usize| 100.0 * (1.0 - (self.squares[d] / self.samples).sqrt() / std[d]));
         fits.iter().all(|f| f.is_finite()).then_some(fits)

@@ -8,7 +8,7 @@ pub(crate) trait Residuals {
     type Error;
     /// Linearises problems at the requested points, at most one per problem and all of them in the first call; not
     /// finite if the prediction diverges. Finished problems are not requested again.
-    fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Self::Error>;
+    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<Linear>, Self::Error>;
     /// Whether [`Self::slopes`] is implemented and much faster.
     fn has_slopes(&self) -> bool {
         false
@@ -18,7 +18,7 @@ pub(crate) trait Residuals {
         false
     }
     /// Squared errors and their gradients only, with the weights of each problem's errors.
-    fn slopes(&mut self, _asked: &[Asked]) -> Vec<Slopes> {
+    fn slopes(&mut self, _asked: &[Linearization]) -> Vec<Slopes> {
         Vec::new()
     }
     /// Bounds of the unknowns, infinite at open ends; empty without bounds.
@@ -28,7 +28,7 @@ pub(crate) trait Residuals {
 }
 
 /// A requested point of a problem, by its index.
-pub(crate) struct Asked {
+pub(crate) struct Linearization {
     pub problem: usize,
     pub weighting: Weighting,
     pub point: Vec<f64>,
@@ -201,18 +201,18 @@ pub(crate) fn minimize<R: Residuals>(
     steps: usize,
 ) -> Result<Vec<Minimum>, R::Error> {
     let bounds = residuals.bounds();
-    let clip = |(problem, (start, weighting))| Asked { problem, weighting, point: clipped(start, &bounds) };
-    let starts: Vec<Asked> = starts.into_iter().zip(weighting).enumerate().map(clip).collect();
+    let clip = |(problem, (start, weighting))| Linearization { problem, weighting, point: clipped(start, &bounds) };
+    let starts: Vec<Linearization> = starts.into_iter().zip(weighting).enumerate().map(clip).collect();
     let linears = residuals.linearize(&starts)?;
     let new =
-        |(start, linear): (Asked, _)| Progress::new(start.weighting, bounds.clone(), start.point, linear);
+        |(start, linear): (Linearization, _)| Progress::new(start.weighting, bounds.clone(), start.point, linear);
     let mut problems: Vec<Progress> = starts.into_iter().zip(linears).map(new).collect();
     let sloping = residuals.has_slopes();
-    let asked = |problems: &mut [Progress], near: bool| -> Vec<Asked> {
+    let asked = |problems: &mut [Progress], near: bool| -> Vec<Linearization> {
         let all = problems.iter_mut().enumerate();
         let open =
             all.filter(|(_, problem)| problem.is_open(steps) && (sloping && problem.is_near()) == near);
-        let ask = |(problem, progress): (_, &mut Progress)| Asked {
+        let ask = |(problem, progress): (_, &mut Progress)| Linearization {
             problem,
             weighting: progress.weighting,
             point: progress.trial(),

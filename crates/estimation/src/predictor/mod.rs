@@ -16,7 +16,7 @@ use regression::Direction;
 use ship::model::ParameterLayout;
 
 pub(crate) use levenberg_marquardt::{
-    Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
+    Linearization, Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
 };
 pub use linear::{InitialState, Linear, Unknown};
 pub(crate) use linear::{linearize, linearize_each};
@@ -32,7 +32,7 @@ pub use crate::sensitivity::{
 
 /// Standard errors of all unknowns.
 #[derive(Clone, Debug)]
-struct Errors {
+struct EstimateErrors {
     /// One per unknown.
     pub each: Vec<f64>,
     /// The covariance of the unknowns, as many rows, row-major; none where errors are the largest of several.
@@ -41,7 +41,7 @@ struct Errors {
     pub approximate: bool,
 }
 
-impl Errors {
+impl EstimateErrors {
     /// Those on the diagonal of `covariance`.
     pub fn of(covariance: Vec<f64>) -> Self {
         Self { each: roots(&covariance), covariance: Some(covariance), approximate: false }
@@ -117,7 +117,7 @@ pub struct FoundSpread {
 
 /// The outcome for one run.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Fit {
+pub enum RunFit {
     /// An estimate.
     Converged(Fitted),
     /// No minimum after this many steps, or none at all from a start that diverges.
@@ -149,7 +149,7 @@ pub struct Fitted {
     pub approximate: bool,
 }
 
-fn fit(recordings: &Recordings, minimum: &Minimum, errors: Option<Errors>, unknown: Unknown) -> Fit {
+fn fit(recordings: &Recordings, minimum: &Minimum, errors: Option<EstimateErrors>, unknown: Unknown) -> RunFit {
     let layout = recordings.model.layout();
     let (point, all) = (&minimum.point, layout.parameters());
     let free = unknown.free(recordings.model);
@@ -162,16 +162,16 @@ fn fit(recordings: &Recordings, minimum: &Minimum, errors: Option<Errors>, unkno
     };
     match (minimum.status, errors) {
         (Ended::Singular(unknown), _) => place(unknown)
-            .map_or(Fit::NotConverged(minimum.steps), |(degree, parameter)| {
-                Fit::NotIdentifiable(Direction { degree, parameter })
+            .map_or(RunFit::NotConverged(minimum.steps), |(degree, parameter)| {
+                RunFit::NotIdentifiable(Direction { degree, parameter })
             }),
         // Every parameter of a degree of freedom is at a bound: there is no estimate.
         (Ended::Converged, Some(_)) if all_held(layout, minimum).is_some() => {
             let degree = all_held(layout, minimum).unwrap_or_default();
-            Fit::NotIdentifiable(Direction { degree, parameter: 0 })
+            RunFit::NotIdentifiable(Direction { degree, parameter: 0 })
         }
-        (Ended::Converged, Some(Errors { each: errors, covariance, approximate })) => {
-            Fit::Converged(Fitted {
+        (Ended::Converged, Some(EstimateErrors { each: errors, covariance, approximate })) => {
+            RunFit::Converged(Fitted {
                 parameters: layout.theta(&point[..all]),
                 standard_errors: layout.theta(&errors[..all]),
                 covariance: covariance.map(|covariance| of_terms(layout, &covariance)),
@@ -183,7 +183,7 @@ fn fit(recordings: &Recordings, minimum: &Minimum, errors: Option<Errors>, unkno
                 approximate,
             })
         }
-        _ => Fit::NotConverged(minimum.steps),
+        _ => RunFit::NotConverged(minimum.steps),
     }
 }
 

@@ -8,9 +8,9 @@ use regression::jackknife;
 use ship::engine::{RunView, SideBySide};
 use ship::model::Model;
 
-use super::levenberg_marquardt::{Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize};
+use super::levenberg_marquardt::{Linearization, Ended, Minimum, Residuals, STEPS, Weighting, minimize};
 use super::linear::{Linear, Unknown, disturbed_scores, linearize_and_keep};
-use super::{Errors, Fit, FoundSpread, Spread, fit};
+use super::{EstimateErrors, RunFit, FoundSpread, Spread, fit};
 use crate::sensitivity::{NoiseModel, Recordings, Sensitivities, Slopes, groups, of_one_length, with_states};
 
 /// Floor of the variances of output errors, as a share of the measured state's mean square, for data without noise.
@@ -29,7 +29,7 @@ pub fn output_error(
     starts: &[Vec<Vec<f64>>],
     unknown: impl Into<Unknown>,
     spread: Spread,
-) -> Vec<Fit> {
+) -> Vec<RunFit> {
     let unknown = unknown.into();
     let best = vec![None; runs.len()];
     let mut searches = Searches { model, runs, unknown, best, workspace: WORKSPACE.take(), exactly: false };
@@ -120,7 +120,7 @@ impl Searches<'_> {
         for together in of_one_length(&runs, 0..runs.len(), TOGETHER) {
             let workspace = std::mem::take(&mut self.workspace);
             let mut search =
-                Search::new(self.model, together.iter().map(|i| runs[*i]), self.unknown, workspace);
+                LaneSearch::new(self.model, together.iter().map(|i| runs[*i]), self.unknown, workspace);
             search.exactly = self.exactly;
             let from = |i: &usize| {
                 let mut point = tries[*i].point.clone();
@@ -138,8 +138,8 @@ impl Searches<'_> {
 
     /// The outcomes of the runs. Minima that only slopes indicate are verified here, in lanes; those that are not
     /// minima are searched again.
-    fn fits(&mut self, spread: Spread) -> Vec<Fit> {
-        let mut fits = vec![Fit::NotConverged(0); self.runs.len()];
+    fn fits(&mut self, spread: Spread) -> Vec<RunFit> {
+        let mut fits = vec![RunFit::NotConverged(0); self.runs.len()];
         let searched = (0..self.runs.len()).filter(|run| self.best[*run].is_some()).collect();
         let missed = self.fit(searched, spread, &mut fits);
         let from = |run: &usize| {
@@ -160,7 +160,7 @@ impl Searches<'_> {
     }
 
     /// Writes the outcomes of `searched` runs into `fits`; returns those that slopes wrongly indicated as minima.
-    fn fit(&mut self, searched: Vec<usize>, spread: Spread, fits: &mut [Fit]) -> Vec<usize> {
+    fn fit(&mut self, searched: Vec<usize>, spread: Spread, fits: &mut [RunFit]) -> Vec<usize> {
         let mut missed = Vec::new();
         let mut kept = std::mem::take(&mut self.workspace.kept);
         let spread = if self.unknown.current.is_some() { Spread::Blocks } else { spread };
@@ -233,7 +233,7 @@ pub(super) fn side_by_side(points: &[impl AsRef<[f64]>], free: &[usize], all: us
 }
 
 /// Runs of one length in one search: [`LANES`] of them at once, and lanes of finished runs are reused.
-struct Search<'a> {
+struct LaneSearch<'a> {
     model: &'a Model,
     runs: Vec<RunView<'a>>,
     free: Vec<usize>,
@@ -268,7 +268,7 @@ struct Packed {
     data: SideBySide,
 }
 
-impl<'a> Search<'a> {
+impl<'a> LaneSearch<'a> {
     fn new(
         model: &'a Model,
         runs: impl Iterator<Item = RunView<'a>>,
@@ -289,7 +289,7 @@ impl<'a> Search<'a> {
 
     /// Groups with the requested runs: all groups, or, if these would leave many lanes empty, groups of the last
     /// requested runs only.
-    fn packed(&mut self, asked: &[Asked]) -> &[Packed] {
+    fn packed(&mut self, asked: &[Linearization]) -> &[Packed] {
         let wanted = asked.len().div_ceil(LANES);
         let enough = |packed: usize| 3 * wanted > 2 * packed;
         if self.all == 0 {
@@ -311,18 +311,18 @@ impl<'a> Search<'a> {
     /// unknowns and the request of each lane.
     fn each<T>(
         &mut self,
-        asked: &[Asked],
-        mut look: impl FnMut(&Recordings, &[Lane], &[&Asked]) -> Vec<T>,
+        asked: &[Linearization],
+        mut look: impl FnMut(&Recordings, &[Lane], &[&Linearization]) -> Vec<T>,
     ) -> Vec<T> {
         let (model, free) = (self.model, self.free.clone());
-        let by_run: BTreeMap<usize, &Asked> =
+        let by_run: BTreeMap<usize, &Linearization> =
             asked.iter().map(|request| (request.problem, request)).collect();
         let mut results = BTreeMap::new();
         for Packed { runs, data } in self.packed(asked) {
             let Some(any) = runs.iter().find_map(|run| by_run.get(run)) else { continue };
             let recordings = Recordings::of(model, data);
             // Idle lanes repeat another lane's point.
-            let requests: Vec<&Asked> = runs.iter().map(|run| *by_run.get(run).unwrap_or(any)).collect();
+            let requests: Vec<&Linearization> = runs.iter().map(|run| *by_run.get(run).unwrap_or(any)).collect();
             let points: Vec<&[f64]> = requests.iter().map(|request| request.point.as_slice()).collect();
             let unknowns = side_by_side(&points, &free, recordings.unknowns());
             let looked = look(&recordings, &unknowns, &requests);
@@ -344,10 +344,10 @@ fn pack(runs: &[RunView], wanted: &[usize], workspace: &mut Vec<Packed>) -> usiz
     count
 }
 
-impl Residuals for Search<'_> {
+impl Residuals for LaneSearch<'_> {
     type Error = Infallible;
 
-    fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Infallible> {
+    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<Linear>, Infallible> {
         let (unknown, free) = (self.unknown, self.free.clone());
         Ok(self.each(asked, |recordings, unknowns, _| unknown.linearize(recordings, unknowns, &free)))
     }
@@ -360,7 +360,7 @@ impl Residuals for Search<'_> {
         !self.exactly
     }
 
-    fn slopes(&mut self, asked: &[Asked]) -> Vec<Slopes> {
+    fn slopes(&mut self, asked: &[Linearization]) -> Vec<Slopes> {
         let (unknown, free) = (self.unknown, self.free.clone());
         let mut path = std::mem::take(&mut self.workspace.path);
         let slopes = self.each(asked, |recordings, unknowns, lanes| {
@@ -413,7 +413,7 @@ impl Simulations<'_> {
         weighting: &[Weighting],
         spread: Spread,
         kept: &Sensitivities<Lane>,
-    ) -> Vec<Option<Errors>> {
+    ) -> Vec<Option<EstimateErrors>> {
         let pairs = minima.iter().zip(weighting);
         let weights: Vec<[f64; 3]> = pairs
             .map(|(minimum, weighting)| weighting.weights(minimum.linear.squares, minimum.linear.samples))
@@ -434,7 +434,7 @@ impl Simulations<'_> {
         let parameters = self.recordings.model.parameters();
         let mut meats = BTreeMap::new();
         let errors = |(lane, minimum): (usize, &Minimum)| match spread {
-            Spread::Blocks => of_blocks(lane, minimum).map(Errors::of),
+            Spread::Blocks => of_blocks(lane, minimum).map(EstimateErrors::of),
             Spread::Stated(levels) => {
                 let meat = meats.entry(0).or_insert_with(|| self.meats(&weights, levels, kept));
                 self.of_levels(minimum, weights[lane], meat, lane, levels)
@@ -443,17 +443,17 @@ impl Simulations<'_> {
                 let FoundSpread { levels, factor, waves } = of(group[lane], &minimum.point[..parameters]);
                 if waves {
                     let each = vec![f64::NAN; self.free.len()];
-                    return Some(Errors { each, covariance: None, approximate: true });
+                    return Some(EstimateErrors { each, covariance: None, approximate: true });
                 }
                 let of_one = |levels: &NoiseModel| {
                     let meat = self.meats(&weights, levels, kept);
                     self.of_levels(minimum, weights[lane], &meat, lane, levels)
                 };
-                let all: Option<Vec<Errors>> = levels.iter().map(of_one).collect();
-                match all?.into_iter().reduce(Errors::largest) {
+                let all: Option<Vec<EstimateErrors>> = levels.iter().map(of_one).collect();
+                match all?.into_iter().reduce(EstimateErrors::largest) {
                     Some(errors) => Some(errors.times(factor)),
                     None => of_blocks(lane, minimum)
-                        .map(|errors| Errors { approximate: true, ..Errors::of(errors) }),
+                        .map(|errors| EstimateErrors { approximate: true, ..EstimateErrors::of(errors) }),
                 }
             }
             Spread::Found(_) => None,
@@ -476,7 +476,7 @@ impl Simulations<'_> {
         meat: &[Lane],
         lane: usize,
         levels: &NoiseModel,
-    ) -> Option<Errors> {
+    ) -> Option<EstimateErrors> {
         let inverse = minimum.inverse(weights).ok()?;
         let mut meat: Vec<f64> = meat.iter().map(|m| m[lane]).collect();
         let noise = [0, 1, 2].map(|d: usize| (weights[d] * levels.measurement[d]).powi(2));
@@ -485,6 +485,6 @@ impl Simulations<'_> {
         let error = |row: &[f64]| numerics::quadratic(row, &meat).max(0.0).sqrt();
         let each: Vec<f64> = inverse.chunks_exact(self.free.len()).map(error).collect();
         let covariance = Some(congruence(self.free.len(), &inverse, &meat));
-        each.iter().all(|e| e.is_finite()).then_some(Errors { each, covariance, approximate: false })
+        each.iter().all(|e| e.is_finite()).then_some(EstimateErrors { each, covariance, approximate: false })
     }
 }

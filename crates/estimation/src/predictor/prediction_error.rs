@@ -7,11 +7,11 @@ use ship::engine::{RunView, SideBySide};
 use ship::model::Model;
 
 use super::levenberg_marquardt::{
-    Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
+    Linearization, Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
 };
 use super::linear::{InitialState, Linear, blocks, linearize};
 use super::output_error::{better, side_by_side};
-use super::{Errors, Fit, fit};
+use super::{EstimateErrors, RunFit, fit};
 use crate::sensitivity::{Gain, NoiseModel, Recordings, filter, groups, with_states};
 
 /// Maximum number of computations of the filter's gains, the first at the start.
@@ -31,8 +31,8 @@ pub fn prediction_error(
     starts: &[Vec<Vec<f64>>],
     initial: InitialState,
     levels: &NoiseModel,
-) -> Vec<Fit> {
-    let mut fits = vec![Fit::NotConverged(0); runs.len()];
+) -> Vec<RunFit> {
+    let mut fits = vec![RunFit::NotConverged(0); runs.len()];
     for (group, runs) in groups(runs, 0..runs.len()) {
         let recordings = &Recordings::of(model, &runs);
         let attempts = group.iter().map(|run| starts[*run].len()).max().unwrap_or(0);
@@ -105,7 +105,7 @@ struct Predictions<'a, const N: usize> {
 impl<const N: usize> Residuals for Predictions<'_, N> {
     type Error = Infallible;
 
-    fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Infallible> {
+    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<Linear>, Infallible> {
         // A problem's gains are in its lane, so it cannot move to another. Lanes of finished problems repeat the
         // first's point.
         let request_of = |lane: usize| asked.iter().find(|request| request.problem == lane).or(asked.first());
@@ -127,7 +127,7 @@ fn rounds<const N: usize>(
     starts: &[[Vec<f64>; LANES]],
     initial: InitialState,
     levels: &NoiseModel,
-) -> Vec<Fit> {
+) -> Vec<RunFit> {
     let free: Vec<usize> = (0..recordings.unknowns() - 3).collect();
     let known = initial == InitialState::Known;
     let mut best: Vec<Minimum> = Vec::new();
@@ -145,7 +145,7 @@ fn rounds<const N: usize>(
         }
     }
     if best.is_empty() {
-        return vec![Fit::NotConverged(0); LANES];
+        return vec![RunFit::NotConverged(0); LANES];
     }
     let mut likelihood = likelihoods::<N>(recordings, &best, levels, known);
     let mut open = [true; LANES];
@@ -217,13 +217,13 @@ fn likelihoods<const N: usize>(
 }
 
 /// From σ̂² H⁻¹, σ̂² being the whitened innovations' variance, near 1 if the levels are right.
-fn errors(minimum: &Minimum, p: usize) -> Option<Errors> {
+fn errors(minimum: &Minimum, p: usize) -> Option<EstimateErrors> {
     let mut inverse = minimum.inverse([1.0; 3]).ok()?;
     let freedom = (3.0 * minimum.linear.samples - p as f64).max(1.0);
     let variance = minimum.linear.squares.iter().sum::<f64>() / freedom;
     let each: Vec<f64> = (0..p).map(|i| (variance * inverse[i * p + i]).max(0.0).sqrt()).collect();
     inverse.iter_mut().for_each(|entry| *entry *= variance);
-    each.iter().all(|e| e.is_finite()).then_some(Errors {
+    each.iter().all(|e| e.is_finite()).then_some(EstimateErrors {
         each,
         covariance: Some(inverse),
         approximate: false,

@@ -152,7 +152,7 @@ struct Lagrangian<'a> {
 }
 
 /// A point that was evaluated.
-struct Point {
+struct EvaluatedPoint {
     forward: Forward,
     inputs: Vec<f64>,
     exogenous: Vec<f64>,
@@ -191,9 +191,9 @@ impl Lagrangian<'_> {
 }
 
 impl Objective for Lagrangian<'_> {
-    type Point = Point;
+    type Point = EvaluatedPoint;
 
-    fn value(&mut self, x: &[f64]) -> Option<(f64, Point)> {
+    fn value(&mut self, x: &[f64]) -> Option<(f64, EvaluatedPoint)> {
         self.evaluations += 1;
         let inputs = self.signal.inputs(x);
         let exogenous = self.criterion.model.undisturbed(&inputs);
@@ -201,10 +201,10 @@ impl Objective for Lagrangian<'_> {
         let forces = self.forces(&self.constraints(&forward.states, &inputs));
         let cost = |(force, nu): (&f64, &f64)| (force * force - nu * nu) / (2.0 * self.weight);
         let cost: f64 = forces.iter().zip(&self.multipliers).map(cost).sum();
-        Some((libm::log(forward.value) + cost, Point { forward, inputs, exogenous }))
+        Some((libm::log(forward.value) + cost, EvaluatedPoint { forward, inputs, exogenous }))
     }
 
-    fn gradient(&self, point: &Point) -> Vec<f64> {
+    fn gradient(&self, point: &EvaluatedPoint) -> Vec<f64> {
         let constraints = self.constraints(&point.forward.states, &point.inputs);
         let forces = self.forces(&constraints);
         let slopes: Vec<f64> = forces.iter().zip(&constraints).map(|(f, (_, slope))| f * slope).collect();
@@ -218,7 +218,7 @@ impl Objective for Lagrangian<'_> {
         self.signal.gathered(&gradient)
     }
 
-    fn keep(&mut self, x: &[f64], point: &Point) {
+    fn keep(&mut self, x: &[f64], point: &EvaluatedPoint) {
         let better = self.best.as_ref().is_none_or(|(value, _)| point.forward.value < *value);
         if better && self.limits.kept(&point.forward.states, &point.inputs) {
             self.best = Some((point.forward.value, x.to_vec()));

@@ -14,7 +14,7 @@ use crate::criticism::{Subject, criticise_each};
 use crate::pooled::{Delivered, Surroundings};
 use crate::predictor::{InitialState, NoiseModel};
 use crate::{EstimateCovariance, EstimateStatus, Estimator, RunEstimate};
-use outcome::{Found, Regressed, refined};
+use outcome::{RunOutcome, Regressed, refined};
 
 pub use crate::estimator::{AdditionalUnknowns, Intercepts, UnknownCurrent};
 pub use outcome::RunError;
@@ -37,16 +37,16 @@ pub struct RunEstimators<'a> {
 
 /// The results of all estimators on some runs; empty for those not needed.
 #[derive(Default)]
-struct Everything {
+struct EstimatorResults {
     ls: Vec<Regressed>,
     iv: Vec<Regressed>,
-    simulated: Vec<Found>,
-    predicted: Vec<Found>,
+    simulated: Vec<RunOutcome>,
+    predicted: Vec<RunOutcome>,
 }
 
-impl Everything {
+impl EstimatorResults {
     /// The result of an estimator on the first run.
-    fn first(&self, estimator: Estimator) -> Option<&Found> {
+    fn first(&self, estimator: Estimator) -> Option<&RunOutcome> {
         match estimator {
             Estimator::Ls => self.ls.first().map(|regressed| &regressed.outcome),
             Estimator::Iv | Estimator::Auto => self.iv.first().map(|regressed| &regressed.outcome),
@@ -62,9 +62,9 @@ impl Everything {
         estimator: Estimator,
         runs: &[Run],
     ) -> Vec<(RunEstimate, Option<&'f [f64]>)> {
-        let rows = |outcomes: &mut dyn Iterator<Item = &'f Found>, excited: &[Regressed]| {
+        let rows = |outcomes: &mut dyn Iterator<Item = &'f RunOutcome>, excited: &[Regressed]| {
             let each = outcomes.zip(excited).zip(runs);
-            let row = |((outcome, excited), run): ((&'f Found, &Regressed), &Run)| {
+            let row = |((outcome, excited), run): ((&'f RunOutcome, &Regressed), &Run)| {
                 let row = all.estimate(estimator, run, outcome, excited);
                 let covariance = outcome.covariance.as_deref().filter(|_| row.estimate.is_some());
                 (row, covariance)
@@ -122,7 +122,7 @@ impl RunEstimators<'_> {
     }
 
     /// All estimates with their covariances, run by run.
-    fn rows<'f>(&self, results: &'f Everything, runs: &[Run]) -> Vec<(RunEstimate, Option<&'f [f64]>)> {
+    fn rows<'f>(&self, results: &'f EstimatorResults, runs: &[Run]) -> Vec<(RunEstimate, Option<&'f [f64]>)> {
         let columns = self.estimators.iter().map(|e| results.by(self, *e, runs).into_iter());
         let mut columns: Vec<_> = columns.collect();
         let row = |_| columns.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();
@@ -164,10 +164,10 @@ impl RunEstimators<'_> {
     }
 
     /// Everything that the requested estimators need, each computed once; searches begin at `near`, if known.
-    fn results(&self, runs: &[Run], near: Option<&[Option<Vec<f64>>]>) -> Result<Everything, RunError> {
+    fn results(&self, runs: &[Run], near: Option<&[Option<Vec<f64>>]>) -> Result<EstimatorResults, RunError> {
         use Estimator::{Ls, OutputError, PredictionError};
         let wanted = |any: &[Estimator]| self.estimators.iter().any(|e| any.contains(e));
-        let mut results = Everything::default();
+        let mut results = EstimatorResults::default();
         if wanted(&[Ls]) {
             results.ls = self.regressed(InstrumentKind::Regressors, runs)?;
         }
@@ -186,13 +186,13 @@ impl RunEstimators<'_> {
                 None => refined(self.vessel, runs, &results.iv, self.removal, levels),
             };
             let free = self.output_error(runs, &near, &results.iv, wanted(&[OutputError]));
-            results.simulated = free.iter().map(Found::from).collect();
+            results.simulated = free.iter().map(RunOutcome::from).collect();
             if wanted(&[PredictionError]) {
                 let fits = match levels {
                     Some(levels) => self.prediction_error(runs, &free, &near, levels),
                     None => self.calibrated(runs, &free, &near),
                 };
-                results.predicted = fits.iter().map(Found::from).collect();
+                results.predicted = fits.iter().map(RunOutcome::from).collect();
             }
         }
         Ok(results)
@@ -211,7 +211,7 @@ impl RunEstimators<'_> {
         instrumented.then(|| collinear_run(self.vessel, run, self.removal)).flatten()
     }
 
-    fn estimate(&self, estimator: Estimator, run: &Run, outcome: &Found, excited: &Regressed) -> RunEstimate {
+    fn estimate(&self, estimator: Estimator, run: &Run, outcome: &RunOutcome, excited: &Regressed) -> RunEstimate {
         let collinear = estimator.by_instruments().then(|| self.collinear(run)).flatten();
         match collinear {
             Some(at) => {
@@ -265,13 +265,13 @@ impl RunEstimators<'_> {
         let theta_of = |rows: &[RunEstimate]| {
             rows.iter().rev().find_map(|e| e.estimate.as_ref().map(|(theta, _)| theta.clone()))
         };
-        let mut alike: Vec<Alike> = Vec::new();
+        let mut alike: Vec<SharedBounds> = Vec::new();
         for (run, rows) in estimates.chunks(each).enumerate() {
             if let Some(theta) = theta_of(rows) {
-                Alike::add(&mut alike, model.held_at_bounds(&layout.woven(&theta, [0.0; 3])), run);
+                SharedBounds::add(&mut alike, model.held_at_bounds(&layout.woven(&theta, [0.0; 3])), run);
             }
         }
-        for Alike { model, runs: asked, thetas } in &alike {
+        for SharedBounds { model, runs: asked, thetas } in &alike {
             let views: Vec<RunView> = asked.iter().map(|run| runs[*run].view()).collect();
             let subject = Subject {
                 model,
@@ -291,13 +291,13 @@ impl RunEstimators<'_> {
 }
 
 /// Runs that are tested together: their estimates are held at the same bounds, if at any.
-struct Alike {
+struct SharedBounds {
     model: Model,
     runs: Vec<usize>,
     thetas: Vec<Vec<f64>>,
 }
 
-impl Alike {
+impl SharedBounds {
     /// Adds a run, whose estimate is that of a model `held` at its bounds, to those with the same bounds.
     fn add(all: &mut Vec<Self>, held: (Model, Vec<f64>), run: usize) {
         let (model, theta) = held;

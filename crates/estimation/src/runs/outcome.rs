@@ -6,12 +6,12 @@ use ship::engine::Run;
 use ship::model::Vessel;
 use thiserror::Error;
 
-use crate::predictor::{Fit, NoiseModel};
+use crate::predictor::{RunFit, NoiseModel};
 use crate::{EstimateStatus, Estimator, RunEstimate};
 
 /// The result of an estimator on one run.
 #[derive(Clone)]
-pub(super) struct Found {
+pub(super) struct RunOutcome {
     pub status: EstimateStatus,
     pub estimate: Option<(Vec<f64>, Vec<f64>)>,
     /// The covariance of the parameters, if known.
@@ -25,13 +25,13 @@ pub(super) struct Found {
 /// The result of instrumental variables, or least squares, on one run, and its excitation.
 #[derive(Clone)]
 pub(super) struct Regressed {
-    pub outcome: Found,
+    pub outcome: RunOutcome,
     pub condition: [f64; 3],
     /// Per degree of freedom the index of the parameter.
     pub weakest: [usize; 3],
 }
 
-impl Found {
+impl RunOutcome {
     /// θ̂, where there is one.
     pub(super) fn theta(&self) -> Option<&[f64]> {
         self.estimate.as_ref().map(|(theta, _)| theta.as_slice())
@@ -42,10 +42,10 @@ impl Found {
     }
 }
 
-impl From<&Fit> for Found {
-    fn from(fit: &Fit) -> Self {
+impl From<&RunFit> for RunOutcome {
+    fn from(fit: &RunFit) -> Self {
         match fit {
-            Fit::Converged(fitted) => Self {
+            RunFit::Converged(fitted) => Self {
                 status: if fitted.standard_errors.iter().any(|error| error.is_nan()) {
                     EstimateStatus::Waves
                 } else if fitted.approximate {
@@ -58,8 +58,8 @@ impl From<&Fit> for Found {
                 intercepts: Some(fitted.intercepts),
                 current: fitted.current,
             },
-            Fit::NotConverged(_) => Self::none(EstimateStatus::NotConverged),
-            Fit::NotIdentifiable(_) => Self::none(EstimateStatus::NotIdentifiable),
+            RunFit::NotConverged(_) => Self::none(EstimateStatus::NotConverged),
+            RunFit::NotIdentifiable(_) => Self::none(EstimateStatus::NotIdentifiable),
         }
     }
 }
@@ -76,11 +76,11 @@ impl Regressed {
             Outcome::Identified(regression) => {
                 let estimate = Some((regression.parameters, regression.standard_errors));
                 let covariance = Some(regression.covariance);
-                let outcome = Found { estimate, covariance, ..Found::none(EstimateStatus::Identified) };
+                let outcome = RunOutcome { estimate, covariance, ..RunOutcome::none(EstimateStatus::Identified) };
                 Ok(Self { outcome, condition, weakest })
             }
             Outcome::NotIdentifiable(Direction { degree, parameter }) => {
-                let outcome = Found::none(EstimateStatus::NotIdentifiable);
+                let outcome = RunOutcome::none(EstimateStatus::NotIdentifiable);
                 Ok(Self { outcome, condition, weakest }.unidentified(degree, parameter))
             }
             Outcome::TooShort => {
@@ -91,13 +91,13 @@ impl Regressed {
 
     /// The same without an estimate.
     pub(super) fn without(mut self, status: EstimateStatus) -> Self {
-        self.outcome = Found::none(status);
+        self.outcome = RunOutcome::none(status);
         self
     }
 
     /// The same without an estimate, because of this parameter.
     pub(super) fn unidentified(mut self, degree: usize, parameter: usize) -> Self {
-        self.outcome = Found::none(EstimateStatus::NotIdentifiable);
+        self.outcome = RunOutcome::none(EstimateStatus::NotIdentifiable);
         self.weakest[degree] = parameter;
         self.condition[degree] = f64::INFINITY;
         self
@@ -109,7 +109,7 @@ impl Regressed {
         vessel: &Vessel,
         run: &Run,
         estimator: Estimator,
-        outcome: &Found,
+        outcome: &RunOutcome,
     ) -> RunEstimate {
         let named = |d: usize| vessel.model.degrees[d].parameters[self.weakest[d]].clone();
         RunEstimate {

@@ -88,8 +88,8 @@ impl RunEstimators<'_> {
         self.check_forces().map_err(RunError::Forces)?;
         let noise = white(self.levels.as_ref()).map_err(RunError::Forces)?;
         let one = Single { vessel: self.vessel, moved, noise };
-        let outcomes: Vec<Found> = runs.par_iter().map(|run| one.estimate(run)).collect();
-        let row = |(run, outcome): (&Run, &Found)| {
+        let outcomes: Vec<ForceOutcome> = runs.par_iter().map(|run| one.estimate(run)).collect();
+        let row = |(run, outcome): (&Run, &ForceOutcome)| {
             let rows = self
                 .estimators
                 .iter()
@@ -108,7 +108,7 @@ struct Single<'a> {
 }
 
 /// What became of a run.
-struct Found {
+struct ForceOutcome {
     status: EstimateStatus,
     estimate: Option<(Vec<f64>, Vec<f64>)>,
     covariance: EstimateCovariance,
@@ -118,7 +118,7 @@ struct Found {
 }
 
 impl Single<'_> {
-    fn estimate(&self, run: &Run) -> Found {
+    fn estimate(&self, run: &Run) -> ForceOutcome {
         let Self { vessel, moved, noise } = self;
         let simulated = SimulatedRun {
             initial: run.initial,
@@ -130,25 +130,25 @@ impl Single<'_> {
         let searched = measured.most_probable(&moved.forces, &self.priors(), &vessel.nominal);
         let theta = match searched {
             Ok(theta) => theta,
-            Err(Unfit::Undetermined(name)) => return Found::none(EstimateStatus::NotIdentifiable, name),
-            Err(_) => return Found::none(EstimateStatus::NotConverged, self.first()),
+            Err(Unfit::Undetermined(name)) => return ForceOutcome::none(EstimateStatus::NotIdentifiable, name),
+            Err(_) => return ForceOutcome::none(EstimateStatus::NotConverged, self.first()),
         };
         let information = simulated.information(&moved.forces, &theta, noise);
         let free = self.free(&theta);
         let errors = information.and_then(|known_of_run| known_of_run.errors(&self.known(), &free));
         match errors {
             Some(errors) => self.identified(theta, errors),
-            None => Found::none(EstimateStatus::NotIdentifiable, self.first()),
+            None => ForceOutcome::none(EstimateStatus::NotIdentifiable, self.first()),
         }
     }
 
-    fn identified(&self, theta: Vec<f64>, errors: PredictedErrors) -> Found {
+    fn identified(&self, theta: Vec<f64>, errors: PredictedErrors) -> ForceOutcome {
         let PredictedErrors { covariance, condition, weakest } = errors;
         let n = theta.len();
         let standard_errors = (0..n).map(|i| covariance[i * n + i].sqrt()).collect();
         let weakest = self.moved.forces.parameters()[weakest].name.clone();
         let estimate = Some((theta, standard_errors));
-        Found {
+        ForceOutcome {
             status: EstimateStatus::Identified,
             estimate,
             covariance: Some(covariance),
@@ -185,7 +185,7 @@ impl Single<'_> {
     }
 }
 
-impl Found {
+impl ForceOutcome {
     fn none(status: EstimateStatus, weakest: String) -> Self {
         Self { status, estimate: None, covariance: None, condition: f64::INFINITY, weakest }
     }

@@ -16,7 +16,7 @@ use crate::EstimateStatus;
 use crate::criticism::{Calibrated, calibrated};
 use crate::estimator::Intercepts;
 use crate::predictor::{
-    Fit, Fitted, FoundSpread, InitialState, NoiseModel, Spread, Unknown, errors_by_blocks, held, of_terms,
+    RunFit, Fitted, FoundSpread, InitialState, NoiseModel, Spread, Unknown, errors_by_blocks, held, of_terms,
     output_error, prediction_error, roots, scaled,
 };
 
@@ -32,7 +32,7 @@ impl RunEstimators<'_> {
         near: &[Near],
         iv: &[Regressed],
         errors: bool,
-    ) -> Vec<Fit> {
+    ) -> Vec<RunFit> {
         let starts = |(near, iv): (&Near, &Regressed)| {
             self.starts([near.as_deref(), iv.outcome.theta()].map(|theta| theta.map(without)))
         };
@@ -63,11 +63,11 @@ impl RunEstimators<'_> {
     pub(super) fn prediction_error(
         &self,
         runs: &[Run],
-        free: &[Fit],
+        free: &[RunFit],
         near: &[Near],
         levels: &NoiseModel,
-    ) -> Vec<Fit> {
-        let starts = |(free, near): (&Fit, &Near)| {
+    ) -> Vec<RunFit> {
+        let starts = |(free, near): (&RunFit, &Near)| {
             self.starts([converged(free).map(with_intercepts), near.as_deref().map(without)])
         };
         let starts: Vec<Vec<Vec<f64>>> = free.iter().zip(near).map(starts).collect();
@@ -83,25 +83,25 @@ impl RunEstimators<'_> {
 
     /// The same without stated noise: it is found by the likelihood of each run by itself, alternately with its
     /// parameters, from the minimum of free simulations, else from the estimates `near` or the nominal model.
-    pub(super) fn calibrated(&self, runs: &[Run], free: &[Fit], near: &[Near]) -> Vec<Fit> {
+    pub(super) fn calibrated(&self, runs: &[Run], free: &[RunFit], near: &[Near]) -> Vec<RunFit> {
         let each = runs.par_iter().zip(free).zip(near);
         each.map(|((run, free), near)| self.calibrated_to(run, free, near)).collect()
     }
 
-    fn calibrated_to(&self, run: &Run, free: &Fit, near: &Near) -> Fit {
+    fn calibrated_to(&self, run: &Run, free: &RunFit, near: &Near) -> RunFit {
         let (model, view) = (self.lifted(), run.view());
         let starts = self.starts([converged(free).map(with_intercepts), near.as_deref().map(without)]);
         // An estimate by simulations is a different one: it does not replace a failed estimate by a filter.
         let none = || match free {
-            Fit::NotIdentifiable(_) => free.clone(),
-            Fit::Converged(fitted) => Fit::NotConverged(fitted.steps),
-            Fit::NotConverged(steps) => Fit::NotConverged(*steps),
+            RunFit::NotIdentifiable(_) => free.clone(),
+            RunFit::Converged(fitted) => RunFit::NotConverged(fitted.steps),
+            RunFit::NotConverged(steps) => RunFit::NotConverged(*steps),
         };
         let Some(noise) = self.noise(&model, view, &starts) else { return none() };
         let starts = [vec![noise.parameters.clone()]];
         let fit = prediction_error(&model, &[view], &starts, self.initial, &noise.levels).pop();
         match fit {
-            Some(Fit::Converged(fitted)) => Fit::Converged(self.with_errors_of(fitted, &model, view, &noise)),
+            Some(RunFit::Converged(fitted)) => RunFit::Converged(self.with_errors_of(fitted, &model, view, &noise)),
             other => other.unwrap_or_else(none),
         }
     }
@@ -158,9 +158,9 @@ impl RunEstimators<'_> {
 /// Parameters of the terms, and intercepts.
 type Start<'a> = (&'a [f64], [f64; 3]);
 
-fn converged(fit: &Fit) -> Option<&Fitted> {
+fn converged(fit: &RunFit) -> Option<&Fitted> {
     match fit {
-        Fit::Converged(fitted) => Some(fitted),
+        RunFit::Converged(fitted) => Some(fitted),
         _ => None,
     }
 }
@@ -204,7 +204,7 @@ impl RunEstimators<'_> {
         let Some(start) = simple.outcome.theta() else { return Err(diverged) };
         let instrumented =
             match self.output_error(one, &[Some(start.to_vec())], slice::from_ref(&simple), false).pop() {
-                Some(Fit::Converged(fitted)) => self.instrumented_by(run, &fitted.parameters)?,
+                Some(RunFit::Converged(fitted)) => self.instrumented_by(run, &fitted.parameters)?,
                 _ => None,
             };
         Ok(instrumented.unwrap_or_else(|| simple.without(EstimateStatus::NotConverged)))

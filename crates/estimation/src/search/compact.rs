@@ -11,7 +11,7 @@ use super::{Laid, Recording, scores, together};
 use crate::pooled::{Delivered, RecordingConstant, covered};
 use crate::search::limit;
 use crate::search::nested::{Fitted, Study, widened};
-use crate::search::problem::{Problem, Slopes};
+use crate::search::problem::{WindowProblem, LossSlopes};
 
 /// For refits during the search.
 const REFIT: Ending = Ending { steps: 2, enough: 1e-3 };
@@ -66,7 +66,7 @@ impl Size {
 struct Linearised {
     errors: f64,
     loss: f64,
-    slopes: Slopes,
+    slopes: LossSlopes,
 }
 
 impl Study<'_> {
@@ -110,7 +110,7 @@ impl Study<'_> {
         let wide = widened(self.base, self.library, base);
         let start: Vec<f64> = places.iter().map(|i| wide[*i]).collect();
         let known: Vec<bool> = places.iter().map(|i| self.known()[*i]).collect();
-        let problem = Problem::new(&model, &recordings, self.rate_hz).by_effect(&start, &known);
+        let problem = WindowProblem::new(&model, &recordings, self.rate_hz).by_effect(&start, &known);
         let beta = minimum(&problem, problem.beta(&start), ridge, JUDGED)?;
         problem.look(&beta)?;
         let theta = problem.theta(&beta);
@@ -121,14 +121,14 @@ impl Study<'_> {
     /// left-out folds, by a quadratic model of the errors that is renewed every few terms. It starts at `theta`.
     fn forward(&self, folds: &[Vec<&Recording>], start: Vec<usize>, theta: &[f64], ridge: f64) -> Vec<Size> {
         let all: Vec<&Recording> = folds.iter().flatten().copied().collect();
-        let whole = Problem::new(self.library, &all, self.rate_hz).by_effect(theta, &self.known());
+        let whole = WindowProblem::new(self.library, &all, self.rate_hz).by_effect(theta, &self.known());
         let (mut places, mut beta) = (start, whole.beta(theta));
         let mut sizes: Vec<Size> = Vec::new();
         let mut best = (f64::INFINITY, 0);
         while places.len() < whole.sizes.len() && sizes.len() <= best.1 + PATIENCE {
             let model = subset(self.library, &places);
             let scales = places.iter().map(|i| whole.sizes[*i]).collect();
-            let problem = Problem::new(&model, &all, self.rate_hz).sized(scales);
+            let problem = WindowProblem::new(&model, &all, self.rate_hz).sized(scales);
             let from: Vec<f64> = places.iter().map(|i| beta[*i]).collect();
             let Some(fitted) = minimum(&problem, from, ridge, REFIT) else { break };
             beta = vec![0.0; whole.sizes.len()];
@@ -136,7 +136,7 @@ impl Study<'_> {
             let linearised: Option<Vec<Linearised>> =
                 folds.iter().map(|fold| linearise(&whole.only(fold), &beta)).collect();
             let Some(linearised) = linearised else { break };
-            let held = whole.held(&beta);
+            let held = whole.at_bound(&beta);
             for _ in 0..BEFORE {
                 let Some(size) = addition(&linearised, &places, &beta, &held, ridge) else { return sizes };
                 places = size.places.clone();
@@ -150,7 +150,7 @@ impl Study<'_> {
     }
 }
 
-fn linearise(problem: &Problem, beta: &[f64]) -> Option<Linearised> {
+fn linearise(problem: &WindowProblem, beta: &[f64]) -> Option<Linearised> {
     let looked = problem.look(beta)?;
     let slopes = problem.slopes(beta, &looked)?;
     Some(Linearised { errors: problem.errors(), loss: looked.loss, slopes })
@@ -227,7 +227,7 @@ impl Others {
         let schur = self.curvature[added * p + added] - dot(&border, &moved);
         let step = (self.descent[added] - dot(&border, &self.step)) / schur;
         let step = if step.is_finite() { step } else { 0.0 };
-        let Slopes { curvature, descent } = &fold_loss.slopes;
+        let LossSlopes { curvature, descent } = &fold_loss.slopes;
         let mut loss = fold_loss.loss + step * (curvature[added * p + added] * step - 2.0 * descent[added]);
         let change: Vec<f64> =
             self.step.iter().zip(&moved).map(|(free_step, moved)| free_step - moved * step).collect();

@@ -10,7 +10,7 @@ use ship::model::Model;
 use super::{Laid, Recording, mean_fit, scores, standard_error, together};
 use crate::pooled::Score;
 use crate::search::limit;
-use crate::search::problem::{Looked, Problem, Slopes};
+use crate::search::problem::{Looked, WindowProblem, LossSlopes};
 
 /// For the fits of a path: the next ridge starts where they end.
 const ALONG: Ending = Ending { steps: 2, enough: 1e-3 };
@@ -48,7 +48,7 @@ const DELIVERED: Ending = Ending { steps: 20, enough: 1e-6 };
 /// Fits without some folds, from the largest ridge on, each started from the one before, unless the base structure or
 /// least squares costs less.
 pub(crate) struct RidgePath<'a> {
-    problem: Problem<'a>,
+    problem: WindowProblem<'a>,
     pub limit: [f64; 3],
     /// The base structure, fitted to the same recordings.
     pub base: Option<Vec<f64>>,
@@ -139,7 +139,7 @@ impl<'a> Study<'a> {
     pub fn path(&self, without: &[usize]) -> RidgePath<'a> {
         let recordings = self.picked(|fold| !without.contains(&fold));
         let base = started(self.base, &recordings, self.rate_hz, BASE);
-        let problem = Problem::new(self.library, &recordings, self.rate_hz);
+        let problem = WindowProblem::new(self.library, &recordings, self.rate_hz);
         let simple = least_squares(self.library, &recordings, self.rate_hz).map(|beta| problem.theta(&beta));
         let wide = base.as_ref().map(|base| widened(self.base, self.library, base));
         let problem = match &wide {
@@ -314,7 +314,7 @@ pub(crate) struct Ending {
 
 /// Minimises loss(β) + ridge |β|² within the bounds of β from `start` by Levenberg and Marquardt's method. `None` if
 /// the start is outside the limits.
-pub(crate) fn minimum(problem: &Problem, start: Vec<f64>, ridge: f64, ending: Ending) -> Option<Vec<f64>> {
+pub(crate) fn minimum(problem: &WindowProblem, start: Vec<f64>, ridge: f64, ending: Ending) -> Option<Vec<f64>> {
     let cost = |beta: &[f64], looked: &Looked| cost(beta, looked, ridge);
     let mut beta = problem.within(start);
     let mut looked = problem.look(&beta)?;
@@ -347,7 +347,7 @@ fn cost(beta: &[f64], looked: &Looked, ridge: f64) -> f64 {
 
 /// The minimum from the one of `starts` that costs least, so that a path recovers from a bad fit.
 fn minimum_from<'s>(
-    problem: &Problem,
+    problem: &WindowProblem,
     starts: impl Iterator<Item = &'s Vec<f64>>,
     ridge: f64,
     ending: Ending,
@@ -359,7 +359,7 @@ fn minimum_from<'s>(
 
 /// β + (H + ridge I + damping diag H)⁻¹ (g − ridge β), or the minimum of the same quadratic within the bounds if that
 /// leaves them; terms without effect stay.
-fn stepped(problem: &Problem, beta: &[f64], slopes: &Slopes, [ridge, damping]: [f64; 2]) -> Option<Vec<f64>> {
+fn stepped(problem: &WindowProblem, beta: &[f64], slopes: &LossSlopes, [ridge, damping]: [f64; 2]) -> Option<Vec<f64>> {
     let p = beta.len();
     let mut matrix = slopes.curvature.clone();
     let mut step: Vec<f64> = (0..p).map(|i| slopes.descent[i] - ridge * beta[i]).collect();
@@ -415,14 +415,14 @@ const NEARLY_NONE: f64 = 1e-8;
 fn started(model: &Model, recordings: &[&Recording], rate_hz: f64, ending: Ending) -> Option<Vec<f64>> {
     let none = vec![0.0; model.parameters()];
     let least = least_squares(model, recordings, rate_hz)?;
-    let problem = Problem::new(model, recordings, rate_hz);
+    let problem = WindowProblem::new(model, recordings, rate_hz);
     let from = |start| minimum(&problem, start, NEARLY_NONE, ending);
     from(least).or_else(|| from(none)).map(|beta| problem.theta(&beta))
 }
 
 /// Scaled least-squares parameters of the increments.
 fn least_squares(model: &Model, recordings: &[&Recording], rate_hz: f64) -> Option<Vec<f64>> {
-    let simple = Problem::increments(model, recordings, rate_hz);
+    let simple = WindowProblem::increments(model, recordings, rate_hz);
     let none = vec![0.0; model.parameters()];
     minimum(&simple, none, NEARLY_NONE, Ending { steps: 1, enough: 0.0 })
 }

@@ -19,7 +19,7 @@ const CHUNKS: usize = 16;
 
 /// Output errors of free simulations over windows, as a function of scaled parameters β: θ = β · size.
 #[derive(Clone)]
-pub(crate) struct Problem<'a> {
+pub(crate) struct WindowProblem<'a> {
     pub model: &'a Model,
     /// Longest first, so that neighbours are about equally long.
     windows: Vec<RunView<'a>>,
@@ -45,12 +45,12 @@ pub(crate) struct Looked {
 }
 
 /// Curvature and descent at a point, per error: H ≈ ∂²loss/∂β² / 2 and g = −∂loss/∂β / 2, of the free β.
-pub(crate) struct Slopes {
+pub(crate) struct LossSlopes {
     pub curvature: Vec<f64>,
     pub descent: Vec<f64>,
 }
 
-impl<'a> Problem<'a> {
+impl<'a> WindowProblem<'a> {
     pub fn new(model: &'a Model, recordings: &[&'a Recording], rate_hz: f64) -> Self {
         let mut windows: Vec<RunView> = recordings.iter().flat_map(|r| r.overlapping()).collect();
         windows.sort_by_key(|window| std::cmp::Reverse(window.samples()));
@@ -146,7 +146,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Which of β lie at a bound.
-    pub fn held(&self, beta: &[f64]) -> Vec<bool> {
+    pub fn at_bound(&self, beta: &[f64]) -> Vec<bool> {
         let mut held = vec![false; beta.len()];
         self.bounded().for_each(|(i, ends)| held[i] = ends.contains(&beta[i]));
         held
@@ -181,7 +181,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Curvature and descent at the point `looked`.
-    pub fn slopes(&self, beta: &[f64], looked: &Looked) -> Option<Slopes> {
+    pub fn slopes(&self, beta: &[f64], looked: &Looked) -> Option<LossSlopes> {
         let p = beta.len();
         let theta: Vec<Lane> = self.theta(beta).into_iter().map(Lane::splat).collect();
         let groups: Vec<(&[RunView], &[f64])> =
@@ -199,7 +199,7 @@ impl<'a> Problem<'a> {
             (0..p).for_each(|j| curvature[i * p + j] *= size * self.sizes[j]);
         }
         let finite = curvature.iter().chain(&descent).all(|x| x.is_finite());
-        finite.then_some(Slopes { curvature, descent })
+        finite.then_some(LossSlopes { curvature, descent })
     }
 
     /// Σ s sᵀ, at some samples, and Σ s e of `groups`, by θ.

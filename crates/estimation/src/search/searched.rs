@@ -225,7 +225,7 @@ pub fn search(
 }
 
 /// The model of all recordings, and those without each fold.
-struct Found {
+struct FoundModels {
     all: Fitted,
     by_folds: Vec<Judged>,
     /// With few terms, see [`Searched`].
@@ -268,7 +268,7 @@ impl Study<'_> {
     }
 
     /// All terms, with the ridge at `chosen`; without each fold, with the ridge that was chosen without it.
-    fn by_ridge(&self, nested: &Nested, chosen: usize) -> Option<Found> {
+    fn by_ridge(&self, nested: &Nested, chosen: usize) -> Option<FoundModels> {
         let mut whole = self.path(&[]);
         self.ridges[..=chosen].iter().for_each(|ridge| whole.fit_next(*ridge));
         let judged = |(fold, choice): (usize, &Choice)| {
@@ -280,11 +280,11 @@ impl Study<'_> {
         };
         let by_folds = nested.without.iter().enumerate().map(judged).collect();
         let all = whole.delivered(self.ridges[chosen])?;
-        Some(Found { all, by_folds, sizes: Vec::new(), chosen_by_folds: BTreeMap::new() })
+        Some(FoundModels { all, by_folds, sizes: Vec::new(), chosen_by_folds: BTreeMap::new() })
     }
 
     /// The same with few terms.
-    fn few(&self, nested: &Nested, chosen: usize, done: &(dyn Fn(usize) + Sync)) -> Option<Found> {
+    fn few(&self, nested: &Nested, chosen: usize, done: &(dyn Fn(usize) + Sync)) -> Option<FoundModels> {
         let ridge = |choice: &Choice| choice.best().map(|best| choice.candidates[best].ridge);
         let search = |without: Option<usize>| {
             let (ridge, base) = self.given(nested, chosen, without)?;
@@ -310,7 +310,7 @@ impl Study<'_> {
             Judged { ridge: ridge(&nested.without[fold]), model, base: path.base.clone(), limit: path.limit }
         };
         let by_folds = searches.into_iter().enumerate().map(judged).collect();
-        Some(Found { all, by_folds, sizes: compact.sizes, chosen_by_folds })
+        Some(FoundModels { all, by_folds, sizes: compact.sizes, chosen_by_folds })
     }
 }
 

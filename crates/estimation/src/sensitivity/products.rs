@@ -16,12 +16,12 @@ pub(crate) struct Products<X> {
     signals: usize,
     columns: Vec<Block<Lane>>,
     filled: usize,
-    sums: Sums<X>,
+    sums: ProductSums<X>,
 }
 
 impl<X: Unknowns> Products<X> {
     pub(crate) fn new(signals: usize) -> Self {
-        let sums = Sums::none(signals);
+        let sums = ProductSums::none(signals);
         Self { signals, columns: vec![[Lane::ZERO; BLOCK]; sums.columns], filled: 0, sums }
     }
 
@@ -78,7 +78,7 @@ impl<X: Unknowns> Products<X> {
     }
 
     /// The sums over all samples.
-    pub(crate) fn finish(mut self) -> Sums<X> {
+    pub(crate) fn finish(mut self) -> ProductSums<X> {
         for signal in &mut self.columns {
             signal[self.filled..].fill(Lane::ZERO);
         }
@@ -201,7 +201,7 @@ fn add_rows<S: Simd, const THEMSELVES: bool, const FROM: usize, const ROWS: usiz
 }
 
 /// The result of [`Products`].
-pub(crate) struct Sums<X> {
+pub(crate) struct ProductSums<X> {
     signals: usize,
     columns: usize,
     /// If every signal has its own column: the tiles of [`TILE`] columns with themselves, with the next ones and so
@@ -212,7 +212,7 @@ pub(crate) struct Sums<X> {
     kind: PhantomData<X>,
 }
 
-impl<X: Unknowns> Sums<X> {
+impl<X: Unknowns> ProductSums<X> {
     fn none(signals: usize) -> Self {
         let mut none = Self { signals, columns: 0, tiles: Vec::new(), rows: Vec::new(), kind: PhantomData };
         if X::PER_COLUMN == 1 {

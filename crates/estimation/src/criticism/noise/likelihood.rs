@@ -13,7 +13,7 @@ use crate::sensitivity::{
 const TOGETHER: usize = 4;
 
 /// Sums over runs of whitened errors w and sensitivities W, by lane for other levels.
-pub(super) struct Sums {
+pub(super) struct LikelihoodSums {
     products: Products<Lane>,
     logs: Lane,
     terms: usize,
@@ -22,7 +22,7 @@ pub(super) struct Sums {
 /// Per sample the product of the scales, and the squared white errors without the part that the parameters explain.
 pub(super) type Samples = Vec<[Lane; 2]>;
 
-impl Sums {
+impl LikelihoodSums {
     pub fn new(terms: usize) -> Self {
         Self { products: Products::new(terms + 1), logs: Lane::ZERO, terms }
     }
@@ -43,7 +43,7 @@ impl Sums {
 
     /// Twice the restricted log-likelihood up to a constant: −Σ log s − w⊥ᵀw⊥ − log|WᵀW|; and WᵀW, Wᵀw.
     #[allow(clippy::needless_range_loop)] // Cholesky's, of rows and columns.
-    pub fn finish(self) -> Found {
+    pub fn finish(self) -> Likelihoods {
         let p = self.terms;
         let all = self.products.finish().square();
         let entry = |i: usize, j: usize| all[i * (p + 1) + j];
@@ -64,12 +64,12 @@ impl Sums {
         let likelihood = self.logs + self.logs + explained - entry(p, p) - volume - volume;
         let first = |i: usize, j: usize| entry(i, j)[0];
         let normal = (0..p * p).map(|k| first(k / p, k % p)).collect();
-        Found { likelihood, normal, gradient: (0..p).map(|i| first(i, p)).collect(), squares: entry(p, p)[0] }
+        Likelihoods { likelihood, normal, gradient: (0..p).map(|i| first(i, p)).collect(), squares: entry(p, p)[0] }
     }
 }
 
-/// The result of [`Sums`].
-pub(super) struct Found {
+/// The result of [`LikelihoodSums`].
+pub(super) struct Likelihoods {
     pub likelihood: Lane,
     /// WᵀW, Wᵀw and wᵀw of the first lane.
     pub normal: Vec<f64>,
@@ -77,7 +77,7 @@ pub(super) struct Found {
     pub squares: f64,
 }
 
-impl Found {
+impl Likelihoods {
     /// The change of the parameters to the least white errors, and their standard errors.
     pub(super) fn change(&self) -> Option<(Vec<f64>, Vec<f64>)> {
         let p = self.gradient.len();
@@ -108,7 +108,7 @@ fn logarithm(mut x: Lane) -> Lane {
 
 #[inline(always)]
 fn go_along<const N: usize>(
-    sums: &mut Sums,
+    sums: &mut LikelihoodSums,
     layout: ParameterLayout,
     line: &Line,
     samples: usize,
@@ -177,7 +177,7 @@ fn go_along<const N: usize>(
 /// A point's states, those after it, and the propagation of deviations there. If the current is not a state, its mean
 /// is zero.
 #[inline(always)]
-fn about<const N: usize>(motion: &Motion<Lane, N>, point: &Point) -> ([Lane; N], [Lane; N], Local<Lane>) {
+fn about<const N: usize>(motion: &Motion<Lane, N>, point: &PathPoint) -> ([Lane; N], [Lane; N], Local<Lane>) {
     let mut middle = [Lane::ZERO; N];
     (0..3).for_each(|d| middle[d] = Lane::splat(point.state[d]));
     let mut next = point.next;
@@ -208,14 +208,14 @@ fn left(white: &[[Lane; 3]], change: &[f64]) -> Lane {
 pub(super) struct Line<'a> {
     pub run: RunView<'a>,
     /// By sample; the last one has no successor.
-    pub points: Vec<Point>,
+    pub points: Vec<PathPoint>,
     /// φ of every parameter, by sample.
     pub terms: Vec<f64>,
 }
 
 /// A point of the path.
 #[derive(Clone, Copy)]
-pub(super) struct Point {
+pub(super) struct PathPoint {
     pub state: [f64; 3],
     pub current: [f64; 2],
     /// The state after it.
@@ -268,7 +268,7 @@ impl<'a> Line<'a> {
         let point = |((state, current), row): (([f64; 3], [f64; 2]), &[f64])| {
             compiled.look(state, row, Some(current));
             terms.extend((0..theta.len()).map(|i| compiled.term(i)));
-            Point { state, current, next: compiled.next(state, None), slopes: compiled.slopes() }
+            PathPoint { state, current, next: compiled.next(state, None), slopes: compiled.slopes() }
         };
         let points = path.into_iter().zip(rows).map(point).collect();
         Self { run, points, terms }

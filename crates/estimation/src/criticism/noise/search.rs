@@ -1,7 +1,7 @@
 use numerics::{LANES, Lane, Watch, dot, iterate, solve};
 use ship::model::ParameterLayout;
 
-use super::likelihood::{Found, Line, Samples, Sums};
+use super::likelihood::{Likelihoods, Line, Samples, LikelihoodSums};
 use super::{Guess, MOST, NoiseKind, side_by_side};
 
 /// Change of a logarithm for difference quotients by its level.
@@ -18,7 +18,7 @@ const DAMPING: [f64; 2] = [1e-2, 1e6];
 const AT_ONCE: usize = LANES - 1;
 
 /// Maximises the restricted likelihood of runs, with the model linearised about their paths.
-pub(super) struct Search<'a> {
+pub(super) struct LikelihoodSearch<'a> {
     pub layout: ParameterLayout,
     /// Runs, and the number of samples used of each.
     pub lines: Vec<(&'a Line<'a>, usize)>,
@@ -41,13 +41,13 @@ pub(super) struct Best {
 }
 
 /// A point of a search, with its gradient by the logarithms, and its curvature from the gradients of the samples.
-struct Slopes {
+struct ClimbPoint {
     at: Best,
     slopes: [f64; MOST],
     curvature: [f64; MOST * MOST],
 }
 
-impl Search<'_> {
+impl LikelihoodSearch<'_> {
     /// The most likely levels of a kind: the two best of `starts` climb a few steps, and the better one is continued.
     pub fn best(&self, starts: &[Guess]) -> Option<Best> {
         let mut likelihoods: Vec<(Guess, f64)> = Vec::with_capacity(starts.len());
@@ -96,9 +96,9 @@ impl Search<'_> {
     }
 
     /// Sums of all runs under the levels of every lane.
-    pub fn sums(&self, guesses: &[Guess; LANES], mut stored: Option<(&[f64], &mut Samples)>) -> Found {
+    pub fn sums(&self, guesses: &[Guess; LANES], mut stored: Option<(&[f64], &mut Samples)>) -> Likelihoods {
         let levels = side_by_side(guesses, self.rate_hz);
-        let mut sums = Sums::new(self.layout.parameters());
+        let mut sums = LikelihoodSums::new(self.layout.parameters());
         let known = self.known_start;
         for (line, samples) in &self.lines {
             let store = stored.as_mut().map(|(change, kept)| (*change, &mut **kept));
@@ -118,9 +118,9 @@ impl Search<'_> {
     }
 
     /// `None` if the filter's numbers are not finite, or the parameters cannot be distinguished.
-    fn slopes(&self, at: &Guess, change: &[f64]) -> Option<Slopes> {
+    fn slopes(&self, at: &Guess, change: &[f64]) -> Option<ClimbPoint> {
         let levels = at.kind.levels();
-        let mut point = Slopes {
+        let mut point = ClimbPoint {
             at: Best { guess: *at, likelihood: 0.0, change: Vec::new() },
             slopes: [0.0; MOST],
             curvature: [0.0; MOST * MOST],
@@ -165,7 +165,7 @@ fn slope(scale: &Lane, squares: &Lane, lane: usize) -> f64 {
     (2.0 * (scale[lane] / scale[0] - 1.0) - (squares[lane] - squares[0])) / CHANGE
 }
 
-impl Slopes {
+impl ClimbPoint {
     /// A damped ascent step; levels without effect stay.
     fn step(&self, damping: f64) -> [f64; MOST] {
         let (mut matrix, mut step) = (self.curvature, self.slopes);

@@ -3,8 +3,8 @@ use rayon::prelude::*;
 use ship::engine::RunView;
 use ship::model::Model;
 
-use super::likelihood::{Found, Line};
-use super::search::{Best, STEPS, Search, Seen, after};
+use super::likelihood::{Likelihoods, Line};
+use super::search::{Best, STEPS, LikelihoodSearch, Seen, after};
 use super::{Guess, NoiseKind};
 
 /// Maximum number of alternations between noise and parameters.
@@ -115,7 +115,7 @@ impl<'a> Turns<'a> {
     }
 
     /// A search over the first samples of the runs.
-    fn search<'l>(&self, lines: &'l [Line<'l>], (most, rise): (usize, f64)) -> Search<'l> {
+    fn search<'l>(&self, lines: &'l [Line<'l>], (most, rise): (usize, f64)) -> LikelihoodSearch<'l> {
         let mut left = most;
         let mut chosen = Vec::new();
         for line in lines {
@@ -126,7 +126,7 @@ impl<'a> Turns<'a> {
             }
         }
         let floor = Seen::of(lines).motion.map(|size| (FLOOR * size).max(1e-12));
-        Search {
+        LikelihoodSearch {
             layout: self.model.layout(),
             lines: chosen,
             rate_hz: self.rate_hz,
@@ -174,7 +174,7 @@ impl<'a> Turns<'a> {
     }
 
     /// Sums of all runs.
-    fn all(&self, state: &State, guess: &Guess) -> Found {
+    fn all(&self, state: &State, guess: &Guess) -> Likelihoods {
         self.search(&state.lines, (usize::MAX, RISE)).sums(&[*guess; LANES], None)
     }
 

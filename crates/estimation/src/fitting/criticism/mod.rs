@@ -7,8 +7,8 @@
 //! cost by g²/H. Windows, or pieces of them, are independent units: z = g/√V, V the sum of their squared scores. The
 //! probability counts all candidates: signs of the units are drawn anew, and the largest |z| of a draw is compared.
 
-mod columns;
-mod turned;
+mod candidates;
+mod sign_test;
 
 use numerics::scaled_inverse;
 use rand::{Rng, SeedableRng};
@@ -16,13 +16,13 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use ship::forces::{Channel, Forces};
 
-use super::{Pass, held};
-use crate::fitting::sums::{AT_ONCE, Reduced, Sums};
+use super::{Pass, at_bound};
+use crate::fitting::sums::{AT_ONCE, Reduced, WindowSums};
 use crate::fitting::{Fit, Problem, Unfit};
-use columns::{Block, Column, Measure, Product, listed, products};
-use turned::Alternative;
+use candidates::{CandidateBlock, Column, ForceProduct, Measure, listed, products};
+use sign_test::Alternative;
 
-pub use turned::{LateInput, Lateness, Turn, TurnedSign};
+pub use sign_test::{LateInput, Lateness, Turn, TurnedSign};
 
 /// A model is rejected where chance makes any candidate look as likely with less than this probability.
 pub const LEVEL: f64 = 0.05;
@@ -44,7 +44,7 @@ pub struct Channels<'a> {
 
 impl Channels<'_> {
     /// The products to test.
-    fn products(&self, forces: &Forces) -> Result<Vec<Product>, Unfit> {
+    fn products(&self, forces: &Forces) -> Result<Vec<ForceProduct>, Unfit> {
         match self.listed {
             Some(lists) => listed(forces, self.all, lists),
             None => Ok(products(forces, self.all, self.inputs)),
@@ -150,7 +150,7 @@ impl Problem<'_> {
         let alternatives = Alternative::all(self.forces, channels);
         let count = alternatives.len();
         let mut signs: Vec<TurnedSign> =
-            alternatives.iter().map(|alternative| self.turned(fit, alternative, count)).collect();
+            alternatives.iter().map(|alternative| self.sign_test(fit, alternative, count)).collect();
         let gain = |sign: &TurnedSign| sign.share.unwrap_or(f64::NEG_INFINITY);
         signs.sort_by(|one, other| gain(other).total_cmp(&gain(one)));
         signs
@@ -190,14 +190,14 @@ impl Problem<'_> {
     fn blocks(
         &self,
         inputs: &[usize],
-        terms: &[Product],
+        terms: &[ForceProduct],
         channels: &[Channel],
-    ) -> Result<(Vec<Block>, Vec<Measure>), Unfit> {
-        let mut blocks: Vec<Block> =
-            inputs.chunks(AT_ONCE).map(|chunk| Block::Late(chunk.to_vec())).collect();
+    ) -> Result<(Vec<CandidateBlock>, Vec<Measure>), Unfit> {
+        let mut blocks: Vec<CandidateBlock> =
+            inputs.chunks(AT_ONCE).map(|chunk| CandidateBlock::Late(chunk.to_vec())).collect();
         let mut measures = Vec::new();
         for chunk in terms.chunks(AT_ONCE) {
-            let (block, more) = Block::terms(self.forces, chunk, channels)?;
+            let (block, more) = CandidateBlock::terms(self.forces, chunk, channels)?;
             blocks.push(block);
             measures.extend(more);
         }
@@ -212,8 +212,9 @@ impl Problem<'_> {
             let Some(channel) = channels.iter().position(|channel| channel.name == input.input) else {
                 continue;
             };
-            let of =
-                |kind| self.late(fit, channel, kind, input.late_s).map(|(time, share)| (kind, time, share));
+            let of = |kind| {
+                self.delay_test(fit, channel, kind, input.late_s).map(|(time, share)| (kind, time, share))
+            };
             let mut kinds: Vec<_> = [Lateness::DeadTime, Lateness::Lag].into_iter().filter_map(of).collect();
             kinds.sort_by(|one, other| other.2.total_cmp(&one.2));
             input.best = kinds.first().copied();
@@ -238,7 +239,7 @@ fn late_input(name: &str, (score, p_value): (&Score, f64), fit: &Fit) -> LateInp
 }
 
 fn absent(
-    product: &Product,
+    product: &ForceProduct,
     (unit, prime): Measure,
     (score, p_value): (&Score, f64),
     fit: &Fit,
@@ -257,7 +258,7 @@ fn absent(
     }
 }
 
-fn label(product: &Product) -> String {
+fn label(product: &ForceProduct) -> String {
     format!("`{}` in {}", product.text, ["surge", "sway", "yaw"][product.degree])
 }
 
@@ -346,16 +347,17 @@ impl Pass<'_> {
     ///
     /// # Errors
     /// A start of a window or a number that nothing determines.
-    pub(crate) fn scores(&self, fit: &Fit, blocks: &[Block]) -> Result<Scores, Unfit> {
+    pub(crate) fn scores(&self, fit: &Fit, blocks: &[CandidateBlock]) -> Result<Scores, Unfit> {
         let groups: Vec<_> = self.groups.iter().zip(&fit.starts).collect();
         let sums_and_columns: Result<Vec<_>, Unfit> = groups
             .par_iter()
             .map(|(group, starts)| self.columns(group, (&fit.theta, starts), blocks))
             .collect();
-        let (sums, columns): (Vec<Vec<Sums>>, Vec<Vec<Vec<Column>>>) = sums_and_columns?.into_iter().unzip();
+        let (sums, columns): (Vec<Vec<WindowSums>>, Vec<Vec<Vec<Column>>>) =
+            sums_and_columns?.into_iter().unzip();
         let reduced = self.determined(&sums)?;
         let fitted = self.fitted(fit, &sums, &reduced)?;
-        let windows: Vec<(&Sums, &Reduced, &Vec<Column>)> = sums
+        let windows: Vec<(&WindowSums, &Reduced, &Vec<Column>)> = sums
             .iter()
             .zip(&reduced)
             .zip(&columns)
@@ -363,7 +365,7 @@ impl Pass<'_> {
             .map(|((sums, reduced), columns)| (sums, reduced, columns))
             .collect();
         let whole = windows.len() as f64 >= ENOUGH * fitted.used;
-        let count = blocks.iter().map(Block::count).sum();
+        let count = blocks.iter().map(CandidateBlock::count).sum();
         let of = |j: usize| self.score(&fitted, &windows, j, whole);
         let all: Vec<Option<Score>> = (0..count).into_par_iter().map(of).collect();
         let units = match whole {
@@ -373,12 +375,12 @@ impl Pass<'_> {
         Ok(Scores { all, units, whole })
     }
 
-    fn fitted(&self, fit: &Fit, sums: &[Vec<Sums>], reduced: &[Vec<Reduced>]) -> Result<Fitted, Unfit> {
+    fn fitted(&self, fit: &Fit, sums: &[Vec<WindowSums>], reduced: &[Vec<Reduced>]) -> Result<Fitted, Unfit> {
         let n = fit.theta.len();
         let (data, mut gradient) = self.information(n, sums, reduced);
-        let pulls = self.pulls(&fit.theta);
+        let pulls = self.prior_gradient(&fit.theta);
         let whole: Vec<f64> = gradient.iter().zip(&pulls).map(|(slope, [_, pull])| slope + pull).collect();
-        let held = held(self.forces, &fit.theta, &whole);
+        let held = at_bound(self.forces, &fit.theta, &whole);
         gradient.iter_mut().zip(&pulls).for_each(|(sum, [_, slope])| *sum += KEPT * slope);
         let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
         let m = free.len();
@@ -390,7 +392,7 @@ impl Pass<'_> {
         Ok(Fitted { free, inverse, gradient, used })
     }
 
-    fn total(&self, n: usize, windows: &[(&Sums, &Reduced, &Vec<Column>)], j: usize) -> Total {
+    fn total(&self, n: usize, windows: &[(&WindowSums, &Reduced, &Vec<Column>)], j: usize) -> Total {
         let mut total = Total { across: vec![0.0; n], square: 0.0, gradient: 0.0 };
         for (sums, _, columns) in windows {
             let (weight, column) = (self.weight(&sums.errors), &columns[j]);
@@ -404,7 +406,7 @@ impl Pass<'_> {
     fn score(
         &self,
         fitted: &Fitted,
-        windows: &[(&Sums, &Reduced, &Vec<Column>)],
+        windows: &[(&WindowSums, &Reduced, &Vec<Column>)],
         j: usize,
         whole: bool,
     ) -> Option<Score> {

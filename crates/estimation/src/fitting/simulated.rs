@@ -8,7 +8,7 @@ use numerics::{add_outer, congruence, scaled_inverse};
 use ship::forces::{Body, Dual, Forces};
 
 use super::fit::conditioned;
-use super::{distance, held, moved, pulls};
+use super::{at_bound, clamped_step, distance, prior_gradient};
 use crate::fitting::{Inputs, Prior, Unfit};
 
 /// Parameters by which derivatives are computed at once.
@@ -58,7 +58,7 @@ pub struct PredictedErrors {
 
 /// The derivatives of a simulated run's states by θ.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Slopes {
+pub struct StateSlopes {
     /// u, v \[m/s\], r \[rad/s\]: N + 1 rows.
     pub states: Vec<[f64; 3]>,
     /// ∂x/∂θ: for each row of `states` three rows of as many numbers as θ has.
@@ -82,12 +82,12 @@ impl SimulatedRun<'_> {
     }
 
     /// The states of `forces` with parameters `theta`, and their derivatives; `None` where they are not finite.
-    pub fn slopes(&self, forces: &Forces, theta: &[f64]) -> Option<Slopes> {
+    pub fn slopes(&self, forces: &Forces, theta: &[f64]) -> Option<StateSlopes> {
         self.slopes_by(forces, theta, Inputs::Held)
     }
 
     /// As [`Self::slopes`], where inputs do this between samples; linear ones are held after the last row.
-    pub fn slopes_by(&self, forces: &Forces, theta: &[f64], inputs: Inputs) -> Option<Slopes> {
+    pub fn slopes_by(&self, forces: &Forces, theta: &[f64], inputs: Inputs) -> Option<StateSlopes> {
         let (n, rows) = (theta.len(), 3 * (self.samples() + 1));
         let mut by_theta = vec![0.0; rows * n];
         let mut states = Vec::new();
@@ -95,7 +95,7 @@ impl SimulatedRun<'_> {
             states = self.columns(forces, theta, (first, inputs), &mut by_theta);
         }
         let finite = states.iter().flatten().chain(&by_theta).all(|entry| entry.is_finite());
-        finite.then_some(Slopes { states, by_theta })
+        finite.then_some(StateSlopes { states, by_theta })
     }
 
     /// Fills the columns of the parameters from `first` on.
@@ -155,7 +155,7 @@ impl SimulatedRun<'_> {
         &self,
         forces: &Forces,
         theta: &[f64],
-        slopes: &Slopes,
+        slopes: &StateSlopes,
         (weights, std): ([f64; 3], f64),
     ) -> Vec<f64> {
         let n = theta.len();
@@ -225,7 +225,7 @@ impl RunInformation {
     }
 }
 
-impl Slopes {
+impl StateSlopes {
     /// Σ SᵀS over all states and samples: with the covariance of θ its trace is the sum of squared errors of a free run.
     pub fn squares(&self, parameters: usize) -> Vec<f64> {
         self.weighted(parameters, [1.0; 3])
@@ -307,7 +307,7 @@ impl Search<'_> {
         }
         for _ in 0..MOST_STEPS {
             let normal = self.normal(&theta).ok_or(Unfit::Unfinished(MOST_STEPS))?;
-            let held = held(self.forces, &theta, &normal.gradient);
+            let held = at_bound(self.forces, &theta, &normal.gradient);
             let free: Vec<usize> = (0..theta.len()).filter(|i| !held[*i]).collect();
             let newton = self.step(&normal, &free, 0.0)?;
             let promised: f64 = free.iter().zip(&newton).map(|(i, step)| -normal.gradient[*i] * step).sum();
@@ -316,7 +316,7 @@ impl Search<'_> {
             }
             loop {
                 let step = self.step(&normal, &free, damping)?;
-                let next = moved(self.forces, &theta, &free, step.into_iter());
+                let next = clamped_step(self.forces, &theta, &free, step.into_iter());
                 let next_cost = self.cost(&next);
                 if next_cost < cost {
                     (theta, cost, damping) = (next, next_cost, 0.1 * damping);
@@ -353,7 +353,7 @@ impl Search<'_> {
             let error = weights[d] * (slopes.states[k][d] - measured[row]);
             gradient.iter_mut().zip(by_theta).for_each(|(sum, slope)| *sum += error * slope);
         }
-        for (i, [pull, slope]) in pulls(theta, self.priors, 1.0).into_iter().enumerate() {
+        for (i, [pull, slope]) in prior_gradient(theta, self.priors, 1.0).into_iter().enumerate() {
             products[i * n + i] += pull;
             gradient[i] += slope;
         }

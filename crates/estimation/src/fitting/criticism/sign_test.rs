@@ -5,7 +5,7 @@ use std::fmt;
 use numerics::distributions::normal_tails;
 use ship::forces::{Channel, Description, Forces, Number, NumberSpec};
 
-use crate::fitting::{Fit, Pass, Prior, Problem, Recording};
+use crate::fitting::{Fit, Pass, Prior, Problem, RecordingView};
 
 /// Most steps of a fit that is only to be compared.
 const STEPS: usize = 10;
@@ -33,7 +33,7 @@ pub struct TurnedSign {
 
 impl Problem<'_> {
     /// The sign of `own` turned, one of `count` signs.
-    pub(crate) fn turned(&self, fit: &Fit, alternative: &Alternative, count: usize) -> TurnedSign {
+    pub(crate) fn sign_test(&self, fit: &Fit, alternative: &Alternative, count: usize) -> TurnedSign {
         let as_written = Pass::new(self, fit.first).window_costs(fit);
         let none = TurnedSign {
             turn: alternative.turn.clone(),
@@ -80,7 +80,7 @@ impl Problem<'_> {
         forces: &'b Forces,
         inputs: &'b [Vec<f64>],
     ) -> Option<Problem<'b>> {
-        let with = |(old, inputs): (&Recording<'b>, &'b Vec<f64>)| Recording { inputs, ..*old };
+        let with = |(old, inputs): (&RecordingView<'b>, &'b Vec<f64>)| RecordingView { inputs, ..*old };
         let recordings = self.recordings.iter().zip(inputs).map(with).collect();
         Problem::new(forces, recordings, self.width, self.settings).ok()
     }
@@ -115,7 +115,7 @@ impl Pass<'_> {
 /// The rows of inputs of all recordings with the column `channel` changed.
 fn changed(problem: &Problem, channel: usize, by: impl Fn(&[f64]) -> Vec<f64>) -> Vec<Vec<f64>> {
     let width = problem.width;
-    let one = |recording: &Recording| {
+    let one = |recording: &RecordingView| {
         let mut inputs = recording.inputs.to_vec();
         let column: Vec<f64> = inputs.iter().skip(channel).step_by(width).copied().collect();
         inputs.iter_mut().skip(channel).step_by(width).zip(by(&column)).for_each(|(entry, new)| *entry = new);
@@ -431,7 +431,13 @@ impl Lateness {
 impl Problem<'_> {
     /// The best time \[s\] of this kind for the input in column `channel`, about `late_s`, and by which share of the cost of
     /// `fit` it falls then.
-    pub(crate) fn late(&self, fit: &Fit, channel: usize, kind: Lateness, late_s: f64) -> Option<(f64, f64)> {
+    pub(crate) fn delay_test(
+        &self,
+        fit: &Fit,
+        channel: usize,
+        kind: Lateness,
+        late_s: f64,
+    ) -> Option<(f64, f64)> {
         let tried = TIMES.iter().filter_map(|times| {
             let seconds = times * late_s;
             let cost =

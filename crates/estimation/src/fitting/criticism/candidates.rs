@@ -4,11 +4,11 @@ use numerics::{Lane, vectorized};
 use refusal::Invalid;
 use ship::forces::{Body, Channel, Dual, Factor, Forces, MOTION, TermSpec};
 
-use crate::fitting::sums::{AT_ONCE, Derivatives, Sums, counted, follow_acting, only, start};
-use crate::fitting::{Group, Pass, Unfit};
+use crate::fitting::sums::{AT_ONCE, Derivatives, WindowSums, counted, follow_acting, only, start};
+use crate::fitting::{Pass, Unfit, WindowGroup};
 
 /// Up to [`AT_ONCE`] candidates whose derivatives are computed at once.
-pub(crate) enum Block {
+pub(crate) enum CandidateBlock {
     /// The ship with further terms, what each of her parameters is, and the number of the terms.
     Terms(Box<Forces>, Vec<Of>, usize),
     /// Inputs that act later, by their places in a row.
@@ -38,14 +38,14 @@ pub(crate) struct Column {
 /// The unit of a candidate's number in SI, and what one of the prime system is, where it has one.
 pub(crate) type Measure = (String, Option<f64>);
 
-impl Block {
+impl CandidateBlock {
     /// The ship `forces` with `products` as further terms of 0, and what each number is measured in.
     ///
     /// # Errors
     /// A product with a channel whose name no term can have.
     pub fn terms(
         forces: &Forces,
-        products: &[Product],
+        products: &[ForceProduct],
         channels: &[Channel],
     ) -> Result<(Self, Vec<Measure>), Unfit> {
         let mut description = forces.description().clone();
@@ -95,10 +95,10 @@ impl Pass<'_> {
     /// A window whose start is not determined.
     pub(crate) fn columns(
         &self,
-        group: &Group,
+        group: &WindowGroup,
         (theta, starts): (&[f64], &[[f64; 3]]),
-        blocks: &[Block],
-    ) -> Result<(Vec<Sums>, Vec<Vec<Column>>), Unfit> {
+        blocks: &[CandidateBlock],
+    ) -> Result<(Vec<WindowSums>, Vec<Vec<Column>>), Unfit> {
         let known = self.derivatives(group, theta, starts);
         let sums = self.sums_of(group, &known);
         let mut columns_by_window: Vec<Vec<Column>> = sums.iter().map(|_| Vec::new()).collect();
@@ -116,16 +116,16 @@ impl Pass<'_> {
     /// Derivatives of the errors by the candidates of `block`: [`AT_ONCE`] for each error.
     fn by_candidates(
         &self,
-        group: &Group,
+        group: &WindowGroup,
         (theta, starts): (&[f64], &[[f64; 3]]),
-        block: &Block,
+        block: &CandidateBlock,
     ) -> Vec<[Lane; AT_ONCE]> {
         let begin = start(starts).map(Dual::constant);
         let mut slopes = vec![[Lane::ZERO; AT_ONCE]; 3 * (group.samples + 1)];
         let fitted: Vec<Lane> = theta.iter().map(|value| Lane::splat(*value)).collect();
         let acting = self.acting(group, &fitted);
         match block {
-            Block::Terms(more, places, _) => {
+            CandidateBlock::Terms(more, places, _) => {
                 let number = |place: &Of| match *place {
                     Of::Fitted(i) => Dual::constant(fitted[i]),
                     Of::Candidate(i) => Dual::unknown(Lane::ZERO, i),
@@ -135,7 +135,7 @@ impl Pass<'_> {
                 let input = |at: usize| Dual::constant(acting[at]);
                 vectorized!(simulated(self, group, &body, begin, input, &mut slopes));
             }
-            Block::Late(inputs) => {
+            CandidateBlock::Late(inputs) => {
                 let numbers: Vec<Dual<Lane, AT_ONCE>> =
                     fitted.iter().map(|value| Dual::constant(*value)).collect();
                 let body = self.forces.body(&numbers);
@@ -154,7 +154,7 @@ impl Pass<'_> {
     }
 
     /// What acts in every row of inputs.
-    fn acting(&self, group: &Group, theta: &[Lane]) -> Vec<Lane> {
+    fn acting(&self, group: &WindowGroup, theta: &[Lane]) -> Vec<Lane> {
         if self.late {
             let body = self.forces.body(theta);
             return body.acting(&group.inputs, self.width, self.settings.sample_s);
@@ -163,7 +163,7 @@ impl Pass<'_> {
     }
 
     /// By how much each of `inputs` changes for each second that it acts later, row by row: central differences.
-    fn changes(&self, group: &Group, acting: &[Lane], inputs: &[usize]) -> Vec<Vec<Lane>> {
+    fn changes(&self, group: &WindowGroup, acting: &[Lane], inputs: &[usize]) -> Vec<Vec<Lane>> {
         let rows = group.before + group.samples + 1;
         let change = |input: usize, k: usize| {
             let [low, high] = [k.saturating_sub(1), (k + 1).min(rows - 1)];
@@ -175,10 +175,10 @@ impl Pass<'_> {
     }
 
     /// Sums of the candidates' derivatives `slopes`, with those that are `known` and with the errors.
-    fn products(&self, known: &Derivatives, slopes: &[[Lane; AT_ONCE]], count: usize) -> Products {
+    fn products(&self, known: &Derivatives, slopes: &[[Lane; AT_ONCE]], count: usize) -> ColumnSums {
         let unknowns = self.unknowns();
         let piece = 3 * self.settings.samples(self.settings.piece_s);
-        let mut sums = Products {
+        let mut sums = ColumnSums {
             unknowns,
             across: vec![Lane::ZERO; count * unknowns],
             squares: vec![Lane::ZERO; count],
@@ -190,7 +190,7 @@ impl Pass<'_> {
 }
 
 /// Sums over the windows of a group, side by side.
-struct Products {
+struct ColumnSums {
     unknowns: usize,
     /// Candidates × unknowns.
     across: Vec<Lane>,
@@ -199,7 +199,7 @@ struct Products {
     gradients: Vec<Vec<Lane>>,
 }
 
-impl Products {
+impl ColumnSums {
     #[inline(always)]
     fn add(&mut self, known: &Derivatives, slopes: &[[Lane; AT_ONCE]], piece: usize) {
         let rows = known.slopes.chunks_exact(self.unknowns).zip(&known.left).zip(slopes);
@@ -218,7 +218,7 @@ impl Products {
 
     /// The columns of the window in `lane`, whose sums of `n` of θ and its start are `window`; `None` where the start is not
     /// determined.
-    fn columns(&self, lane: usize, n: usize, window: &Sums) -> Option<Vec<Column>> {
+    fn columns(&self, lane: usize, n: usize, window: &WindowSums) -> Option<Vec<Column>> {
         let (starts, count) = (self.unknowns - n, self.squares.len());
         let known = |i: usize, j: usize| window.products[i * self.unknowns + j];
         let across = |i: usize, j: usize| self.across[i * self.unknowns + j][lane];
@@ -250,7 +250,7 @@ impl Products {
 #[inline(always)]
 fn simulated(
     pass: &Pass,
-    group: &Group,
+    group: &WindowGroup,
     body: &Body<Dual<Lane, AT_ONCE>>,
     start: [Dual<Lane, AT_ONCE>; 3],
     input: impl Fn(usize) -> Dual<Lane, AT_ONCE>,
@@ -272,7 +272,7 @@ type Plain = (usize, bool);
 
 /// A product that an equation may lack.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Product {
+pub(crate) struct ForceProduct {
     /// 0 surge, 1 sway, 2 yaw.
     pub degree: usize,
     /// As a term is written.
@@ -288,12 +288,12 @@ const SIGNED_SPEED: usize = 4;
 
 /// Products that `forces` lacks, of u, v, r, |u|, |v|, |r| and U in pairs, of u, v, r in threes, of the first `inputs`
 /// channels with motion and with each other, and each of the other channels by itself.
-pub(crate) fn products(forces: &Forces, channels: &[Channel], inputs: usize) -> Vec<Product> {
+pub(crate) fn products(forces: &Forces, channels: &[Channel], inputs: usize) -> Vec<ForceProduct> {
     let all = library(channels, inputs);
     let lacking = |degree: usize| {
         let present = terms(forces, degree);
         let absent = all.iter().filter(move |factors| !present.contains(factors));
-        let product = |factors: &Vec<Plain>| Product {
+        let product = |factors: &Vec<Plain>| ForceProduct {
             degree,
             text: text(factors, channels),
             scaled: factors.iter().all(|(variable, _)| is_scaled(*variable, channels)),
@@ -317,7 +317,7 @@ pub(crate) fn listed(
     forces: &Forces,
     channels: &[Channel],
     lists: &[Vec<String>; 3],
-) -> Result<Vec<Product>, Unfit> {
+) -> Result<Vec<ForceProduct>, Unfit> {
     let mut all = Vec::new();
     for (degree, list) in lists.iter().enumerate() {
         let count = own_terms(forces, degree);
@@ -329,7 +329,7 @@ pub(crate) fn listed(
                 continue;
             }
             let scaled = factors.iter().all(|factor| is_scaled(factor.variable, channels));
-            all.push(Product { degree, text: text.trim().to_owned(), scaled });
+            all.push(ForceProduct { degree, text: text.trim().to_owned(), scaled });
             known.push(factors);
         }
     }
