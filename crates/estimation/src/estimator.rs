@@ -45,8 +45,6 @@ impl Estimator {
     }
 }
 
-// Unknowns that searches estimate in addition to the parameters of the vessel.
-
 /// Unknowns that estimates by simulation and prediction include in addition to the parameters of the vessel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AdditionalUnknowns {

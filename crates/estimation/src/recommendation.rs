@@ -171,8 +171,6 @@ impl Share {
     }
 }
 
-// Estimates of the same parameters from many runs of one design.
-
 /// Standard errors are trusted if their relative difference from the spread that they predict is at most this.
 pub const TRUSTED: f64 = 0.15;
 

@@ -212,7 +212,11 @@ impl<'a> ValidationRuns<'a> {
         candidates.chunks(GROUPS * LANES).flat_map(some).collect()
     }
 
-    fn score_groups<const G: usize>(&self, candidates: &[EstimateView], truth: Option<&[f64]>) -> Vec<RunScore> {
+    fn score_groups<const G: usize>(
+        &self,
+        candidates: &[EstimateView],
+        truth: Option<&[f64]>,
+    ) -> Vec<RunScore> {
         let model = &self.vessel.model;
         let zero = vec![0.0; model.parameters()];
         let of = |i: usize| candidates[i.min(candidates.len() - 1)].parameters.unwrap_or(&zero);

@@ -2,8 +2,6 @@ use numerics::{LANES, Lane};
 use ship::engine::Compiled;
 use ship::model::{Degree, DegreeOfFreedom, Model, Term, Variable};
 
-use super::score::Group;
-
 /// Terms of surge to second order: even under exchange of port and starboard. Those of third order are so similar
 /// that a missing term would be misnamed.
 const EVEN: [&str; 5] = ["u", "u |u|", "v r", "v^2", "r^2"];
@@ -42,10 +40,9 @@ pub(super) struct CandidateEffect {
     pub degree: Option<DegreeOfFreedom>,
     /// Its name: `r |r|`, `lag`, `current`.
     pub name: String,
-    /// Units of its values.
     pub unit: String,
-    /// Its columns.
-    pub group: Group,
+    /// What is zero in the model: per unknown the columns that act together.
+    pub unknowns: Vec<Vec<usize>>,
 }
 
 impl CandidateEffect {
@@ -62,7 +59,6 @@ pub(super) struct Lifted {
     pub model: Model,
     /// Indices of the parameters of the original among those of `model`.
     pub known: Vec<usize>,
-    /// Indices of the others.
     pub others: Vec<usize>,
     /// The candidates, with columns among `others`.
     pub candidates: Vec<CandidateEffect>,
@@ -89,7 +85,7 @@ impl Lifted {
                     degree: Some(degree),
                     unit: model.unit(degree, &term),
                     name,
-                    group: Group { unknowns: vec![vec![others.len()]] },
+                    unknowns: vec![vec![others.len()]],
                 });
                 push(lifted_degree, term, &mut others, &mut place);
             }
@@ -101,8 +97,8 @@ impl Lifted {
         }
         let [lag, delay, north, east] = effects;
         let mut add = |name: &str, unit: &str, unknowns: Vec<Vec<usize>>| {
-            let (name, unit, group) = (name.to_owned(), unit.to_owned(), Group { unknowns });
-            candidates.push(CandidateEffect { degree: None, name, unit, group });
+            let (name, unit) = (name.to_owned(), unit.to_owned());
+            candidates.push(CandidateEffect { degree: None, name, unit, unknowns });
         };
         if model.inputs > 0 {
             add("lag of the inputs", "s", vec![lag]);

@@ -71,7 +71,7 @@ fn judge(
 /// The verdict of the runs on every estimate.
 fn verdicts(subject: &Subject, problems: &Problems, states: Vec<TestedEstimate>) -> Vec<Option<Criticism>> {
     let lifted = Lifted::new(subject.model);
-    let draws = Draws::new(lifted.candidates.iter().map(|c| c.group.unknowns.len()).sum());
+    let draws = Draws::new(lifted.candidates.iter().map(|c| c.unknowns.len()).sum());
     let (sums, series) = problems.look(&lifted, &states);
     let under_white = under_white(problems, &lifted, &draws, &states);
     let each = states.into_iter().zip(sums).zip(series).zip(under_white).enumerate();
@@ -159,13 +159,10 @@ fn noise(subject: &Subject, state: &TestedEstimate) -> ([f64; 3], (f64, Option<f
     }
 }
 
-// Whether errors follow a known kind of noise once missing terms are added to the model.
-
 /// Errors are not white below this probability of the test of whiteness, for each of u, v and r.
 const GATE: f64 = 0.01 / 3.0;
 /// Maximum number of terms that are added to the model.
 const MOST: usize = 4;
-/// Lags of the test of whiteness.
 const LAGS: usize = 20;
 
 fn is_white(test: &Whiteness) -> bool {
@@ -214,7 +211,7 @@ fn white_once_named(
             return true;
         }
         let Some(projected) = Projected::new(&sums, state.parameters.len()) else { return false };
-        let draws = Draws::new(lifted.candidates.iter().map(|c| c.group.unknowns.len()).sum());
+        let draws = Draws::new(lifted.candidates.iter().map(|c| c.unknowns.len()).sum());
         let (absent, _) = tested(&lifted, &draws, &projected);
         let p_value = absent.iter().map(|a| a.p_value).fold(1.0, f64::min);
         let next = absent.first().filter(|_| p_value < LEVEL);
@@ -243,7 +240,7 @@ impl Richer {
             self.model.variables.clone_from(&lifted.model.variables);
         }
         let places: Vec<usize> =
-            candidate.group.unknowns.iter().flatten().map(|column| lifted.others[*column]).collect();
+            candidate.unknowns.iter().flatten().map(|column| lifted.others[*column]).collect();
         let (mut first, mut parameters) = (0, Vec::new());
         let mut known = self.state.parameters.iter();
         for (degree, richer) in self.model.degrees.iter_mut().zip(&lifted.model.degrees) {
@@ -268,14 +265,12 @@ impl Richer {
         let Some(noise) = &self.state.noise else { return run.exogenous.to_vec() };
         let levels = noise.guess.levels(subject.rate_hz);
         let innovations =
-            with_states!(levels, filter(&recordings, &unknowns, &levels, subject.known_start).1);
+            with_states!(levels.states(), filter(&recordings, &unknowns, &levels, subject.known_start).1);
         let states: Vec<Lane> = side.measured.iter().zip(&innovations).map(|(y, e)| *y - *e).collect();
         let rows = with_effects(subject.model, &parameters, &states, &side.exogenous, subject.rate_hz);
         rows.into_iter().map(|row| row[0]).collect()
     }
 }
-
-// Disturbances of runs that do not state them: found by the likelihood of the runs.
 
 /// With fewer samples, the noise is not known well enough to choose one kind.
 const SHORT: usize = 500;
@@ -291,9 +286,7 @@ fn student(samples: usize) -> f64 {
 /// Noise of runs, found alternately with parameters of a model.
 #[derive(Clone, Debug)]
 pub(crate) struct Calibrated {
-    /// The noise.
     pub levels: NoiseModel,
-    /// The parameters under it.
     pub parameters: Vec<f64>,
     /// Their standard errors if runs are short: the largest among all plausible kinds of noise.
     pub widest: Option<Vec<f64>>,

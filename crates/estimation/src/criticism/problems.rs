@@ -44,7 +44,6 @@ pub(super) type Series = Vec<(usize, [Vec<f64>; 3])>;
 pub(super) struct Problems<'a> {
     pub subject: &'a Subject<'a>,
     groups: Vec<(Vec<usize>, SideBySide)>,
-    /// The index of each run's estimate.
     of_run: Vec<usize>,
 }
 
@@ -85,22 +84,22 @@ impl<'a> Problems<'a> {
     /// if they are not finite.
     pub fn white(&self, wanted: &[usize], states: &[TestedEstimate]) -> Vec<Option<Linear>> {
         let free: Vec<usize> = (0..self.subject.model.parameters()).collect();
-        let mut sums = Sums(vec![None; self.count()]);
+        let mut sums = vec![None; self.count()];
         for (group, runs) in self.groups.iter().filter(|(group, _)| self.any(group, wanted)) {
-            let linears = with_states!(self, white(self, group, runs, states, &free));
-            sums.add(group, &self.of_run, linears);
+            let linears = with_states!(self.states(), white(self, group, runs, states, &free));
+            self.add(&mut sums, group, linears);
         }
-        sums.finite()
+        finite(sums)
     }
 
     /// The same for every run by itself, for one estimate from all, under the stated or found noise.
     pub fn by_run(&self, state: &TestedEstimate) -> Vec<(usize, Linear)> {
         let free: Vec<usize> = (0..self.subject.model.parameters()).collect();
         let kind = state.noise.as_ref().map(|noise| noise.guess.kind);
-        let states_of = Levelled(kind.map_or(self.states(), NoiseKind::states));
+        let count = kind.map_or(self.states(), NoiseKind::states);
         let states = vec![state.clone(); self.count()];
         let each = self.groups.iter().flat_map(|(group, runs)| {
-            let linears = with_states!(states_of, white(self, group, runs, &states, &free));
+            let linears = with_states!(count, white(self, group, runs, &states, &free));
             group.iter().copied().zip(linears)
         });
         each.collect()
@@ -123,34 +122,41 @@ impl<'a> Problems<'a> {
 
     /// White errors and all sensitivities, those by the model's own parameters first, and the errors themselves.
     pub fn look(&self, lifted: &Lifted, states: &[TestedEstimate]) -> (Vec<Option<Linear>>, Vec<Series>) {
-        let mut sums = Sums(vec![None; self.count()]);
+        let mut sums = vec![None; self.count()];
         let mut series: Vec<Series> = vec![Vec::new(); self.count()];
-        let mut look = |group: &[usize], runs: &SideBySide, count: &Levelled| {
+        let mut look = |group: &[usize], runs: &SideBySide, count: usize| {
             let (linears, white) = with_states!(count, look_at(self, lifted, group, runs, states));
-            sums.add(group, &self.of_run, linears);
+            self.add(&mut sums, group, linears);
             group.iter().zip(white).for_each(|(run, white)| series[self.of_run[*run]].push((*run, white)));
         };
         if self.subject.levels.is_some() {
-            let count = Levelled(self.states());
-            self.groups.iter().for_each(|(group, runs)| look(group, runs, &count));
+            self.groups.iter().for_each(|(group, runs)| look(group, runs, self.states()));
         } else {
             for kind in NoiseKind::ALL {
                 let of = |run: &usize| states[self.of_run[*run]].noise.as_ref().map(|noise| noise.guess.kind);
                 let chosen = (0..self.subject.runs.len()).filter(|run| of(run) == Some(kind));
-                let count = Levelled(kind.states());
-                groups(self.subject.runs, chosen).for_each(|(group, runs)| look(&group, &runs, &count));
+                groups(self.subject.runs, chosen)
+                    .for_each(|(group, runs)| look(&group, &runs, kind.states()));
             }
         }
-        (sums.finite(), series)
+        (finite(sums), series)
     }
 
-    /// Parameters by lane.
+    /// Adds the sums of a group of runs to those of their estimates.
+    fn add(&self, sums: &mut [Option<Linear>], group: &[usize], linears: Vec<Linear>) {
+        for (run, linear) in group.iter().zip(linears) {
+            match &mut sums[self.of_run[*run]] {
+                Some(total) => total.add(&linear),
+                none => *none = Some(linear),
+            }
+        }
+    }
+
     fn parameters(&self, group: &[usize], states: &[TestedEstimate]) -> Vec<Lane> {
         let of = |run: usize| &states[self.of_run[group[run]]].parameters;
         (0..self.subject.model.parameters()).map(|i| lane(group.len(), |run| of(run)[i])).collect()
     }
 
-    /// The disturbances of every lane.
     fn levels(&self, group: &[usize], states: &[TestedEstimate]) -> NoiseModel<Lane> {
         let guess_of = |run: usize| states[self.of_run[group[run]]].noise.as_ref().map(|noise| noise.guess);
         match (self.subject.levels, guess_of(0)) {
@@ -167,31 +173,8 @@ impl<'a> Problems<'a> {
 const WHITE: NoiseModel =
     NoiseModel { measurement: [1.0; 3], current: Flow::Still, force: None, drift: None };
 
-/// A number of filter states.
-struct Levelled(usize);
-
-impl Levelled {
-    fn states(&self) -> usize {
-        self.0
-    }
-}
-
-/// Sums of the runs of every estimate.
-struct Sums(Vec<Option<Linear>>);
-
-impl Sums {
-    fn add(&mut self, group: &[usize], of_run: &[usize], linears: Vec<Linear>) {
-        for (run, sums) in group.iter().zip(linears) {
-            match &mut self.0[of_run[*run]] {
-                Some(total) => total.add(&sums),
-                none => *none = Some(sums),
-            }
-        }
-    }
-
-    fn finite(self) -> Vec<Option<Linear>> {
-        self.0.into_iter().map(|sum| sum.filter(Linear::finite)).collect()
-    }
+fn finite(sums: Vec<Option<Linear>>) -> Vec<Option<Linear>> {
+    sums.into_iter().map(|sum| sum.filter(Linear::finite)).collect()
 }
 
 fn white<const N: usize>(
@@ -259,13 +242,11 @@ fn newton_step(sums: &Linear) -> Option<(Vec<f64>, f64)> {
     step.iter().all(|x| x.is_finite()).then_some((step, decrement))
 }
 
-/// Maximum number of refinements under the noise.
 const ROUNDS: usize = 12;
 /// Above this variance of the white errors another start is tried.
 const FAR: f64 = 1.3;
 /// The estimate has converged at a smaller decrease of the squared white errors.
 const SETTLED: f64 = 1e-2;
-/// Maximum number of halvings of a step.
 const SHORTER: i32 = 6;
 
 /// Estimates while they are refined to the least white errors under stated noise.
@@ -372,8 +353,6 @@ fn nearer(linear: &Linear, before: &Linear) -> bool {
 fn squares(sums: &Linear) -> f64 {
     sums.squares.iter().sum()
 }
-
-// Estimates with the noise found for their runs.
 
 /// Estimates alternating with the noise found for each: from `starts`, else from least squares. `before`: see
 /// [`with_noise`].

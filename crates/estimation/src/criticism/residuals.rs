@@ -7,7 +7,7 @@ use numerics::{quadratic_of_inverse, times};
 use ship::engine::RunView;
 use ship::model::Model;
 
-use super::problems::{Problems, Series, TestedEstimate, Subject};
+use super::problems::{Problems, Series, Subject, TestedEstimate};
 use super::verdict::{Apart, Feedback};
 use crate::predictor::{Linear, scaled_inverse};
 
@@ -175,8 +175,6 @@ fn centred(mut all: Vec<f64>) -> Vec<f64> {
     all.iter_mut().for_each(|x| *x -= mean);
     all
 }
-
-// Whether recordings are of one ship: for every recording, whether its own parameters may be those of the others.
 
 /// A recording contradicts the others if chance explains any of them with a smaller probability than this.
 const LEVEL: f64 = 1e-4;

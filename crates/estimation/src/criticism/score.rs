@@ -12,25 +12,15 @@ use crate::predictor::{Linear, scaled_inverse};
 /// projection.
 const LEFT: f64 = 1e-7;
 
-/// A candidate for what the model lacks: unknowns that are zero in the model, each a sum of columns.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Group {
-    /// Per unknown the columns that act together.
-    pub unknowns: Vec<Vec<usize>>,
-}
-
-/// The score test of a group.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Score {
     /// T = sᵀV⁻¹s over the errors' variance.
     pub statistic: f64,
-    /// Degrees of freedom.
     pub freedom: usize,
     /// log P(χ² ≥ T).
     pub log_p: f64,
-    /// What each unknown would be if the group were added.
+    /// What each unknown would be if the candidate were added.
     pub values: Vec<f64>,
-    /// Standard errors of these.
     pub standard_errors: Vec<f64>,
 }
 
@@ -91,17 +81,17 @@ impl Projected {
         all().flat_map(|(a, s)| all().map(move |(b, t)| entry(a, b) / (s * t))).collect()
     }
 
-    /// The test of `group`; `None` if it cannot be distinguished from the estimated unknowns.
-    pub fn score(&self, group: &Group) -> Option<Score> {
-        let q = group.unknowns.len();
+    /// The test of these `unknowns`; `None` if they cannot be distinguished from the estimated ones.
+    pub fn score(&self, unknowns: &[Vec<usize>]) -> Option<Score> {
+        let q = unknowns.len();
         let sum = |of: &dyn Fn(usize) -> f64, columns: &[usize]| columns.iter().map(|c| of(*c)).sum::<f64>();
-        let s: Vec<f64> = group.unknowns.iter().map(|columns| sum(&|c| self.scores[c], columns)).collect();
+        let s: Vec<f64> = unknowns.iter().map(|columns| sum(&|c| self.scores[c], columns)).collect();
         let entry = |i: usize, j: usize| {
-            let (rows, columns) = (&group.unknowns[i], &group.unknowns[j]);
+            let (rows, columns) = (&unknowns[i], &unknowns[j]);
             sum(&|a| sum(&|b| self.covariance[a * self.columns + b], columns), rows)
         };
         let v: Vec<f64> = (0..q * q).map(|k| entry(k / q, k % q)).collect();
-        let whole = |i: usize| sum(&|c| self.whole[c], &group.unknowns[i]);
+        let whole = |i: usize| sum(&|c| self.whole[c], &unknowns[i]);
         if (0..q).any(|i| v[i * q + i].is_nan() || v[i * q + i] <= LEFT * whole(i)) {
             return None;
         }
@@ -120,8 +110,6 @@ impl Projected {
     }
 }
 
-// Score tests of all candidates for what a model lacks.
-
 /// Size in standard errors at which a trial nearly always detects an absent term.
 const SEEN: f64 = 3.9;
 /// Candidates within this distance in −2 log p of the first may be what is missing too.
@@ -129,11 +117,12 @@ const CLOSE: f64 = 6.0;
 
 /// The tests of all candidates, the likeliest first, and the names of those that cannot be tested.
 pub(super) fn tested(lifted: &Lifted, draws: &Draws, projected: &Projected) -> (Vec<Absent>, Vec<String>) {
-    let scored = lifted.candidates.iter().map(|candidate| (candidate, projected.score(&candidate.group)));
+    let scored = lifted.candidates.iter().map(|candidate| (candidate, projected.score(&candidate.unknowns)));
     let (testable, hidden): (Vec<_>, Vec<_>) = scored.partition(|(_, score)| score.is_some());
     let testable: Vec<(&CandidateEffect, Score)> =
         testable.into_iter().filter_map(|(c, score)| Some((c, score?))).collect();
-    let groups = testable.iter().map(|(candidate, score)| (&candidate.group, score)).collect::<Vec<_>>();
+    let groups =
+        testable.iter().map(|(candidate, score)| (candidate.unknowns.as_slice(), score)).collect::<Vec<_>>();
     let probabilities = draws.adjusted(projected, &groups);
     let most = testable.iter().map(|(_, score)| -2.0 * score.log_p).fold(0.0, f64::max);
     let all = testable.iter().zip(&probabilities);
@@ -161,8 +150,6 @@ fn absent(candidate: &CandidateEffect, score: &Score, p_value: f64, most: f64) -
     }
 }
 
-// Tests under white noise when another kind seems likelier: a missing term may look like drifting noise.
-
 /// Twice the log-likelihood by which another kind may be ahead due to a missing term.
 const TAKEN: f64 = 30.0;
 /// Factor on probabilities under white noise: two tests are made.
@@ -180,7 +167,8 @@ pub(super) fn under_white(
         let guess = *likeliest.within(TAKEN).find(|guess| guess.kind == NoiseKind::White)?;
         Some(Noise { guess, ..likeliest.clone() })
     };
-    let under = |state: &TestedEstimate| TestedEstimate { parameters: state.parameters.clone(), noise: white(state) };
+    let under =
+        |state: &TestedEstimate| TestedEstimate { parameters: state.parameters.clone(), noise: white(state) };
     let white_states: Vec<TestedEstimate> = states.iter().map(under).collect();
     if white_states.iter().all(|state| state.noise.is_none()) {
         return vec![None; states.len()];
@@ -213,11 +201,9 @@ fn least(absents: &[Absent]) -> f64 {
     absents.iter().map(|absent| absent.p_value).fold(1.0, f64::min)
 }
 
-/// Number of draws of the scores under the model.
 const DRAWS: usize = 2000;
 /// A score is a mixture of others if less than this share of its pivot is left.
 const DEPENDENT: f64 = 1e-9;
-/// The draws are the same in every criticism.
 const SEED: u64 = 1;
 
 /// Normal random numbers for draws of scores.
@@ -237,7 +223,7 @@ impl Draws {
     /// Per group, the probability under the model that any group has a score as improbable as its own. Tests overlap,
     /// so a Bonferroni factor would be too large: scores are drawn with their joint covariance. Probabilities beyond
     /// all draws use that factor.
-    pub fn adjusted(&self, projected: &Projected, groups: &[(&Group, &Score)]) -> Vec<f64> {
+    pub fn adjusted(&self, projected: &Projected, groups: &[(&[Vec<usize>], &Score)]) -> Vec<f64> {
         let least = self.least(projected, groups);
         let among = |score: &Score| {
             let fewer = least.partition_point(|log_p| *log_p <= score.log_p);
@@ -248,8 +234,8 @@ impl Draws {
     }
 
     /// The least logarithm of a probability of every draw, in ascending order.
-    fn least(&self, projected: &Projected, groups: &[(&Group, &Score)]) -> Vec<f64> {
-        let unknowns = groups.iter().flat_map(|(group, _)| group.unknowns.iter().map(Vec::as_slice));
+    fn least(&self, projected: &Projected, groups: &[(&[Vec<usize>], &Score)]) -> Vec<f64> {
+        let unknowns = groups.iter().flat_map(|(group, _)| group.iter().map(Vec::as_slice));
         let unknowns: Vec<&[usize]> = unknowns.collect();
         let n = unknowns.len();
         let correlation = projected.correlation(&unknowns);
@@ -273,10 +259,10 @@ impl Draws {
 }
 
 /// Per group its first unknown, the inverse correlation of its unknowns, and their number.
-fn forms(n: usize, correlation: &[f64], groups: &[(&Group, &Score)]) -> Vec<(usize, Vec<f64>, usize)> {
+fn forms(n: usize, correlation: &[f64], groups: &[(&[Vec<usize>], &Score)]) -> Vec<(usize, Vec<f64>, usize)> {
     let mut first = 0;
-    let form = |(group, _): &(&Group, &Score)| {
-        let (from, q) = (first, group.unknowns.len());
+    let form = |(group, _): &(&[Vec<usize>], &Score)| {
+        let (from, q) = (first, group.len());
         first += q;
         let mut block: Vec<f64> =
             (0..q * q).map(|k| correlation[(from + k / q) * n + from + k % q]).collect();

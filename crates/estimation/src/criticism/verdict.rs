@@ -214,7 +214,6 @@ const SLOW: f64 = 2.0;
 const FELT: f64 = 0.5;
 /// Errors that differ from the stated noise by more than this share are reported.
 const OFF: f64 = 0.05;
-/// Maximum number of recordings that are named.
 const NAMED: usize = 4;
 
 /// The verdict, what is most likely missing, what it cannot be distinguished from, what the runs would have shown.

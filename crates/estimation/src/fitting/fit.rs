@@ -4,7 +4,7 @@ use numerics::{Lane, congruence, scaled_inverse, symmetric};
 use rayon::prelude::*;
 
 use super::sums::{Reduced, reduced};
-use super::{Pass, Window, at_bound, clamped_step, distance, prior_gradient};
+use super::{Pass, Window, at_bound, block, clamped_step, distance, prior_gradient};
 use crate::fitting::sums::{WindowErrors, WindowSums};
 use crate::fitting::{Problem, Starts, Unfit};
 
@@ -38,15 +38,6 @@ impl Fit {
     pub(crate) fn share(&self, gain: f64) -> f64 {
         gain / self.cost.max(LEAST)
     }
-}
-
-/// Where a search is.
-struct At {
-    theta: Vec<f64>,
-    /// By group.
-    starts: Vec<Vec<[f64; 3]>>,
-    cost: f64,
-    rms: [f64; 3],
 }
 
 impl Problem<'_> {
@@ -102,9 +93,6 @@ impl Pass<'_> {
     }
 
     /// What at most `most` steps from `theta` lead to, and whether it is a minimum.
-    ///
-    /// # Errors
-    /// A simulation at the start that diverges, a parameter that nothing determines.
     pub(crate) fn search(&self, theta: &[f64], most: usize) -> Result<(Fit, bool), Unfit> {
         let mut at = self.at(theta.to_vec(), self.measured_starts());
         if !at.cost.is_finite() {
@@ -119,12 +107,10 @@ impl Pass<'_> {
                     Some((next, expected)) if next.cost <= at.cost => {
                         // A step that gains much less than the equations promise overshoots: the next one is held back.
                         let gained = (at.cost - next.cost) / expected;
-                        damping *= if gained > 0.75 {
-                            0.1
-                        } else if gained < 0.25 {
-                            10.0
-                        } else {
-                            1.0
+                        damping *= match gained {
+                            gained if gained > 0.75 => 0.1,
+                            gained if gained < 0.25 => 10.0,
+                            _ => 1.0,
                         };
                         at = next;
                         break expected;
@@ -132,14 +118,14 @@ impl Pass<'_> {
                     _ => damping = 10.0 * damping.max(DAMPING[0]),
                 }
                 if damping > DAMPING[1] {
-                    return Ok((at.ended(self, step), true));
+                    return Ok((Fit { steps: step, ..at }, true));
                 }
             };
             if expected.max(before - at.cost) <= ENOUGH * before + LEAST {
-                return Ok((at.ended(self, step + 1), true));
+                return Ok((Fit { steps: step + 1, ..at }, true));
             }
         }
-        Ok((at.ended(self, most), false))
+        Ok((Fit { steps: most, ..at }, false))
     }
 
     /// The cost of θ with windows that start at their first measured sample; infinite where one diverges.
@@ -162,7 +148,6 @@ impl Pass<'_> {
         (at.cost, slopes)
     }
 
-    /// The first measured sample of each window.
     fn measured_starts(&self) -> Vec<Vec<[f64; 3]>> {
         let start = |window: &Window| {
             let measured = self.recordings[window.recording].measured;
@@ -171,14 +156,12 @@ impl Pass<'_> {
         self.groups.iter().map(|group| group.windows.iter().map(start).collect()).collect()
     }
 
-    /// Sums of all windows, group by group.
     pub(crate) fn all_sums(&self, theta: &[f64], starts: &[Vec<[f64; 3]>]) -> Vec<Vec<WindowSums>> {
         let groups: Vec<_> = self.groups.iter().zip(starts).collect();
         groups.par_iter().map(|(group, starts)| self.sums(group, theta, starts)).collect()
     }
 
-    /// The cost at θ and these starts.
-    fn at(&self, theta: Vec<f64>, starts: Vec<Vec<[f64; 3]>>) -> At {
+    fn at(&self, theta: Vec<f64>, starts: Vec<Vec<[f64; 3]>>) -> Fit {
         let groups: Vec<_> = self.groups.iter().zip(&starts).collect();
         let all: Vec<Vec<WindowErrors>> =
             groups.par_iter().map(|(group, starts)| self.errors(group, &theta, starts)).collect();
@@ -189,7 +172,8 @@ impl Pass<'_> {
             squares.iter_mut().zip(window.squares).for_each(|(sum, square)| *sum += square);
         }
         cost += self.prior_cost() * distance(&theta, &self.priors);
-        At { theta, starts, cost, rms: squares.map(|square| (square / self.samples as f64).sqrt()) }
+        let rms = squares.map(|square| (square / self.samples as f64).sqrt());
+        Fit { theta, cost, rms, steps: 0, starts, first: self.first }
     }
 
     /// A window's share in the mean over windows, by its samples.
@@ -199,10 +183,17 @@ impl Pass<'_> {
 
     /// Where a step with this damping leads, and by how much it is expected to lower the cost; `None` where it cannot be
     /// computed.
-    fn tried(&self, at: &At, sums: &[Vec<WindowSums>], damping: f64) -> Result<Option<(At, f64)>, Unfit> {
+    fn tried(&self, at: &Fit, sums: &[Vec<WindowSums>], damping: f64) -> Result<Option<(Fit, f64)>, Unfit> {
         let n = at.theta.len();
-        let Some(windows) = self.reduced(sums, damping) else { return Ok(None) };
-        let (products, gradient) = self.normal(&at.theta, sums, &windows);
+        let reduced = |group: &Vec<WindowSums>| group.iter().map(|sums| reduced(sums, n, damping)).collect();
+        let Some(windows) = sums.iter().map(reduced).collect::<Option<Vec<Vec<_>>>>() else {
+            return Ok(None);
+        };
+        let (mut products, mut gradient) = self.information(n, sums, &windows);
+        for (i, [pull, slope]) in self.prior_gradient(&at.theta).into_iter().enumerate() {
+            products[i * n + i] += pull;
+            gradient[i] += slope;
+        }
         let held = at_bound(self.forces, &at.theta, &gradient);
         let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
         if let Some(i) = free.iter().find(|i| products[**i * n + **i] <= 0.0) {
@@ -236,9 +227,6 @@ impl Pass<'_> {
     }
 
     /// Every window reduced to θ at a minimum.
-    ///
-    /// # Errors
-    /// A window whose start is not determined.
     pub(crate) fn determined(&self, sums: &[Vec<WindowSums>]) -> Result<Vec<Vec<Reduced>>, Unfit> {
         let n = self.forces.parameters().len();
         let reduce =
@@ -247,24 +235,7 @@ impl Pass<'_> {
         all.map(|(group, sums)| group.windows.iter().zip(sums).map(reduce).collect()).collect()
     }
 
-    /// Every window reduced to θ.
-    fn reduced(&self, sums: &[Vec<WindowSums>], damping: f64) -> Option<Vec<Vec<Reduced>>> {
-        let n = self.forces.parameters().len();
-        sums.iter().map(|group| group.iter().map(|window| reduced(window, n, damping)).collect()).collect()
-    }
-
-    /// The second and first derivatives of half the cost by θ.
-    fn normal(&self, theta: &[f64], sums: &[Vec<WindowSums>], windows: &[Vec<Reduced>]) -> (Vec<f64>, Vec<f64>) {
-        let n = theta.len();
-        let (mut products, mut gradient) = self.information(n, sums, windows);
-        for (i, [pull, slope]) in self.prior_gradient(theta).into_iter().enumerate() {
-            products[i * n + i] += pull;
-            gradient[i] += slope;
-        }
-        (products, gradient)
-    }
-
-    /// The same of the recordings alone, for `n` parameters.
+    /// The second and first derivatives by θ, of `n` parameters, of half the recordings' part of the cost.
     pub(crate) fn information(
         &self,
         n: usize,
@@ -290,8 +261,7 @@ impl Pass<'_> {
         self.share(window) * window.slope(self.settings.knee) / window.numbers()
     }
 
-    /// The first window whose simulation leaves every bound.
-    fn diverged(&self, at: &At) -> Unfit {
+    fn diverged(&self, at: &Fit) -> Unfit {
         for (group, starts) in self.groups.iter().zip(&at.starts) {
             let errors = self.errors(group, &at.theta, starts);
             let pairs = group.windows.iter().zip(&errors);
@@ -303,17 +273,9 @@ impl Pass<'_> {
         Unfit::Boundless
     }
 
-    /// Why `window` has no start of its own.
     pub(crate) fn without_start(&self, window: &Window) -> Unfit {
         let recording = self.recordings[window.recording].name.to_owned();
         Unfit::Start { recording, first_s: window.first as f64 * self.settings.sample_s }
-    }
-}
-
-impl At {
-    fn ended(self, pass: &Pass, steps: usize) -> Fit {
-        let Self { theta, starts, cost, rms } = self;
-        Fit { theta, cost, rms, steps, starts, first: pass.first }
     }
 }
 
@@ -327,8 +289,6 @@ impl Reduced {
         })
     }
 }
-
-// How well a fit is known.
 
 /// A free parameter after the fit, in the system that it was written in.
 #[derive(Clone, Debug, PartialEq)]
@@ -381,11 +341,8 @@ impl Pass<'_> {
         let (mut meat, mut pieces) = (vec![0.0; n * n], 0);
         for (window_sums, window) in sums.iter().flatten().zip(windows.iter().flatten()) {
             let weight = self.weight(&window_sums.errors);
-            for score in window_sums
-                .scores(window, n)
-                .into_iter()
-                .filter(|score| score.iter().any(|entry| *entry != 0.0))
-            {
+            let scores = window_sums.scores(window, n).into_iter();
+            for score in scores.filter(|score| score.iter().any(|entry| *entry != 0.0)) {
                 let score: Vec<f64> = score.iter().map(|entry| weight * entry).collect();
                 numerics::add_outer(&mut meat, &score, &score);
                 pieces += 1;
@@ -409,9 +366,7 @@ impl Pass<'_> {
         let held = at_bound(self.forces, &fit.theta, &gradient);
         let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
         let m = free.len();
-        let inner =
-            |of: &[f64]| -> Vec<f64> { (0..m * m).map(|k| of[free[k / m] * n + free[k % m]]).collect() };
-        let information = inner(&data);
+        let information = block(&data, n, &free);
         let mut bread = information.clone();
         (0..m).for_each(|i| bread[i * m + i] += pulls[free[i]]);
         let inverse = scaled_inverse(m, &bread).ok_or_else(|| self.undetermined(&free, &bread))?;
@@ -420,7 +375,7 @@ impl Pass<'_> {
         let used = m as f64 - shares.iter().sum::<f64>();
         let correction = pieces as f64 / (pieces as f64 - used).max(1.0);
         meat.iter_mut().for_each(|entry| *entry *= correction);
-        let mut meat = inner(&meat);
+        let mut meat = block(&meat, n, &free);
         (0..m).for_each(|i| {
             meat[i * m + i] +=
                 self.priors[free[i]].map_or(0.0, |prior| (pulls[free[i]] * prior.deviation).powi(2));

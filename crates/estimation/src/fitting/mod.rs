@@ -228,7 +228,6 @@ impl RecordingView<'_> {
     }
 }
 
-/// A part of a recording that is simulated by itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Window {
     pub recording: usize,
@@ -254,9 +253,7 @@ fn windows(recordings: &[RecordingView], settings: &Settings) -> Vec<Window> {
 
 /// Up to [`LANES`] windows side by side.
 pub(crate) struct WindowGroup {
-    /// Places of the windows, in order.
     pub windows: Vec<Window>,
-    /// The longest of them.
     pub samples: usize,
     /// Rows of inputs before the first sample, for what follows them late.
     pub before: usize,
@@ -427,8 +424,6 @@ impl Unfit {
     }
 }
 
-// What priors and bounds do to a search for θ.
-
 /// Squares of the distances of θ from its priors, in their deviations.
 fn distance(theta: &[f64], priors: &[Option<Prior>]) -> f64 {
     let square = |(value, prior): (&f64, &Option<Prior>)| {
@@ -458,11 +453,22 @@ fn at_bound(forces: &Forces, theta: &[f64], gradient: &[f64]) -> Vec<bool> {
 }
 
 /// θ after `steps` of those at the places `free`, within their bounds.
-fn clamped_step(forces: &Forces, theta: &[f64], free: &[usize], steps: impl Iterator<Item = f64>) -> Vec<f64> {
+fn clamped_step(
+    forces: &Forces,
+    theta: &[f64],
+    free: &[usize],
+    steps: impl Iterator<Item = f64>,
+) -> Vec<f64> {
     let mut next = theta.to_vec();
     for (i, step) in free.iter().zip(steps) {
         let [low, high] = forces.parameters()[*i].bounds;
         next[*i] = (next[*i] + step).clamp(low, high);
     }
     next
+}
+
+/// The rows and columns at `places` of the n × n matrix `whole`.
+fn block(whole: &[f64], n: usize, places: &[usize]) -> Vec<f64> {
+    let m = places.len();
+    (0..m * m).map(|k| whole[places[k / m] * n + places[k % m]]).collect()
 }

@@ -8,7 +8,7 @@ use numerics::{add_outer, congruence, scaled_inverse};
 use ship::forces::{Body, Dual, Forces};
 
 use super::fit::conditioned;
-use super::{at_bound, clamped_step, distance, prior_gradient};
+use super::{at_bound, block, clamped_step, distance, prior_gradient};
 use crate::fitting::{Inputs, Prior, Unfit};
 
 /// Parameters by which derivatives are computed at once.
@@ -207,13 +207,12 @@ impl RunInformation {
     pub fn errors(&self, prior: &[f64], free: &[bool]) -> Option<PredictedErrors> {
         let (n, places) = (prior.len(), (0..prior.len()).filter(|i| free[*i]).collect::<Vec<_>>());
         let m = places.len();
-        let inner =
-            |of: &[f64]| -> Vec<f64> { (0..m * m).map(|k| of[places[k / m] * n + places[k % m]]).collect() };
-        let information = inner(&self.measurement);
+        let information = block(&self.measurement, n, &places);
         let mut bread = information.clone();
         (0..m).for_each(|i| bread[i * m + i] += prior[places[i]]);
         let inverted = scaled_inverse(m, &bread)?;
-        let meat: Vec<f64> = bread.iter().zip(inner(&self.current)).map(|(left, more)| left + more).collect();
+        let meat: Vec<f64> =
+            bread.iter().zip(block(&self.current, n, &places)).map(|(left, more)| left + more).collect();
         let known = congruence(m, &inverted, &meat);
         let mut covariance = vec![0.0; n * n];
         (0..m * m).for_each(|k| covariance[places[k / m] * n + places[k % m]] = known[k]);
@@ -243,13 +242,10 @@ impl StateSlopes {
     }
 }
 
-// The most probable parameters after one simulated run with known noise, by Levenberg's and Marquardt's method.
-
 /// The search has ended where Newton's step promises less than this, in squares of standard errors.
 const ENOUGH: f64 = 1e-3;
 /// Damping at the beginning, and where no step helps any more.
 const DAMPING: [f64; 2] = [1e-3, 1e10];
-/// Most steps of the search.
 const MOST_STEPS: usize = 300;
 
 /// A simulated run that was measured.
@@ -263,17 +259,10 @@ pub struct MeasuredRun<'a> {
     pub noise: [f64; 3],
 }
 
-/// The search's problem.
 struct Search<'a> {
     of: &'a MeasuredRun<'a>,
     forces: &'a Forces,
     priors: &'a [Option<Prior>],
-}
-
-/// Second and first derivatives of half the cost.
-struct Normal {
-    products: Vec<f64>,
-    gradient: Vec<f64>,
 }
 
 impl MeasuredRun<'_> {
@@ -307,10 +296,10 @@ impl Search<'_> {
         }
         for _ in 0..MOST_STEPS {
             let normal = self.normal(&theta).ok_or(Unfit::Unfinished(MOST_STEPS))?;
-            let held = at_bound(self.forces, &theta, &normal.gradient);
+            let held = at_bound(self.forces, &theta, &normal.1);
             let free: Vec<usize> = (0..theta.len()).filter(|i| !held[*i]).collect();
             let newton = self.step(&normal, &free, 0.0)?;
-            let promised: f64 = free.iter().zip(&newton).map(|(i, step)| -normal.gradient[*i] * step).sum();
+            let promised: f64 = free.iter().zip(&newton).map(|(i, step)| -normal.1[*i] * step).sum();
             if promised < ENOUGH {
                 return Ok(theta);
             }
@@ -343,7 +332,8 @@ impl Search<'_> {
         errors.map(square).sum::<f64>() + distance(theta, self.priors)
     }
 
-    fn normal(&self, theta: &[f64]) -> Option<Normal> {
+    /// Second and first derivatives of half the cost.
+    fn normal(&self, theta: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
         let MeasuredRun { run, measured, noise } = self.of;
         let (n, slopes) = (theta.len(), run.slopes(self.forces, theta)?);
         let weights = noise.map(|std| 1.0 / (std * std));
@@ -357,20 +347,25 @@ impl Search<'_> {
             products[i * n + i] += pull;
             gradient[i] += slope;
         }
-        Some(Normal { products, gradient })
+        Some((products, gradient))
     }
 
     /// The step of the `free` parameters, with this share of the diagonal added to it.
-    fn step(&self, normal: &Normal, free: &[usize], damping: f64) -> Result<Vec<f64>, Unfit> {
-        let (n, m) = (normal.gradient.len(), free.len());
-        let entry = |i: usize, j: usize| normal.products[free[i] * n + free[j]];
+    fn step(
+        &self,
+        (products, gradient): &(Vec<f64>, Vec<f64>),
+        free: &[usize],
+        damping: f64,
+    ) -> Result<Vec<f64>, Unfit> {
+        let (n, m) = (gradient.len(), free.len());
+        let entry = |i: usize, j: usize| products[free[i] * n + free[j]];
         if let Some(i) = (0..m).find(|i| entry(*i, *i) <= 0.0) {
             return Err(self.undetermined(free[i]));
         }
         let damped = |k: usize| entry(k / m, k % m) * if k / m == k % m { 1.0 + damping } else { 1.0 };
         let products: Vec<f64> = (0..m * m).map(damped).collect();
         let inverse = scaled_inverse(m, &products).ok_or_else(|| self.undetermined(free[0]))?;
-        let row = |i: usize| -> f64 { (0..m).map(|j| -inverse[i * m + j] * normal.gradient[free[j]]).sum() };
+        let row = |i: usize| -> f64 { (0..m).map(|j| -inverse[i * m + j] * gradient[free[j]]).sum() };
         Ok((0..m).map(row).collect())
     }
 

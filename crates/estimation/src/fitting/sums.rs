@@ -3,7 +3,7 @@
 use numerics::{LANES, Lane, vectorized};
 use ship::forces::{Body, Dual, Real};
 
-use super::{WindowGroup, Pass, Window};
+use super::{Pass, Window, WindowGroup};
 use crate::fitting::Inputs;
 
 /// Unknowns by which derivatives are computed at once.
@@ -14,7 +14,6 @@ pub fn cost_of_rms(rms: f64, knee: f64) -> f64 {
     if rms <= knee { rms * rms } else { 2.0 * knee * rms - knee * knee }
 }
 
-/// What a window errs by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct WindowErrors {
     /// Sums of squares in u, v and r.
@@ -183,7 +182,6 @@ pub(crate) fn counted(group: &WindowGroup, k: usize) -> [bool; LANES] {
     std::array::from_fn(|lane| group.windows.get(lane).is_some_and(|window| k <= window.samples))
 }
 
-/// `own` where it counts, else 0.
 #[inline(always)]
 pub(crate) fn only(value: Lane, counted: [bool; LANES]) -> Lane {
     Lane(std::array::from_fn(|lane| if counted[lane] { value[lane] } else { 0.0 }))

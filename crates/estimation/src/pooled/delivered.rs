@@ -95,9 +95,6 @@ impl Covered {
 
 impl Delivered {
     /// The model of `found`, which was fitted to `parts`; `None` unless all degrees of freedom have an estimate.
-    ///
-    /// # Errors
-    /// Parts that cannot be read.
     pub(super) fn new(
         pool: &Pool,
         estimated: &Estimated,
@@ -377,9 +374,6 @@ impl Surroundings {
     }
 
     /// The surroundings of all parts that were `searched`.
-    ///
-    /// # Errors
-    /// Parts that cannot be read.
     pub(super) fn all(parts: &AnyParts, searched: &Searched) -> Result<Vec<Self>, Unread> {
         let mut all = Vec::new();
         if !searched.currents.is_empty() {

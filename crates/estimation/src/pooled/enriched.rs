@@ -137,7 +137,6 @@ impl Grown {
 }
 
 impl Added {
-    /// In words.
     fn sentence(&self) -> String {
         let number = |x: Option<f64>| x.map_or("none".to_owned(), |x| format!("{x:.3e}"));
         let p = if self.p_value < 1e-4 { "p < 0.0001".to_owned() } else { format!("p {:.4}", self.p_value) };

@@ -93,7 +93,6 @@ pub enum PoolError<E> {
 }
 
 impl PoolError<Unread> {
-    /// With the error that was kept in `faults`.
     fn restored<E>(self, faults: &Faults<E>) -> PoolError<E> {
         match self {
             Self::Lost(lost) => PoolError::Lost(lost),
@@ -125,7 +124,6 @@ pub fn estimate<R: Recorded>(
 /// Runs of any kind, and the parts that they are cut into.
 type Data<'a> = (&'a dyn AnyRuns, &'a AnyParts<'a>);
 
-/// See [`estimate`].
 fn estimate_any(
     pool: &Pool,
     (runs, parts): Data,
@@ -346,7 +344,6 @@ pub fn standard_errors<R: Recorded>(
     errors.map_err(|e| e.restored(&faults))
 }
 
-/// See [`standard_errors`].
 fn standard_errors_any(
     pool: &Pool,
     parts: &AnyParts,

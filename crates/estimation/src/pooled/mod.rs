@@ -97,7 +97,6 @@ pub enum NoEstimate<E> {
 }
 
 impl NoEstimate<Unread> {
-    /// With the error that was kept in `faults`.
     fn restored<E>(self, faults: &Faults<E>) -> NoEstimate<E> {
         match self {
             Self::Lost(lost) => NoEstimate::Lost(lost),
@@ -147,7 +146,6 @@ impl Estimated {
     }
 }
 
-/// θ̂ of all degrees of freedom, and their intercepts.
 fn whole(degrees: &[DegreeFit; 3]) -> Option<(Vec<f64>, [f64; 3])> {
     joined(degrees.each_ref().map(|degree| degree.solution.as_ref()))
 }
@@ -230,7 +228,6 @@ impl Pool<'_> {
         self.estimate_any(&faults.erased(parts), estimator).map_err(|e| e.restored(&faults))
     }
 
-    /// See [`Pool::estimate`].
     fn estimate_any(&self, parts: &AnyParts, estimator: Estimator) -> Result<Estimated, NoEstimate<Unread>> {
         let mut means = StateMeans::default();
         let ls = self.sums_any(parts, None, &mut |part, _| means.add(part.run.measured))?;
@@ -305,7 +302,6 @@ impl Pool<'_> {
         self.sums_any(&faults.erased(parts), simulated, &mut look).map_err(|e| e.restored(&faults))
     }
 
-    /// See [`Pool::sums`].
     fn sums_any(
         &self,
         parts: &AnyParts,
@@ -396,7 +392,6 @@ impl fmt::Display for Unfound {
 /// Bytes that an estimate stores per run, and per part, wherever the samples are.
 const KNOWN: [f64; 2] = [250.0, 60.0];
 
-/// Bytes of a sample of a run.
 fn sample_bytes(model: &Model) -> f64 {
     8.0 * (model.exogenous() + 3) as f64
 }
@@ -462,7 +457,6 @@ impl Pool<'_> {
     }
 }
 
-/// Samples of the longest part.
 fn longest_of(parts: &impl Parts) -> usize {
     (0..parts.count()).map(|i| parts.samples(i)).max().unwrap_or(0)
 }

@@ -19,9 +19,6 @@ impl Pool<'_> {
     /// Continues from the present estimate to the least errors of free simulations, and from there to those of
     /// predictions if requested. If that fails there is no estimate. A model without an estimate of a degree of
     /// freedom cannot be simulated: it is left unchanged.
-    ///
-    /// # Errors
-    /// Parts that cannot be read.
     pub(super) fn searched(
         &self,
         parts: &AnyParts,
@@ -123,9 +120,6 @@ impl Pool<'_> {
     }
 
     /// The estimate of a search from the parts at `drawn`, started at that from all: θ̂ of surge, sway and yaw.
-    ///
-    /// # Errors
-    /// Parts that cannot be read.
     pub(super) fn searched_again(
         &self,
         parts: &AnyParts,

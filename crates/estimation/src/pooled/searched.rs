@@ -10,8 +10,8 @@ use ship::engine::SideBySide;
 use ship::model::Model;
 
 use crate::predictor::{
-    Linearization, Ended, Linear, Minimum, NoiseModel, Recordings, Residuals, STEPS, Unknown, Weighting, linearize,
-    minimize, scaled_inverse,
+    Ended, Linear, Linearization, Minimum, NoiseModel, Recordings, Residuals, STEPS, Unknown, Weighting,
+    linearize, minimize, scaled_inverse,
 };
 use crate::sensitivity::{filter, with_states};
 
@@ -92,7 +92,6 @@ pub fn least_errors<P: Parts>(
     searched.map_err(|unread| faults.take(unread))
 }
 
-/// See [`least_errors`].
 pub(super) fn least_errors_any(
     model: &Model,
     parts: &AnyParts,
@@ -138,12 +137,10 @@ struct Question<'a> {
     model: &'a Model,
     held: Vec<f64>,
     free: Vec<usize>,
-    /// Of squared errors in u, v, r.
     weights: [f64; 3],
     follow: &'a Follow,
 }
 
-/// The longest first.
 fn by_length(parts: &AnyParts) -> Vec<usize> {
     let mut order: Vec<usize> = (0..parts.count()).collect();
     order.sort_by_key(|i| std::cmp::Reverse(parts.samples(*i)));
@@ -151,7 +148,6 @@ fn by_length(parts: &AnyParts) -> Vec<usize> {
 }
 
 impl Question<'_> {
-    /// All parameters of a point.
     fn whole(&self, point: &[f64]) -> Vec<f64> {
         let mut whole = self.held.clone();
         self.free.iter().zip(point).for_each(|(i, value)| whole[*i] = *value);
@@ -199,7 +195,10 @@ impl Question<'_> {
         match self.follow {
             Follow::Simulated(_) => linearize::<3>(recordings, &lanes(whole), &self.free, None, &[], false),
             Follow::Predicted(levels, at) => {
-                with_states!(levels, innovations(recordings, &lanes(whole), &lanes(at), &self.free, levels))
+                with_states!(
+                    levels.states(),
+                    innovations(recordings, &lanes(whole), &lanes(at), &self.free, levels)
+                )
             }
         }
     }
@@ -276,7 +275,6 @@ fn innovations<const N: usize>(
     linearize(recordings, unknowns, free, Some(levels), &gains, true)
 }
 
-/// See the fields of [`Searched`].
 struct Spread {
     covariance: Vec<f64>,
     effective_parts: Vec<f64>,
@@ -310,8 +308,6 @@ impl Residuals for PooledProblem<'_> {
 }
 
 // The start of each part and its current: minimised out for any parameters, so that the errors depend on the parameters
-// alone (variable projection).
-
 /// A part with its own unknowns minimised out.
 struct Settled {
     /// Its errors by the parameters alone: its own unknowns follow them.
@@ -348,11 +344,9 @@ impl Settled {
     }
 }
 
-/// Parts in lanes, simulated with given parameters.
 struct Ambient<'a> {
     recordings: &'a Recordings<'a>,
     unknown: Unknown,
-    /// Indices of the estimated ones among all unknowns.
     places: Vec<usize>,
     parameters: &'a [f64],
     weights: [f64; 3],

@@ -7,7 +7,6 @@ use super::{DegreeTrust, Delivered};
 
 /// Instruments are weak if they explain less than this share of a regressor.
 const WEAK: f64 = 0.1;
-/// A test fails below this probability.
 const UNLIKELY: f64 = 0.01;
 
 /// Increments of noise correlate by −0.5, which weights that fall with the lag do not compensate: standard errors are
@@ -76,17 +75,13 @@ pub fn lies_above(median: Option<f64>, ends: [Option<f64>; 2], pairs: u64, calle
     }
 }
 
-// Names, in words, the estimates that their joint covariance cannot distinguish.
-
 /// From this correlation on two estimates are hard to distinguish, and from the next on they cannot be.
 const HARD: f64 = 0.95;
 const INSEPARABLE: f64 = 0.99;
 /// An estimate with a smaller relative error needs no warning, whatever its correlations.
 const KNOWN: f64 = 0.05;
-/// Maximum number of pairs that are named; the others are counted.
 const MOST: usize = 4;
 
-/// Two estimates with their standard errors and correlation.
 struct Pair<'a> {
     names: [&'a str; 2],
     values: [f64; 2],
@@ -189,8 +184,6 @@ fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent < 10.0 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
 }
-
-// Estimates whose sign is not that of the nominal value, and the channel whose sign explains them.
 
 /// Standard errors that an estimate must be away from zero for its sign to count …
 const FAR: f64 = 5.0;

@@ -140,7 +140,6 @@ pub struct SourceErrors {
     pub errors: Option<FreeRunErrors>,
 }
 
-/// The data for judging an estimate.
 pub(super) struct Judge<'a> {
     pub pool: &'a Pool<'a>,
     pub estimated: &'a Estimated,
@@ -149,7 +148,6 @@ pub(super) struct Judge<'a> {
     pub resampling: Resampling<'a>,
 }
 
-/// Numbers of one degree of freedom.
 pub(super) struct DegreeStatistics {
     pub covariance: Option<Vec<f64>>,
     pub whiteness: Option<Whiteness>,
@@ -161,7 +159,6 @@ pub(super) struct DegreeStatistics {
 }
 
 impl Judge<'_> {
-    /// Regression pairs.
     pub(super) fn samples(&self) -> usize {
         (0..self.parts.count()).map(|i| self.parts.samples(i)).sum()
     }
@@ -171,10 +168,6 @@ impl Judge<'_> {
         default_bandwidth(self.samples())
     }
 
-    /// Surge, sway, yaw.
-    ///
-    /// # Errors
-    /// Parts that cannot be read.
     pub(super) fn degrees(&self) -> Result<Vec<DegreeTrust>, Unread> {
         let mut accounts =
             DegreeOfFreedom::ALL.map(|d| Account::new(self.estimated, d as usize, self.bandwidth()));
@@ -233,10 +226,6 @@ impl Judge<'_> {
         }
     }
 
-    /// Free simulation over every source.
-    ///
-    /// # Errors
-    /// Runs that cannot be read.
     pub(super) fn sources(&self, runs: &dyn AnyRuns) -> Result<Vec<SourceErrors>, Unread> {
         let model = self.estimated.parameters(&self.pool.model);
         let mut sources = Vec::with_capacity(runs.sources());
@@ -353,7 +342,6 @@ impl<'a> Account<'a> {
         }
     }
 
-    /// Adds part number `i`.
     fn add(&mut self, i: usize, part: &Regression) {
         let (d, degree, centring) = (self.d, &part.degrees[self.d], &self.centring);
         self.strength.add(i, degree, centring, d);

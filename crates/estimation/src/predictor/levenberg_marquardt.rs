@@ -4,7 +4,6 @@ use numerics::{dot, times};
 
 /// Several least-squares problems that are linearised in one pass.
 pub(crate) trait Residuals {
-    /// Why data cannot be read.
     type Error;
     /// Linearises problems at the requested points, at most one per problem and all of them in the first call; not
     /// finite if the prediction diverges. Finished problems are not requested again.
@@ -34,7 +33,6 @@ pub(crate) struct Linearization {
     pub point: Vec<f64>,
 }
 
-/// The weighting of the squared errors of u, v, r.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Weighting {
     /// Σ_d w_d Σ e_d².
@@ -71,7 +69,6 @@ impl Weighting {
     }
 }
 
-/// How a problem ended.
 #[derive(Clone, Debug)]
 pub(crate) struct Minimum {
     pub point: Vec<f64>,
@@ -80,7 +77,6 @@ pub(crate) struct Minimum {
     /// Whether only slopes indicate this minimum.
     pub unseen: bool,
     pub status: Ended,
-    /// Steps tried.
     pub steps: usize,
     /// Unknowns at a bound beyond which the errors would be less; empty without bounds.
     pub held: Vec<usize>,
@@ -126,13 +122,11 @@ fn hold(held: &[usize], normal: &mut [f64], gradient: &mut [f64]) {
     }
 }
 
-/// `point` within `bounds`.
 fn clipped(mut point: Vec<f64>, bounds: &[[f64; 2]]) -> Vec<f64> {
     point.iter_mut().zip(bounds).for_each(|(x, [low, high])| *x = x.clamp(*low, *high));
     point
 }
 
-/// Why a problem ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Ended {
     /// The next step would change the prediction by less than [`ENOUGH`] standard errors.
@@ -145,7 +139,6 @@ pub(crate) enum Ended {
     Singular(usize),
 }
 
-/// Maximum number of steps.
 pub(crate) const STEPS: usize = 40;
 /// Newton decrement √(gᵀH⁻¹g) in standard deviations of the errors, at which a point is a minimum.
 const ENOUGH: f64 = 1e-5;
@@ -163,7 +156,6 @@ const SLOPING: f64 = 10.0;
 /// The normal matrix is renewed if a step reduces the decrement to no less than this share.
 const SLOW: f64 = 0.9;
 
-/// A problem during the minimisation.
 #[derive(Clone, Debug)]
 struct Progress {
     weighting: Weighting,
@@ -201,11 +193,13 @@ pub(crate) fn minimize<R: Residuals>(
     steps: usize,
 ) -> Result<Vec<Minimum>, R::Error> {
     let bounds = residuals.bounds();
-    let clip = |(problem, (start, weighting))| Linearization { problem, weighting, point: clipped(start, &bounds) };
+    let clip =
+        |(problem, (start, weighting))| Linearization { problem, weighting, point: clipped(start, &bounds) };
     let starts: Vec<Linearization> = starts.into_iter().zip(weighting).enumerate().map(clip).collect();
     let linears = residuals.linearize(&starts)?;
-    let new =
-        |(start, linear): (Linearization, _)| Progress::new(start.weighting, bounds.clone(), start.point, linear);
+    let new = |(start, linear): (Linearization, _)| {
+        Progress::new(start.weighting, bounds.clone(), start.point, linear)
+    };
     let mut problems: Vec<Progress> = starts.into_iter().zip(linears).map(new).collect();
     let sloping = residuals.has_slopes();
     let asked = |problems: &mut [Progress], near: bool| -> Vec<Linearization> {
@@ -290,7 +284,6 @@ impl Progress {
         !self.looks && self.decrement <= SLOPING && self.held.is_empty()
     }
 
-    /// The point after a damped step.
     fn trial(&mut self) -> Vec<f64> {
         if self.looks {
             return self.point.clone();
@@ -365,7 +358,6 @@ impl Progress {
         self.looks = is_last || self.decrement > SLOW * before || !is_free;
     }
 
-    /// Damps the next step more.
     fn damp(&mut self) {
         self.second.clear();
         self.damping *= 10.0;
@@ -436,7 +428,6 @@ impl Progress {
     }
 }
 
-/// The solution of `matrix` x = `right`, if there is one.
 fn solved(mut matrix: Vec<f64>, right: &[f64]) -> Option<Vec<f64>> {
     let mut solution = right.to_vec();
     numerics::solve(right.len(), &mut matrix, &mut solution)?;

@@ -22,7 +22,6 @@ pub struct Linear {
 }
 
 impl Linear {
-    /// Adds other samples.
     pub(crate) fn add(&mut self, other: &Self) {
         self.samples += other.samples;
         for d in 0..3 {
@@ -33,7 +32,6 @@ impl Linear {
         }
     }
 
-    /// Whether every number is finite.
     pub(crate) fn finite(&self) -> bool {
         self.squares.iter().chain(self.normal.iter().flatten()).all(|x| x.is_finite())
     }

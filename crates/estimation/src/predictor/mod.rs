@@ -16,7 +16,7 @@ use regression::Direction;
 use ship::model::ParameterLayout;
 
 pub(crate) use levenberg_marquardt::{
-    Linearization, Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
+    Ended, Linearization, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
 };
 pub use linear::{InitialState, Linear, Unknown};
 pub(crate) use linear::{linearize, linearize_each};
@@ -28,12 +28,9 @@ pub use crate::sensitivity::{
     Drift, Flow, ForceNoise, NoiseModel, Recordings, Sensitivities, Slopes, Step, free_sweep, slopes,
 };
 
-// Standard errors of a search's unknowns, and their covariance.
-
 /// Standard errors of all unknowns.
 #[derive(Clone, Debug)]
 struct EstimateErrors {
-    /// One per unknown.
     pub each: Vec<f64>,
     /// The covariance of the unknowns, as many rows, row-major; none where errors are the largest of several.
     pub covariance: Option<Vec<f64>>,
@@ -87,7 +84,6 @@ pub(crate) fn held(mut covariance: Vec<f64>, standard_errors: &[f64]) -> Vec<f64
     covariance
 }
 
-/// Roots of a diagonal.
 pub(crate) fn roots(covariance: &[f64]) -> Vec<f64> {
     let p = covariance.len().isqrt();
     covariance.iter().step_by(p + 1).map(|variance| variance.sqrt()).collect()
@@ -149,7 +145,12 @@ pub struct Fitted {
     pub approximate: bool,
 }
 
-fn fit(recordings: &Recordings, minimum: &Minimum, errors: Option<EstimateErrors>, unknown: Unknown) -> RunFit {
+fn fit(
+    recordings: &Recordings,
+    minimum: &Minimum,
+    errors: Option<EstimateErrors>,
+    unknown: Unknown,
+) -> RunFit {
     let layout = recordings.model.layout();
     let (point, all) = (&minimum.point, layout.parameters());
     let free = unknown.free(recordings.model);

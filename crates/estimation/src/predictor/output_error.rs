@@ -8,9 +8,9 @@ use regression::jackknife;
 use ship::engine::{RunView, SideBySide};
 use ship::model::Model;
 
-use super::levenberg_marquardt::{Linearization, Ended, Minimum, Residuals, STEPS, Weighting, minimize};
+use super::levenberg_marquardt::{Ended, Linearization, Minimum, Residuals, STEPS, Weighting, minimize};
 use super::linear::{Linear, Unknown, disturbed_scores, linearize_and_keep};
-use super::{EstimateErrors, RunFit, FoundSpread, Spread, fit};
+use super::{EstimateErrors, FoundSpread, RunFit, Spread, fit};
 use crate::sensitivity::{NoiseModel, Recordings, Sensitivities, Slopes, groups, of_one_length, with_states};
 
 /// Floor of the variances of output errors, as a share of the measured state's mean square, for data without noise.
@@ -61,7 +61,6 @@ pub fn output_error(
 /// Runs per search: enough to fill the lanes to the end, few enough for the processor's caches.
 const TOGETHER: usize = 8 * LANES;
 
-/// The weights of errors, see [`Weighting`].
 #[derive(Clone, Copy)]
 enum Weights {
     Likelihood,
@@ -69,7 +68,6 @@ enum Weights {
 }
 use Weights::{Fixed, Likelihood};
 
-/// A start for a run.
 struct Try {
     run: usize,
     weights: Weights,
@@ -88,7 +86,6 @@ struct Searches<'a> {
 }
 
 impl Searches<'_> {
-    /// The runs without a minimum yet.
     fn open(&self) -> impl Iterator<Item = usize> + '_ {
         let is_open = |run: &usize| self.best[*run].as_ref().is_none_or(|b| b.status != Ended::Converged);
         (0..self.runs.len()).filter(is_open)
@@ -196,7 +193,6 @@ impl Searches<'_> {
     }
 }
 
-/// Mean square of the measured u, v or r.
 fn mean_square(run: &RunView, d: usize) -> f64 {
     let sum: f64 = run.measured.iter().skip(d).step_by(3).map(|y| y * y).sum();
     sum / (run.samples() + 1) as f64
@@ -250,18 +246,15 @@ struct LaneSearch<'a> {
 struct Workspace {
     all: Vec<Packed>,
     some: Vec<Packed>,
-    /// The states of a simulation.
     path: Vec<[Lane; 3]>,
     /// Sensitivities of the last verification of minima.
     kept: Sensitivities<Lane>,
 }
 
 thread_local! {
-    /// The workspace of the thread's last searches.
     static WORKSPACE: Cell<Workspace> = Cell::default();
 }
 
-/// Some runs by their indices, in lanes.
 #[derive(Default)]
 struct Packed {
     runs: Vec<usize>,
@@ -322,7 +315,8 @@ impl<'a> LaneSearch<'a> {
             let Some(any) = runs.iter().find_map(|run| by_run.get(run)) else { continue };
             let recordings = Recordings::of(model, data);
             // Idle lanes repeat another lane's point.
-            let requests: Vec<&Linearization> = runs.iter().map(|run| *by_run.get(run).unwrap_or(any)).collect();
+            let requests: Vec<&Linearization> =
+                runs.iter().map(|run| *by_run.get(run).unwrap_or(any)).collect();
             let points: Vec<&[f64]> = requests.iter().map(|request| request.point.as_slice()).collect();
             let unknowns = side_by_side(&points, &free, recordings.unknowns());
             let looked = look(&recordings, &unknowns, &requests);
@@ -465,7 +459,7 @@ impl Simulations<'_> {
     fn meats(&self, weights: &[[f64; 3]], levels: &NoiseModel, kept: &Sensitivities<Lane>) -> Vec<Lane> {
         let weights = [0, 1, 2].map(|d: usize| lane(weights.len(), |run| weights[run][d]));
         let Self { recordings, unknowns, .. } = self;
-        with_states!(levels, disturbed_scores(recordings, unknowns, kept, weights, levels))
+        with_states!(levels.states(), disturbed_scores(recordings, unknowns, kept, weights, levels))
     }
 
     /// H⁻¹ B H⁻¹, H = Σ sᵀWs, B the covariance of the scores Σ sᵀWe: that of the measurements and the `meat`.

@@ -7,7 +7,7 @@ use ship::engine::{RunView, SideBySide};
 use ship::model::Model;
 
 use super::levenberg_marquardt::{
-    Linearization, Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
+    Ended, Linearization, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
 };
 use super::linear::{InitialState, Linear, blocks, linearize};
 use super::output_error::{better, side_by_side};
@@ -39,7 +39,7 @@ pub fn prediction_error(
         let at =
             |run: usize, i: usize| starts[run].get(i).or(starts[run].last()).cloned().unwrap_or_default();
         let starts: Vec<_> = (0..attempts).map(|i| by_lane(group.len(), |run| at(group[run], i))).collect();
-        let of_group = with_states!(levels, rounds(recordings, &starts, initial, levels));
+        let of_group = with_states!(levels.states(), rounds(recordings, &starts, initial, levels));
         group.iter().zip(of_group).for_each(|(run, fit)| fits[*run] = fit);
     }
     fits
@@ -53,7 +53,7 @@ pub fn innovations(
     initial: InitialState,
 ) -> Vec<Lane> {
     let known = initial == InitialState::Known;
-    with_states!(levels, filter(recordings, unknowns, levels, known).1)
+    with_states!(levels.states(), filter(recordings, unknowns, levels, known).1)
 }
 
 /// The covariance of the parameters `theta` of a run, intercepts among them, by leaving out each of ten blocks of samples of the
@@ -69,7 +69,7 @@ pub(crate) fn errors_by_blocks(
     let recordings = &Recordings::of(model, &alike);
     let unknowns: Vec<Lane> = theta.iter().copied().chain([0.0; 3]).map(Lane::splat).collect();
     let known = initial == InitialState::Known;
-    let all_blocks = with_states!(levels, of_blocks(recordings, &unknowns, levels, known));
+    let all_blocks = with_states!(levels.states(), of_blocks(recordings, &unknowns, levels, known));
     let blocks: Vec<&Linear> = all_blocks.iter().filter_map(|block| block.first()).collect();
     let mut whole = (*blocks.first()?).clone();
     blocks[1..].iter().for_each(|block| whole.add(block));

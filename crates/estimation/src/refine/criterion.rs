@@ -134,13 +134,6 @@ fn sandwich(n: usize, c: &[f64], b: &[f64]) -> Vec<f64> {
 
 // The backward pass: the gradient of log tr(G cov θ̃) by all inputs of all samples.
 //
-// With C = F⁻¹, M = C G C and Q = −(M(E + P)C + its transpose), dφ = tr(M dE) + tr(M dP) + tr(Q dF). P's adjoints
-// λ(k) (backward) are followed by κ(k) (forward): κ(k+1) = (I + J(k)) κ(k) + Σ_c J_c(k) γ_c(k)ᵀ, γ_c = 2 σ_c² M
-// λᵀJ_c. Then Λ(k) = 2 W S Q + 2 W R W S M + W κ(k) + (I + J(k))ᵀ Λ(k+1) is the adjoint of the sensitivities, and H
-// that of J(k).
-//
-// S, λ, κ and Λ are columns of lanes, with a lane per parameter.
-
 /// A matrix of n rows, padded with zeros to whole lanes.
 struct Rows {
     columns: usize,
@@ -148,7 +141,6 @@ struct Rows {
 }
 
 impl Rows {
-    /// Of an n × n matrix.
     fn of(n: usize, matrix: &[f64]) -> Self {
         let columns = n.div_ceil(LANES);
         let mut rows = vec![Lane::ZERO; n * columns];
@@ -246,7 +238,7 @@ fn follow(run: &Recordings<f64>, parameters: &[f64], forward: &Forward, response
             }
         }
         for column in &mut now {
-            *column = dynamics.forward(&local, column);
+            *column = dynamics.motion.forward(&local, column);
         }
         let first = all.forced.len();
         all.forced.resize(first + columns, [Lane::ZERO; 2]);
@@ -264,7 +256,6 @@ fn follow(run: &Recordings<f64>, parameters: &[f64], forward: &Forward, response
     all
 }
 
-/// The data of the backward pass.
 struct Back<'a> {
     run: &'a Recordings<'a, f64>,
     parameters: &'a [f64],
@@ -277,7 +268,6 @@ struct Back<'a> {
 }
 
 impl Back<'_> {
-    /// Runs the backward pass.
     #[inline(always)]
     fn gradient(&self) -> Vec<f64> {
         let Self { run, parameters, forward, .. } = *self;
@@ -293,7 +283,7 @@ impl Back<'_> {
         for k in (0..samples).rev() {
             if let Some(local) = &after {
                 for column in &mut big {
-                    *column = dynamics.backward(local, column);
+                    *column = dynamics.motion.backward(local, column);
                 }
             }
             self.add_sources(k, &mut big);
@@ -307,7 +297,7 @@ impl Back<'_> {
                 *term = small[*d] * value;
             }
             let local = dynamics.at(forward.state(k), run.exogenous(k));
-            dynamics.pull_back(&terms, &self.by_slopes(k, &big), &mut slopes);
+            dynamics.model.pull_back(&terms, &self.by_slopes(k, &big), &mut slopes);
             run.model.by_sources(run.exogenous(k), slopes.as_chunks_mut::<1>().0);
             for (slope_sum, slope) in small.iter_mut().zip(&slopes) {
                 *slope_sum += slope;

@@ -12,8 +12,6 @@ use numerics::{Watch, iterate};
 
 pub use criterion::{Forward, TraceCriterion};
 
-// Rounds of minimisation, with updates of the multipliers between them.
-
 /// The effort and resolution of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
@@ -96,8 +94,6 @@ pub fn refine(
 
 // Limits of motion and rates, kept by an augmented Lagrangian: c = |x|/limit − 1 ≤ 0 at every sample, with a multiplier of its own.
 //
-// Source: Nocedal & Wright 2006, Numerical optimization, chapter 17.
-
 /// Limits of a signal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalLimits {
@@ -142,7 +138,6 @@ struct Lagrangian<'a> {
     pub limits: &'a SignalLimits,
     /// Relative margin of the search below the limits.
     pub margin: f64,
-    /// Weight of a violation.
     pub weight: f64,
     /// Of the states, (N+1) × 3, then of the inputs' steps, (N−1) × inputs.
     pub multipliers: Vec<f64>,
@@ -151,7 +146,6 @@ struct Lagrangian<'a> {
     pub evaluations: usize,
 }
 
-/// A point that was evaluated.
 struct EvaluatedPoint {
     forward: Forward,
     inputs: Vec<f64>,
@@ -159,7 +153,6 @@ struct EvaluatedPoint {
 }
 
 impl Lagrangian<'_> {
-    /// The run of corrections `x`.
     fn run(&mut self, x: &[f64]) -> Option<Forward> {
         self.value(x).map(|(_, point)| point.forward)
     }
@@ -226,13 +219,9 @@ impl Objective for Lagrangian<'_> {
     }
 }
 
-// Inputs as a correction of those at the start: piecewise linear between knots.
-
 /// Corrections of inputs at knots, `knot` samples apart, in units of half the width of the inputs' limits.
 struct Signal<'a> {
-    /// Inputs at the start, N × inputs.
     start: &'a [f64],
-    /// Lowest and highest value of every input.
     limits: &'a [[f64; 2]],
     knot: usize,
 }
@@ -307,7 +296,6 @@ impl<'a> Signal<'a> {
     }
 }
 
-/// Middle and half width of limits.
 fn centred([low, high]: [f64; 2]) -> [f64; 2] {
     [0.5 * (low + high), 0.5 * (high - low)]
 }

@@ -14,7 +14,7 @@ use crate::criticism::{Subject, criticise_each};
 use crate::pooled::{Delivered, Surroundings};
 use crate::predictor::{InitialState, NoiseModel};
 use crate::{EstimateCovariance, EstimateStatus, Estimator, RunEstimate};
-use outcome::{RunOutcome, Regressed, refined};
+use outcome::{Regressed, RunOutcome, refined};
 
 pub use crate::estimator::{AdditionalUnknowns, Intercepts, UnknownCurrent};
 pub use outcome::RunError;
@@ -45,38 +45,29 @@ struct EstimatorResults {
 }
 
 impl EstimatorResults {
-    /// The result of an estimator on the first run.
-    fn first(&self, estimator: Estimator) -> Option<&RunOutcome> {
+    /// The results of one estimator, run by run, and the excitation of the runs.
+    fn by(&self, estimator: Estimator) -> (Vec<&RunOutcome>, &[Regressed]) {
         match estimator {
-            Estimator::Ls => self.ls.first().map(|regressed| &regressed.outcome),
-            Estimator::Iv | Estimator::Auto => self.iv.first().map(|regressed| &regressed.outcome),
-            Estimator::OutputError => self.simulated.first(),
-            Estimator::PredictionError => self.predicted.first(),
+            Estimator::Ls => (self.ls.iter().map(|run| &run.outcome).collect(), &self.ls),
+            Estimator::Iv | Estimator::Auto => (self.iv.iter().map(|run| &run.outcome).collect(), &self.iv),
+            Estimator::OutputError => (self.simulated.iter().collect(), &self.iv),
+            Estimator::PredictionError => (self.predicted.iter().collect(), &self.iv),
         }
     }
 
-    /// The estimates by one estimator, with their covariances.
-    fn by<'f>(
+    fn rows<'f>(
         &'f self,
         all: &RunEstimators,
         estimator: Estimator,
         runs: &[Run],
     ) -> Vec<(RunEstimate, Option<&'f [f64]>)> {
-        let rows = |outcomes: &mut dyn Iterator<Item = &'f RunOutcome>, excited: &[Regressed]| {
-            let each = outcomes.zip(excited).zip(runs);
-            let row = |((outcome, excited), run): ((&'f RunOutcome, &Regressed), &Run)| {
-                let row = all.estimate(estimator, run, outcome, excited);
-                let covariance = outcome.covariance.as_deref().filter(|_| row.estimate.is_some());
-                (row, covariance)
-            };
-            each.map(row).collect()
+        let (outcomes, excited) = self.by(estimator);
+        let row = |((outcome, excited), run): ((&'f RunOutcome, &Regressed), &Run)| {
+            let row = all.estimate(estimator, run, outcome, excited);
+            let covariance = outcome.covariance.as_deref().filter(|_| row.estimate.is_some());
+            (row, covariance)
         };
-        match estimator {
-            Estimator::Ls => rows(&mut self.ls.iter().map(|r| &r.outcome), &self.ls),
-            Estimator::Iv | Estimator::Auto => rows(&mut self.iv.iter().map(|r| &r.outcome), &self.iv),
-            Estimator::OutputError => rows(&mut self.simulated.iter(), &self.iv),
-            Estimator::PredictionError => rows(&mut self.predicted.iter(), &self.iv),
-        }
+        outcomes.into_iter().zip(excited).zip(runs).map(row).collect()
     }
 }
 
@@ -123,7 +114,7 @@ impl RunEstimators<'_> {
 
     /// All estimates with their covariances, run by run.
     fn rows<'f>(&self, results: &'f EstimatorResults, runs: &[Run]) -> Vec<(RunEstimate, Option<&'f [f64]>)> {
-        let columns = self.estimators.iter().map(|e| results.by(self, *e, runs).into_iter());
+        let columns = self.estimators.iter().map(|e| results.rows(self, *e, runs).into_iter());
         let mut columns: Vec<_> = columns.collect();
         let row = |_| columns.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>();
         runs.iter().flat_map(row).collect()
@@ -140,10 +131,13 @@ impl RunEstimators<'_> {
             return Ok(None);
         };
         let results = self.results(runs, None)?;
-        let (intercepts, current) =
-            results.first(estimator).map_or((None, None), |outcome| (outcome.intercepts, outcome.current));
+        let (intercepts, current) = results
+            .by(estimator)
+            .0
+            .first()
+            .map_or((None, None), |outcome| (outcome.intercepts, outcome.current));
         let surroundings = current.map(|current| Surroundings::of((name, 0), current));
-        let row = results.by(self, estimator, runs).pop().map(|(row, _)| row);
+        let row = results.rows(self, estimator, runs).pop().map(|(row, _)| row);
         let Some((row, theta)) = row.and_then(|row| Some((row.clone(), row.estimate?.0))) else {
             return Ok(None);
         };
@@ -159,8 +153,8 @@ impl RunEstimators<'_> {
             let intercepts = left(&theta);
             (theta, intercepts)
         });
-        let unwrap_or_else = intercepts.unwrap_or_else(|| left(&theta));
-        Ok(Some((row, Delivered::of_run(model, &part, (theta, unwrap_or_else), simple, surroundings))))
+        let intercepts = intercepts.unwrap_or_else(|| left(&theta));
+        Ok(Some((row, Delivered::of_run(model, &part, (theta, intercepts), simple, surroundings))))
     }
 
     /// Everything that the requested estimators need, each computed once; searches begin at `near`, if known.
@@ -211,7 +205,13 @@ impl RunEstimators<'_> {
         instrumented.then(|| collinear_run(self.vessel, run, self.removal)).flatten()
     }
 
-    fn estimate(&self, estimator: Estimator, run: &Run, outcome: &RunOutcome, excited: &Regressed) -> RunEstimate {
+    fn estimate(
+        &self,
+        estimator: Estimator,
+        run: &Run,
+        outcome: &RunOutcome,
+        excited: &Regressed,
+    ) -> RunEstimate {
         let collinear = estimator.by_instruments().then(|| self.collinear(run)).flatten();
         match collinear {
             Some(at) => {
@@ -265,13 +265,20 @@ impl RunEstimators<'_> {
         let theta_of = |rows: &[RunEstimate]| {
             rows.iter().rev().find_map(|e| e.estimate.as_ref().map(|(theta, _)| theta.clone()))
         };
-        let mut alike: Vec<SharedBounds> = Vec::new();
+        // Runs whose estimates are held at the same bounds, if at any, are tested together.
+        let mut alike: Vec<(Model, Vec<usize>, Vec<Vec<f64>>)> = Vec::new();
         for (run, rows) in estimates.chunks(each).enumerate() {
-            if let Some(theta) = theta_of(rows) {
-                SharedBounds::add(&mut alike, model.held_at_bounds(&layout.woven(&theta, [0.0; 3])), run);
+            let Some(theta) = theta_of(rows) else { continue };
+            let (held, theta) = model.held_at_bounds(&layout.woven(&theta, [0.0; 3]));
+            match alike.iter_mut().find(|(model, ..)| *model == held) {
+                Some((_, runs, thetas)) => {
+                    runs.push(run);
+                    thetas.push(theta);
+                }
+                None => alike.push((held, vec![run], vec![theta])),
             }
         }
-        for SharedBounds { model, runs: asked, thetas } in &alike {
+        for (model, asked, thetas) in &alike {
             let views: Vec<RunView> = asked.iter().map(|run| runs[*run].view()).collect();
             let subject = Subject {
                 model,
@@ -282,38 +289,12 @@ impl RunEstimators<'_> {
                 names: &[],
             };
             for (run, criticism) in asked.iter().zip(criticise_each(&subject, thetas)) {
-                if criticism.is_some_and(|tests| tests.rejected) {
-                    reject(&mut estimates[run * each..(run + 1) * each]);
+                let rejected = criticism.is_some_and(|tests| tests.rejected);
+                let rows = &mut estimates[run * each..(run + 1) * each];
+                for row in rows.iter_mut().filter(|row| rejected && row.estimate.is_some()) {
+                    row.status = EstimateStatus::Rejected;
                 }
             }
         }
-    }
-}
-
-/// Runs that are tested together: their estimates are held at the same bounds, if at any.
-struct SharedBounds {
-    model: Model,
-    runs: Vec<usize>,
-    thetas: Vec<Vec<f64>>,
-}
-
-impl SharedBounds {
-    /// Adds a run, whose estimate is that of a model `held` at its bounds, to those with the same bounds.
-    fn add(all: &mut Vec<Self>, held: (Model, Vec<f64>), run: usize) {
-        let (model, theta) = held;
-        match all.iter_mut().find(|alike| alike.model == model) {
-            Some(alike) => {
-                alike.runs.push(run);
-                alike.thetas.push(theta);
-            }
-            None => all.push(Self { model, runs: vec![run], thetas: vec![theta] }),
-        }
-    }
-}
-
-/// Marks the estimates of a run that rejects the model.
-fn reject(estimates: &mut [RunEstimate]) {
-    for estimate in estimates.iter_mut().filter(|estimate| estimate.estimate.is_some()) {
-        estimate.status = EstimateStatus::Rejected;
     }
 }

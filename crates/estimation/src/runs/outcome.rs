@@ -6,7 +6,7 @@ use ship::engine::Run;
 use ship::model::Vessel;
 use thiserror::Error;
 
-use crate::predictor::{RunFit, NoiseModel};
+use crate::predictor::{NoiseModel, RunFit};
 use crate::{EstimateStatus, Estimator, RunEstimate};
 
 /// The result of an estimator on one run.
@@ -14,7 +14,6 @@ use crate::{EstimateStatus, Estimator, RunEstimate};
 pub(super) struct RunOutcome {
     pub status: EstimateStatus,
     pub estimate: Option<(Vec<f64>, Vec<f64>)>,
-    /// The covariance of the parameters, if known.
     pub covariance: Option<Vec<f64>>,
     /// Intercepts, if they were estimated with the parameters; else they are the mean residuals.
     pub intercepts: Option<[f64; 3]>,
@@ -65,10 +64,6 @@ impl From<&RunFit> for RunOutcome {
 }
 
 impl Regressed {
-    /// The `outcome` of `run`.
-    ///
-    /// # Errors
-    /// A run that is too short.
     pub(super) fn new(run: &Run, outcome: Outcome, excitation: [Excitation; 3]) -> Result<Self, RunError> {
         let weakest = [0, 1, 2].map(|d: usize| excitation[d].weakest);
         let condition = excitation.map(|e| e.condition);
@@ -76,7 +71,8 @@ impl Regressed {
             Outcome::Identified(regression) => {
                 let estimate = Some((regression.parameters, regression.standard_errors));
                 let covariance = Some(regression.covariance);
-                let outcome = RunOutcome { estimate, covariance, ..RunOutcome::none(EstimateStatus::Identified) };
+                let outcome =
+                    RunOutcome { estimate, covariance, ..RunOutcome::none(EstimateStatus::Identified) };
                 Ok(Self { outcome, condition, weakest })
             }
             Outcome::NotIdentifiable(Direction { degree, parameter }) => {
@@ -89,7 +85,6 @@ impl Regressed {
         }
     }
 
-    /// The same without an estimate.
     pub(super) fn without(mut self, status: EstimateStatus) -> Self {
         self.outcome = RunOutcome::none(status);
         self
@@ -161,8 +156,6 @@ impl RunError {
     }
 }
 
-// Instrumental variables whose instruments and prefilter come from the estimate: the start of searches.
-
 /// Refinements after which the estimate is a good start for searches.
 const ROUNDS: usize = 2;
 /// Converged if a round changes no parameter by more than this share of its standard error.
@@ -201,7 +194,6 @@ struct Refinement<'a> {
     /// The runs with the latest simulations as instruments.
     runs: Prepared<'a>,
     thetas: Vec<Option<Vec<f64>>>,
-    /// The models of the simulations.
     models: Vec<Vec<f64>>,
     done: Vec<bool>,
 }

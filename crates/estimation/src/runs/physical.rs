@@ -27,9 +27,6 @@ impl Estimator {
 }
 
 /// The noise that errors of a ship with forces are predicted from.
-///
-/// # Errors
-/// Noise that is not stated, not white, or 0 in a state.
 fn white(levels: Option<&NoiseModel>) -> Result<WhiteNoise, Invalid> {
     let refused = |found: &str, remedy: &str| {
         let expected =
@@ -77,9 +74,6 @@ impl RunEstimators<'_> {
     }
 
     /// Estimates of `runs` of a ship with forces, each with its covariance.
-    ///
-    /// # Errors
-    /// See [`Self::check_forces`].
     pub(super) fn by_forces(
         &self,
         moved: &ForceModel,
@@ -87,38 +81,47 @@ impl RunEstimators<'_> {
     ) -> Result<Vec<(RunEstimate, EstimateCovariance)>, RunError> {
         self.check_forces().map_err(RunError::Forces)?;
         let noise = white(self.levels.as_ref()).map_err(RunError::Forces)?;
-        let one = Single { vessel: self.vessel, moved, noise };
-        let outcomes: Vec<ForceOutcome> = runs.par_iter().map(|run| one.estimate(run)).collect();
-        let row = |(run, outcome): (&Run, &ForceOutcome)| {
-            let rows = self
-                .estimators
-                .iter()
-                .map(|estimator| (outcome.row(run, *estimator), outcome.covariance.clone()));
-            rows.collect::<Vec<_>>()
+        let single = Single { vessel: self.vessel, moved, noise };
+        let estimates: Vec<_> = runs.par_iter().map(|run| single.estimate(run)).collect();
+        let rows = |(estimate, covariance): &(RunEstimate, EstimateCovariance)| {
+            let row = |estimator: &Estimator| RunEstimate { estimator: *estimator, ..estimate.clone() };
+            self.estimators.iter().map(|estimator| (row(estimator), covariance.clone())).collect::<Vec<_>>()
         };
-        Ok(runs.iter().zip(&outcomes).flat_map(row).collect())
+        Ok(estimates.iter().flat_map(rows).collect())
     }
 }
 
-/// A ship, and the noise of a run of hers.
 struct Single<'a> {
     vessel: &'a Vessel,
     moved: &'a ForceModel,
     noise: WhiteNoise,
 }
 
-/// What became of a run.
-struct ForceOutcome {
-    status: EstimateStatus,
-    estimate: Option<(Vec<f64>, Vec<f64>)>,
-    covariance: EstimateCovariance,
-    /// Condition index of the run's information about all numbers together.
-    condition: f64,
-    weakest: String,
-}
-
 impl Single<'_> {
-    fn estimate(&self, run: &Run) -> ForceOutcome {
+    /// The estimate of `run` by output error, and its covariance.
+    fn estimate(&self, run: &Run) -> (RunEstimate, EstimateCovariance) {
+        let (status, weakest, condition, estimate, covariance) = match self.search(run) {
+            Ok((theta, PredictedErrors { covariance, condition, weakest })) => {
+                let errors = (0..theta.len()).map(|i| covariance[i * (theta.len() + 1)].sqrt()).collect();
+                let weakest = self.moved.forces.parameters()[weakest].name.clone();
+                (EstimateStatus::Identified, weakest, condition, Some((theta, errors)), Some(covariance))
+            }
+            Err((status, weakest)) => (status, weakest, f64::INFINITY, None, None),
+        };
+        let row = RunEstimate {
+            design: run.design.clone(),
+            run: run.run,
+            estimator: Estimator::OutputError,
+            status,
+            estimate,
+            condition: [condition; 3],
+            weakest: [0, 1, 2].map(|_| weakest.clone()),
+        };
+        (row, covariance)
+    }
+
+    /// The most probable numbers and their errors; else why there are none, and the number that is to blame.
+    fn search(&self, run: &Run) -> Result<(Vec<f64>, PredictedErrors), (EstimateStatus, String)> {
         let Self { vessel, moved, noise } = self;
         let simulated = SimulatedRun {
             initial: run.initial,
@@ -127,37 +130,16 @@ impl Single<'_> {
             sample_s: moved.sample_s,
         };
         let measured = MeasuredRun { run: simulated, measured: &run.measured, noise: noise.measurement };
-        let searched = measured.most_probable(&moved.forces, &self.priors(), &vessel.nominal);
-        let theta = match searched {
+        let theta = match measured.most_probable(&moved.forces, &self.priors(), &vessel.nominal) {
             Ok(theta) => theta,
-            Err(Unfit::Undetermined(name)) => return ForceOutcome::none(EstimateStatus::NotIdentifiable, name),
-            Err(_) => return ForceOutcome::none(EstimateStatus::NotConverged, self.first()),
+            Err(Unfit::Undetermined(name)) => return Err((EstimateStatus::NotIdentifiable, name)),
+            Err(_) => return Err((EstimateStatus::NotConverged, self.first())),
         };
         let information = simulated.information(&moved.forces, &theta, noise);
-        let free = self.free(&theta);
-        let errors = information.and_then(|known_of_run| known_of_run.errors(&self.known(), &free));
-        match errors {
-            Some(errors) => self.identified(theta, errors),
-            None => ForceOutcome::none(EstimateStatus::NotIdentifiable, self.first()),
-        }
+        let errors = information.and_then(|sums| sums.errors(&self.known(), &self.free(&theta)));
+        Ok((theta, errors.ok_or_else(|| (EstimateStatus::NotIdentifiable, self.first()))?))
     }
 
-    fn identified(&self, theta: Vec<f64>, errors: PredictedErrors) -> ForceOutcome {
-        let PredictedErrors { covariance, condition, weakest } = errors;
-        let n = theta.len();
-        let standard_errors = (0..n).map(|i| covariance[i * n + i].sqrt()).collect();
-        let weakest = self.moved.forces.parameters()[weakest].name.clone();
-        let estimate = Some((theta, standard_errors));
-        ForceOutcome {
-            status: EstimateStatus::Identified,
-            estimate,
-            covariance: Some(covariance),
-            condition,
-            weakest,
-        }
-    }
-
-    /// Priors about the nominal numbers.
     fn priors(&self) -> Vec<Option<Prior>> {
         let prior = |(deviation, mean): (Option<f64>, &f64)| {
             deviation.map(|deviation| Prior { mean: *mean, deviation })
@@ -174,7 +156,6 @@ impl Single<'_> {
         self.deviations().map(|prior| prior.map_or(0.0, |deviation| deviation.powi(-2))).collect()
     }
 
-    /// Which numbers are not at a bound.
     fn free(&self, theta: &[f64]) -> Vec<bool> {
         let parameters = self.moved.forces.parameters().iter();
         theta.iter().zip(parameters).map(|(value, parameter)| !parameter.bounds.contains(value)).collect()
@@ -182,23 +163,5 @@ impl Single<'_> {
 
     fn first(&self) -> String {
         self.moved.forces.parameters().first().map_or(String::new(), |parameter| parameter.name.clone())
-    }
-}
-
-impl ForceOutcome {
-    fn none(status: EstimateStatus, weakest: String) -> Self {
-        Self { status, estimate: None, covariance: None, condition: f64::INFINITY, weakest }
-    }
-
-    fn row(&self, run: &Run, estimator: Estimator) -> RunEstimate {
-        RunEstimate {
-            design: run.design.clone(),
-            run: run.run,
-            estimator,
-            status: self.status,
-            estimate: self.estimate.clone(),
-            condition: [self.condition; 3],
-            weakest: [0, 1, 2].map(|_| self.weakest.clone()),
-        }
     }
 }

@@ -16,11 +16,10 @@ use crate::EstimateStatus;
 use crate::criticism::{Calibrated, calibrated};
 use crate::estimator::Intercepts;
 use crate::predictor::{
-    RunFit, Fitted, FoundSpread, InitialState, NoiseModel, Spread, Unknown, errors_by_blocks, held, of_terms,
+    Fitted, FoundSpread, InitialState, NoiseModel, RunFit, Spread, Unknown, errors_by_blocks, held, of_terms,
     output_error, prediction_error, roots, scaled,
 };
 
-/// Parameters near those of a run, if known.
 type Near = Option<Vec<f64>>;
 
 impl RunEstimators<'_> {
@@ -101,7 +100,9 @@ impl RunEstimators<'_> {
         let starts = [vec![noise.parameters.clone()]];
         let fit = prediction_error(&model, &[view], &starts, self.initial, &noise.levels).pop();
         match fit {
-            Some(RunFit::Converged(fitted)) => RunFit::Converged(self.with_errors_of(fitted, &model, view, &noise)),
+            Some(RunFit::Converged(fitted)) => {
+                RunFit::Converged(self.with_errors_of(fitted, &model, view, &noise))
+            }
             other => other.unwrap_or_else(none),
         }
     }
@@ -177,16 +178,11 @@ fn views(runs: &[Run]) -> Vec<RunView<'_>> {
     runs.iter().map(Run::view).collect()
 }
 
-// Instrumental variables where the nominal model diverges.
-
 impl RunEstimators<'_> {
     /// Estimates by instruments of the nominal model. Where it diverges over a run, they are those of the model of
     /// least output error over this run: to the first order its errors are means over the run, so that its simulated
     /// states know little of the noise at one sample. A run over which the search for that model does not converge has no
     /// estimate.
-    ///
-    /// # Errors
-    /// A run over which the nominal model diverges and that determines no other; one that is too short.
     pub(super) fn instrumented(&self, runs: &[Run]) -> Result<Vec<Regressed>, RunError> {
         match self.regressed(InstrumentKind::Nominal, runs) {
             Err(RunError::Diverged(_)) => runs.iter().map(|run| self.instrumented_alone(run)).collect(),

@@ -11,7 +11,7 @@ use super::{Laid, Recording, scores, together};
 use crate::pooled::{Delivered, RecordingConstant, covered};
 use crate::search::limit;
 use crate::search::nested::{Fitted, Study, widened};
-use crate::search::problem::{WindowProblem, LossSlopes};
+use crate::search::problem::{LossSlopes, WindowProblem};
 
 /// For refits during the search.
 const REFIT: Ending = Ending { steps: 2, enough: 1e-3 };
@@ -40,15 +40,12 @@ pub struct SizeScore {
     pub standard_error: f64,
 }
 
-/// A model of few terms.
 pub(crate) struct Compact {
-    /// Numbers of terms in the order of additions.
     pub sizes: Vec<SizeScore>,
     /// Indices in the library of the chosen terms.
     pub places: Vec<usize>,
 }
 
-/// The terms after an addition.
 struct Size {
     places: Vec<usize>,
     added: usize,
@@ -190,7 +187,6 @@ struct Others {
     descent: Vec<f64>,
     /// H⁻¹ of the present terms.
     inverse: Vec<f64>,
-    /// Their step.
     step: Vec<f64>,
 }
 
@@ -314,7 +310,6 @@ pub(crate) fn combined(model: &Model, recordings: &[Recording]) -> Vec<String> {
     names.collect()
 }
 
-/// `lifted` without its intercepts.
 pub(crate) fn without_intercepts(lifted: &Model) -> Model {
     let mut model = lifted.clone();
     for degree in model.degrees.iter_mut().filter(|degree| degree.intercept) {

@@ -118,7 +118,6 @@ pub(crate) struct Judged {
     pub limit: [f64; 3],
 }
 
-/// A recording when it was left out.
 struct LeftOut<'a> {
     pub recording: &'a Recording,
     pub fold: usize,
@@ -212,7 +211,6 @@ fn nested_score(
     }
 }
 
-/// Structures with their parameters.
 pub(crate) fn ships(all: &[Fitted]) -> Vec<(&Model, &[f64])> {
     all.iter().map(|fitted| (&fitted.model, fitted.theta.as_slice())).collect()
 }
@@ -227,8 +225,6 @@ fn whole(scores: impl Iterator<Item = Option<Score>>, std: [f64; 3]) -> Option<F
     let all: Vec<Score> = scores.collect::<Option<_>>()?;
     together(all.iter()).errors(std)
 }
-
-// Ships with forces, scored on recordings that were left out of the search for forces that they lack.
 
 /// A ship as she was fitted.
 #[derive(Clone, Debug, PartialEq)]
@@ -286,8 +282,6 @@ pub fn judged_ships(
     let windows = recordings.iter().map(|recording| recording.windows() as u64).sum();
     JudgedShips { nested: nested_score(&all, std, false, Vec::new()), windows, std: std[0] }
 }
-
-// What a search found beside forces of the same ship, and their mean, on recordings that were left out of both.
 
 /// Recordings dealt into folds.
 #[derive(Clone, Copy)]

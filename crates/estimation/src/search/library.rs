@@ -104,7 +104,6 @@ impl Roles {
     }
 }
 
-/// Channels that are derived from those of a model.
 struct Made<'a> {
     pub model: &'a Model,
     specs: Vec<DerivedSpec>,
@@ -207,8 +206,6 @@ fn with_wind(made: &mut Made, mut roles: Roles) -> Roles {
     }
     roles
 }
-
-// The structure that a search begins with where the vessel has none for it.
 
 /// `model` with a core of terms in place of its own, or of its forces: resistance and drive in surge, `v` and `u r` in sway, `r` and
 /// what steers in yaw; with the channels and roles of [`with_channels`]. Propellers of the numbers `reversing` act apart ahead and

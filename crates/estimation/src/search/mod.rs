@@ -211,7 +211,6 @@ fn scored(
     recordings.par_iter().map(of).collect()
 }
 
-/// All of `scores` together.
 fn together<'s>(scores: impl Iterator<Item = &'s Score>) -> Score {
     scores.fold(Score::default(), |mut all, score| {
         all.merge(score);
@@ -291,7 +290,6 @@ fn errors(states: &[Lane], runs: &SideBySide, limit: [f64; 3]) -> Vec<Option<[f6
     sums
 }
 
-/// The limits of the states.
 pub(crate) fn limit(recordings: &[&Recording]) -> [f64; 3] {
     let mut largest = [0.0_f64; 3];
     for row in recordings.iter().flat_map(|r| &r.whole).flat_map(|p| p.measured.as_chunks::<3>().0) {

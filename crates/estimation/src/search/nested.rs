@@ -10,11 +10,10 @@ use ship::model::Model;
 use super::{Laid, Recording, mean_fit, scores, standard_error, together};
 use crate::pooled::Score;
 use crate::search::limit;
-use crate::search::problem::{Looked, WindowProblem, LossSlopes};
+use crate::search::problem::{Looked, LossSlopes, WindowProblem};
 
 /// For the fits of a path: the next ridge starts where they end.
 const ALONG: Ending = Ending { steps: 2, enough: 1e-3 };
-/// For the base structure.
 const BASE: Ending = Ending { steps: 20, enough: 1e-5 };
 /// No smaller ridge is tried after this many candidates worse than the best: with few recordings a large ridge may be
 /// better than its neighbours without being the best of all.
@@ -30,7 +29,6 @@ pub(crate) struct Study<'a> {
     pub base: &'a Model,
     pub library: &'a Model,
     pub recordings: &'a [Recording],
-    /// By recording.
     pub folds: &'a [usize],
     pub ridges: &'a [f64],
     pub rate_hz: f64,
@@ -42,7 +40,6 @@ pub(crate) struct Study<'a> {
     pub whole_runs: bool,
 }
 
-/// For the resulting model.
 const DELIVERED: Ending = Ending { steps: 20, enough: 1e-6 };
 
 /// Fits without some folds, from the largest ridge on, each started from the one before, unless the base structure or
@@ -50,7 +47,6 @@ const DELIVERED: Ending = Ending { steps: 20, enough: 1e-6 };
 pub(crate) struct RidgePath<'a> {
     problem: WindowProblem<'a>,
     pub limit: [f64; 3],
-    /// The base structure, fitted to the same recordings.
     pub base: Option<Vec<f64>>,
     /// Starts in scaled parameters of the library: that, the library's least squares, and zero.
     starts: Vec<Vec<f64>>,
@@ -99,7 +95,6 @@ impl Choice {
     }
 }
 
-/// A model.
 pub(crate) struct Fitted {
     /// Its structure, with intercepts.
     pub model: Model,
@@ -303,10 +298,8 @@ pub(crate) fn widened(base: &Model, library: &Model, theta: &[f64]) -> Vec<f64> 
 /// Damping of the first step, and the largest one that is tried, as shares of the curvature.
 const DAMPING: [f64; 2] = [1e-6, 1e6];
 
-/// When a search ends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ending {
-    /// Maximum number of steps.
     pub steps: usize,
     /// The search ends at a smaller relative decrease of the loss.
     pub enough: f64,
@@ -314,7 +307,12 @@ pub(crate) struct Ending {
 
 /// Minimises loss(β) + ridge |β|² within the bounds of β from `start` by Levenberg and Marquardt's method. `None` if
 /// the start is outside the limits.
-pub(crate) fn minimum(problem: &WindowProblem, start: Vec<f64>, ridge: f64, ending: Ending) -> Option<Vec<f64>> {
+pub(crate) fn minimum(
+    problem: &WindowProblem,
+    start: Vec<f64>,
+    ridge: f64,
+    ending: Ending,
+) -> Option<Vec<f64>> {
     let cost = |beta: &[f64], looked: &Looked| cost(beta, looked, ridge);
     let mut beta = problem.within(start);
     let mut looked = problem.look(&beta)?;
@@ -359,7 +357,12 @@ fn minimum_from<'s>(
 
 /// β + (H + ridge I + damping diag H)⁻¹ (g − ridge β), or the minimum of the same quadratic within the bounds if that
 /// leaves them; terms without effect stay.
-fn stepped(problem: &WindowProblem, beta: &[f64], slopes: &LossSlopes, [ridge, damping]: [f64; 2]) -> Option<Vec<f64>> {
+fn stepped(
+    problem: &WindowProblem,
+    beta: &[f64],
+    slopes: &LossSlopes,
+    [ridge, damping]: [f64; 2],
+) -> Option<Vec<f64>> {
     let p = beta.len();
     let mut matrix = slopes.curvature.clone();
     let mut step: Vec<f64> = (0..p).map(|i| slopes.descent[i] - ridge * beta[i]).collect();

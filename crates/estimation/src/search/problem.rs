@@ -29,18 +29,15 @@ pub(crate) struct WindowProblem<'a> {
     pub sizes: Vec<f64>,
     /// Bounds of θ, infinite at open ends; empty without bounds.
     bounds: Vec<[f64; 2]>,
-    /// Number of errors.
     residuals: f64,
     /// Interval in samples at which the curvature is summed.
     thin: usize,
 }
 
-/// A point after simulation.
 #[derive(Clone, Debug)]
 pub(crate) struct Looked {
     /// Mean over all errors of the Huber loss of their window.
     pub loss: f64,
-    /// By window.
     weights: Vec<f64>,
 }
 
@@ -338,7 +335,6 @@ impl Gram {
     }
 }
 
-/// Adds the products of all rows to the sums.
 struct Multiply<'a> {
     rows: &'a [f64],
     columns: usize,

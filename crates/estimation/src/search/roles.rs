@@ -58,9 +58,7 @@ pub struct NamedRoles {
 /// The parts of names that distinguish channels of port and starboard.
 const SIDES: [[&str; 2]; 5] =
     [["port", "starboard"], ["port", "stbd"], ["left", "right"], ["_p", "_s"], ["_l", "_r"]];
-/// Units of propeller speeds.
 const SPEEDS: [&str; 5] = ["1/s", "rpm", "1/min", "rad/s", "Hz"];
-/// Units of thrusts.
 const FORCES: [&str; 2] = ["N", "kN"];
 
 impl Roles {

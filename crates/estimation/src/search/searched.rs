@@ -336,7 +336,6 @@ fn errors(resampled: Option<&Resampled>, fitted: &Fitted) -> String {
     )
 }
 
-/// The choice and its score.
 fn statements(
     candidates: &[Candidate],
     chosen: usize,

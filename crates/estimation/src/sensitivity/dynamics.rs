@@ -10,8 +10,8 @@ use super::Unknowns;
 /// three are the drift itself, and the one between them stays zero.
 #[derive(Clone, Debug)]
 pub(crate) struct Dynamics<'m, X: Stepping, const N: usize> {
-    model: Compiled<'m, X>,
-    motion: Motion<X, N>,
+    pub model: Compiled<'m, X>,
+    pub motion: Motion<X, N>,
 }
 
 /// The linear part of [`Dynamics`]: the transition of deviations of the states, and of the disturbances.
@@ -57,25 +57,6 @@ impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
         Self { model: Compiled::new(model, theta), motion: Motion::new(levels) }
     }
 
-    /// Transposed products at the last point of [`Self::at`]: see [`Compiled::pull_back`].
-    #[inline(always)]
-    pub(crate) fn pull_back(&mut self, terms: &[X], slopes: &[[X; 3]; 3], out: &mut [X]) {
-        self.model.pull_back(terms, slopes, out);
-    }
-
-    /// The transition of deviations.
-    #[inline(always)]
-    pub(crate) fn motion(&self) -> &Motion<X, N> {
-        &self.motion
-    }
-
-    /// φ of parameter `i`.
-    #[inline(always)]
-    pub(crate) fn term(&self, i: usize) -> X {
-        self.model.term(i)
-    }
-
-    /// Evaluates the dynamics at the states `z`.
     #[inline(always)]
     pub(crate) fn at(&mut self, z: &[X; N], exogenous: &[X]) -> Local<X> {
         let water = if current(N) { Some([z[3], z[4]]) } else { None };
@@ -89,23 +70,10 @@ impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
         self.model.step(state, exogenous, Ambient::default())
     }
 
-    /// The next states, after [`Self::at`] of `z`.
     #[inline(always)]
     pub(crate) fn next(&self, z: &[X; N], local: &Local<X>) -> [X; N] {
         let forces = force(N).then(|| [z[N - 3], z[N - 2], z[N - 1]]);
         self.motion.next(z, self.model.next(vessel_state(z), forces), local)
-    }
-
-    /// A s, A being the derivative of the next states, for a column of s.
-    #[inline(always)]
-    pub(crate) fn forward(&self, local: &Local<X>, s: &[Lane; N]) -> [Lane; N] {
-        self.motion.forward(local, s)
-    }
-
-    /// Aᵀ λ for a column of λ.
-    #[inline(always)]
-    pub(crate) fn backward(&self, local: &Local<X>, adjoint: &[Lane; N]) -> [Lane; N] {
-        self.motion.backward(local, adjoint)
     }
 }
 
@@ -175,7 +143,7 @@ impl<X: Unknowns, const N: usize> Motion<X, N> {
         next
     }
 
-    /// See [`Dynamics::forward`].
+    /// A s, A being the derivative of the next states, for a column of s.
     #[inline(always)]
     pub(crate) fn forward(&self, local: &Local<X>, s: &[Lane; N]) -> [Lane; N] {
         let mut out = *s;
@@ -206,9 +174,9 @@ impl<X: Unknowns, const N: usize> Motion<X, N> {
         out
     }
 
-    /// See [`Dynamics::backward`].
+    /// Aᵀ λ for a column of λ.
     #[inline(always)]
-    fn backward(&self, local: &Local<X>, adjoint: &[Lane; N]) -> [Lane; N] {
+    pub(crate) fn backward(&self, local: &Local<X>, adjoint: &[Lane; N]) -> [Lane; N] {
         let mut out = *adjoint;
         let [surge, sway, yaw] = &local.slopes;
         let through = |i: usize, start: Lane| {
@@ -311,11 +279,10 @@ pub struct Drift<X = f64> {
     pub factor: X,
 }
 
-/// Calls a function that is generic over the number of states with that of [`NoiseModel`], and takes a field of its
-/// result.
+/// Calls a function that is generic over the number of states with this one, and takes a field of its result.
 macro_rules! with_states {
-    ($levels:expr, $function:ident $arguments:tt $($field:tt)*) => {
-        match $levels.states() {
+    ($states:expr, $function:ident $arguments:tt $($field:tt)*) => {
+        match $states {
             3 => $function::<3> $arguments $($field)*,
             5 => $function::<5> $arguments $($field)*,
             6 => $function::<6> $arguments $($field)*,

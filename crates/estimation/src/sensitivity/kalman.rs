@@ -3,7 +3,6 @@ use numerics::Lane;
 use super::dynamics::{Dynamics, Flow, Local, Motion, NoiseModel};
 use super::{Recordings, Unknowns};
 
-/// The gain of an extended Kalman filter at a measurement.
 #[derive(Clone, Debug)]
 pub(crate) struct Gain<X, const N: usize> {
     /// Gain of each state for each error: N × 3.
@@ -13,7 +12,6 @@ pub(crate) struct Gain<X, const N: usize> {
 }
 
 impl<X: Unknowns, const N: usize> Gain<X, N> {
-    /// Corrects the states.
     #[inline(always)]
     pub(crate) fn correct(&self, z: &mut [X; N], error: &[X; 3]) {
         for (z, row) in z.iter_mut().zip(&self.rows) {
@@ -21,7 +19,6 @@ impl<X: Unknowns, const N: usize> Gain<X, N> {
         }
     }
 
-    /// Corrects a column of sensitivities.
     #[inline(always)]
     pub(crate) fn correct_column(&self, s: &mut [Lane; N]) {
         let (u, v, r) = (Lane::ZERO - s[0], Lane::ZERO - s[1], Lane::ZERO - s[2]);
@@ -111,7 +108,7 @@ fn filtered<const N: usize>(
         }
         let local = dynamics.at(&z, recordings.exogenous(k));
         z = dynamics.next(&z, &local);
-        p = moved(dynamics.motion(), &local, &p);
+        p = moved(&dynamics.motion, &local, &p);
         add_noise(&mut p, &local, levels);
     }
     (gains, innovations)

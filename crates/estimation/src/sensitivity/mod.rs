@@ -64,7 +64,6 @@ impl<'a, X: Unknowns> Recordings<'a, X> {
         self.model.parameters() + 3
     }
 
-    /// Inputs and measured disturbances at sample `k`.
     #[inline(always)]
     pub(crate) fn exogenous(&self, k: usize) -> &'a [X] {
         let width = self.model.exogenous();

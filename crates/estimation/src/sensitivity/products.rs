@@ -25,7 +25,6 @@ impl<X: Unknowns> Products<X> {
         Self { signals, columns: vec![[Lane::ZERO; BLOCK]; sums.columns], filled: 0, sums }
     }
 
-    /// Column `c` at this sample.
     #[inline(always)]
     pub(crate) fn set(&mut self, c: usize, value: Lane) {
         self.columns[c][self.filled] = value;
@@ -35,14 +34,14 @@ impl<X: Unknowns> Products<X> {
     #[inline(always)]
     pub(crate) fn weigh<const N: usize>(&mut self, from: &[[Lane; N]], weights: [Lane; 3]) {
         let row = self.filled % BLOCK;
-        Weigh { weights, columns: from, blocks: &mut self.columns, row }.go();
+        numerics::dispatch_narrow(Weigh { weights, columns: from, blocks: &mut self.columns, row });
     }
 
     /// The same: entry `entry` of every one in `from`, times `factor`.
     #[inline(always)]
     pub(crate) fn scale<const N: usize>(&mut self, from: &[[Lane; N]], entry: usize, factor: Lane) {
         let row = self.filled % BLOCK;
-        Scale { factor, entry, columns: from, blocks: &mut self.columns, row }.go();
+        numerics::dispatch_narrow(Scale { factor, entry, columns: from, blocks: &mut self.columns, row });
     }
 
     /// Moves to the next sample, after every column was set.
@@ -120,7 +119,6 @@ fn add_sums<const C: usize>(
     }
 }
 
-/// Adds the products of all columns with all over a block.
 struct Tiles<'a> {
     tiles: &'a mut [Tile],
     columns: &'a [[Block<Lane>; TILE]],
@@ -200,7 +198,6 @@ fn add_rows<S: Simd, const THEMSELVES: bool, const FROM: usize, const ROWS: usiz
     }
 }
 
-/// The result of [`Products`].
 pub(crate) struct ProductSums<X> {
     signals: usize,
     columns: usize,
@@ -252,8 +249,6 @@ impl<X: Unknowns> ProductSums<X> {
 }
 
 // Passes over columns at one sample, in the processor's registers: by default compilers take eight columns at a time
-// and gather their numbers one by one.
-
 /// λ(k) = Aᵀλ(k+1) + W s(k) in every column of adjoints; A is the identity plus its derivatives by u, v, r, and zero
 /// at the last sample.
 pub(crate) struct Backward<'a, const N: usize> {
@@ -261,13 +256,6 @@ pub(crate) struct Backward<'a, const N: usize> {
     pub weights: [Lane; 3],
     pub sensitivities: &'a [[Lane; 3]],
     pub adjoints: &'a mut [[Lane; N]],
-}
-
-impl<const N: usize> Backward<'_, N> {
-    #[inline(always)]
-    pub(crate) fn go(self) {
-        numerics::dispatch_narrow(self);
-    }
 }
 
 impl<const N: usize> WithSimd for Backward<'_, N> {
@@ -313,13 +301,6 @@ struct Weigh<'a, const N: usize> {
     pub row: usize,
 }
 
-impl<const N: usize> Weigh<'_, N> {
-    #[inline(always)]
-    pub(crate) fn go(self) {
-        numerics::dispatch_narrow(self);
-    }
-}
-
 impl<const N: usize> WithSimd for Weigh<'_, N> {
     type Output = ();
 
@@ -344,13 +325,6 @@ struct Scale<'a, const N: usize> {
     pub columns: &'a [[Lane; N]],
     pub blocks: &'a mut [Block<Lane>],
     pub row: usize,
-}
-
-impl<const N: usize> Scale<'_, N> {
-    #[inline(always)]
-    pub(crate) fn go(self) {
-        numerics::dispatch_narrow(self);
-    }
 }
 
 impl<const N: usize> WithSimd for Scale<'_, N> {

@@ -86,11 +86,11 @@ fn go_along<X: Unknowns, const N: usize>(
             if let Some(gain) = gain {
                 gain.correct_column(s);
             }
-            *s = dynamics.forward(&local, s);
+            *s = dynamics.motion.forward(&local, s);
         }
         for (i, effect) in effects.iter().enumerate() {
             if let Effect::Term(parameter, d) = effect {
-                dynamics.term(*parameter).add_to(&mut sensitivities[i / X::PER_COLUMN][*d], i);
+                dynamics.model.term(*parameter).add_to(&mut sensitivities[i / X::PER_COLUMN][*d], i);
             }
         }
     }
@@ -199,18 +199,15 @@ impl<X: Unknowns> Sensitivities<X> {
         self.at(k)[i / X::PER_COLUMN].map(|column| X::of_column(column, i))
     }
 
-    /// Number of columns.
     pub(crate) fn columns(&self) -> usize {
         self.free.div_ceil(X::PER_COLUMN)
     }
 
-    /// The columns of sample `k`.
     #[inline(always)]
     pub(crate) fn at(&self, k: usize) -> &[[Lane; 3]] {
         &self.columns[k * self.columns()..(k + 1) * self.columns()]
     }
 
-    /// The states at sample `k`.
     #[inline(always)]
     pub(crate) fn state(&self, k: usize) -> &[X; 3] {
         &self.states.as_chunks().0[k]
@@ -254,10 +251,11 @@ fn backward_pass<X: Unknowns, const N: usize>(
             if N == 3 {
                 slopes = Some(local.slopes.map(|slope| slope.map(X::lane)));
             } else {
-                adjoints.iter_mut().for_each(|a| *a = dynamics.backward(&local, a));
+                adjoints.iter_mut().for_each(|a| *a = dynamics.motion.backward(&local, a));
             }
         }
-        Backward { slopes, weights, sensitivities: path.at(k), adjoints: &mut adjoints }.go();
+        let sensitivities = path.at(k);
+        numerics::dispatch_narrow(Backward { slopes, weights, sensitivities, adjoints: &mut adjoints });
     }
     adjoints
 }
@@ -394,10 +392,10 @@ fn there_and_back(
             let local = dynamics.at(z, recordings.exogenous(k));
             for d in 0..3 {
                 for i in degrees[d].clone() {
-                    gradient[i] = dynamics.term(i).fused(adjoint[d], gradient[i]);
+                    gradient[i] = dynamics.model.term(i).fused(adjoint[d], gradient[i]);
                 }
             }
-            adjoint = dynamics.backward(&local, &adjoint);
+            adjoint = dynamics.motion.backward(&local, &adjoint);
         }
         if k >= first {
             let error = counted(k, *z);

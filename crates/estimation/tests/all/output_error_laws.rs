@@ -1,7 +1,7 @@
 //! Properties of estimates by simulation and prediction.
 
 use estimation::predictor::{
-    RunFit, Fitted, Flow, ForceNoise, InitialState, NoiseModel, Recordings, Sensitivities, Spread, Unknown,
+    Fitted, Flow, ForceNoise, InitialState, NoiseModel, Recordings, RunFit, Sensitivities, Spread, Unknown,
     output_error, prediction_error,
 };
 use estimation::runs::{AdditionalUnknowns, UnknownCurrent};
@@ -62,7 +62,12 @@ fn starts(vessel: &Vessel, theta: &[f64]) -> Vec<Vec<Vec<f64>>> {
 }
 
 /// Output error of every lane, from the nominal model.
-fn free_fits(vessel: &Vessel, experiment: &Experiment, measured: &[Lane], initial: InitialState) -> Vec<RunFit> {
+fn free_fits(
+    vessel: &Vessel,
+    experiment: &Experiment,
+    measured: &[Lane],
+    initial: InitialState,
+) -> Vec<RunFit> {
     let runs = runs(experiment, measured);
     let (model, starts) = (vessel.model.with_intercepts(), starts(vessel, &vessel.nominal));
     output_error(&model, &runs, &starts, initial, Spread::Blocks)

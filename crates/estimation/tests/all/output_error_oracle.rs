@@ -1,7 +1,7 @@
 //! Output error and the Kalman filter against numbers computed independently: `fixtures/oracle/output_error.json`.
 
 use estimation::predictor::{
-    Drift, RunFit, Fitted, Flow, ForceNoise, InitialState, NoiseModel, Recordings, Sensitivities, Spread,
+    Drift, Fitted, Flow, ForceNoise, InitialState, NoiseModel, Recordings, RunFit, Sensitivities, Spread,
     innovations, output_error,
 };
 use numerics::{LANES, Lane, dot, quadratic};

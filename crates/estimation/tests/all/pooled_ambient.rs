@@ -4,7 +4,7 @@ use approx::assert_relative_eq;
 use estimation::Estimator;
 use estimation::pooled::{Follow, Pool, Searched, least_errors};
 use estimation::predictor::{
-    RunFit, Fitted, Flow, InitialState, NoiseModel, Spread, Unknown, output_error, prediction_error,
+    Fitted, Flow, InitialState, NoiseModel, RunFit, Spread, Unknown, output_error, prediction_error,
 };
 use estimation::runs::{AdditionalUnknowns, Intercepts, UnknownCurrent};
 use numerics::Lane;

@@ -27,20 +27,6 @@ impl LikelihoodSums {
         Self { products: Products::new(terms + 1), logs: Lane::ZERO, terms }
     }
 
-    /// Adds the first `samples` of a run under `levels`. With `own`, a change of the parameters, the terms of each
-    /// sample are stored.
-    pub fn add<const N: usize>(
-        &mut self,
-        layout: ParameterLayout,
-        line: &Line,
-        samples: usize,
-        levels: &NoiseModel<Lane>,
-        known_start: bool,
-        kept: Option<(&[f64], &mut Samples)>,
-    ) {
-        numerics::vectorized!(narrow: go_along::<N>(self, layout, line, samples, levels, known_start, kept));
-    }
-
     /// Twice the restricted log-likelihood up to a constant: −Σ log s − w⊥ᵀw⊥ − log|WᵀW|; and WᵀW, Wᵀw.
     #[allow(clippy::needless_range_loop)] // Cholesky's, of rows and columns.
     pub fn finish(self) -> Likelihoods {
@@ -64,11 +50,15 @@ impl LikelihoodSums {
         let likelihood = self.logs + self.logs + explained - entry(p, p) - volume - volume;
         let first = |i: usize, j: usize| entry(i, j)[0];
         let normal = (0..p * p).map(|k| first(k / p, k % p)).collect();
-        Likelihoods { likelihood, normal, gradient: (0..p).map(|i| first(i, p)).collect(), squares: entry(p, p)[0] }
+        Likelihoods {
+            likelihood,
+            normal,
+            gradient: (0..p).map(|i| first(i, p)).collect(),
+            squares: entry(p, p)[0],
+        }
     }
 }
 
-/// The result of [`LikelihoodSums`].
 pub(super) struct Likelihoods {
     pub likelihood: Lane,
     /// WᵀW, Wᵀw and wᵀw of the first lane.
@@ -104,6 +94,19 @@ fn pivot(left: Lane, whole: Lane) -> Lane {
 fn logarithm(mut x: Lane) -> Lane {
     x.0.iter_mut().for_each(|x| *x = libm::log(*x));
     x
+}
+
+/// Adds the first `samples` of a run under `levels`. With a change of the parameters, the terms of each sample are stored.
+pub(super) fn add_run<const N: usize>(
+    sums: &mut LikelihoodSums,
+    layout: ParameterLayout,
+    line: &Line,
+    samples: usize,
+    levels: &NoiseModel<Lane>,
+    known_start: bool,
+    stored: Option<(&[f64], &mut Samples)>,
+) {
+    numerics::vectorized!(narrow: go_along::<N>(sums, layout, line, samples, levels, known_start, stored));
 }
 
 #[inline(always)]
@@ -213,12 +216,10 @@ pub(super) struct Line<'a> {
     pub terms: Vec<f64>,
 }
 
-/// A point of the path.
 #[derive(Clone, Copy)]
 pub(super) struct PathPoint {
     pub state: [f64; 3],
     pub current: [f64; 2],
-    /// The state after it.
     pub next: [f64; 3],
     /// Derivatives by the state.
     pub slopes: [[f64; 3]; 3],
@@ -255,7 +256,7 @@ impl<'a> Line<'a> {
         let recordings = Recordings::of(model, &alike);
         let unknowns: Vec<Lane> = theta.iter().copied().chain([0.0; 3]).map(Lane::splat).collect();
         let levels = guess.levels(rate_hz);
-        let path = with_states!(levels, path(&recordings, &unknowns, guess, rate_hz, known_start));
+        let path = with_states!(levels.states(), path(&recordings, &unknowns, guess, rate_hz, known_start));
         let near = |x: &f64| x.is_finite() && x.abs() <= DIVERGED;
         let all = path.iter().all(|(state, current)| state.iter().chain(current).all(near));
         all.then(|| Self::about(model, theta, run, path))

@@ -1,14 +1,14 @@
 use numerics::{LANES, Lane, Watch, dot, iterate, solve};
 use ship::model::ParameterLayout;
 
-use super::likelihood::{Likelihoods, Line, Samples, LikelihoodSums};
+use super::likelihood::{LikelihoodSums, Likelihoods, Line, Samples, add_run};
 use super::{Guess, MOST, NoiseKind, side_by_side};
+use crate::sensitivity::with_states;
 
 /// Change of a logarithm for difference quotients by its level.
 const CHANGE: f64 = 1e-4;
 /// Steps after which the better of two climbs is continued.
 const FIRST: usize = 3;
-/// Maximum number of steps of a climb.
 pub(super) const STEPS: usize = 30;
 /// Maximum change of a logarithm in a step.
 const LONGEST: f64 = 1.5;
@@ -30,7 +30,6 @@ pub(super) struct LikelihoodSearch<'a> {
     pub rise: f64,
 }
 
-/// The best point of a search.
 #[derive(Clone, Debug)]
 pub(super) struct Best {
     pub guess: Guess,
@@ -99,20 +98,10 @@ impl LikelihoodSearch<'_> {
     pub fn sums(&self, guesses: &[Guess; LANES], mut stored: Option<(&[f64], &mut Samples)>) -> Likelihoods {
         let levels = side_by_side(guesses, self.rate_hz);
         let mut sums = LikelihoodSums::new(self.layout.parameters());
-        let known = self.known_start;
+        let (states, layout, known) = (guesses[0].kind.states(), self.layout, self.known_start);
         for (line, samples) in &self.lines {
             let store = stored.as_mut().map(|(change, kept)| (*change, &mut **kept));
-            match guesses[0].kind {
-                NoiseKind::White => sums.add::<3>(self.layout, line, *samples, &levels, known, store),
-                NoiseKind::Current => sums.add::<5>(self.layout, line, *samples, &levels, known, store),
-                NoiseKind::Forces | NoiseKind::ForcesEach => {
-                    sums.add::<6>(self.layout, line, *samples, &levels, known, store)
-                }
-                NoiseKind::Sensors => sums.add::<7>(self.layout, line, *samples, &levels, known, store),
-                NoiseKind::ForcesAndCurrent => {
-                    sums.add::<8>(self.layout, line, *samples, &levels, known, store)
-                }
-            }
+            with_states!(states, add_run(&mut sums, layout, line, *samples, &levels, known, store));
         }
         sums.finish()
     }
@@ -180,19 +169,15 @@ impl ClimbPoint {
     }
 }
 
-// Starts of searches for the levels of a kind.
-
 /// Statistics of runs before any search.
 pub(super) struct Seen {
     /// Differences of neighbouring samples beyond steady change: u, v, r.
     pub rough: [f64; 3],
-    /// Errors of free simulations.
     pub errors: [f64; 3],
     /// Root mean square of the measured states.
     pub motion: [f64; 3],
 }
 
-/// Times that are tried first \[s\].
 const TIMES: [f64; 4] = [3.0, 12.0, 50.0, 300.0];
 
 impl Seen {

@@ -4,7 +4,7 @@ use ship::engine::RunView;
 use ship::model::Model;
 
 use super::likelihood::{Likelihoods, Line};
-use super::search::{Best, STEPS, LikelihoodSearch, Seen, after};
+use super::search::{Best, LikelihoodSearch, STEPS, Seen, after};
 use super::{Guess, NoiseKind};
 
 /// Maximum number of alternations between noise and parameters.
@@ -42,14 +42,11 @@ pub(crate) struct Turns<'a> {
 /// Kinds of noise, the likeliest first, with twice their restricted log-likelihood less the penalty of their levels.
 pub(crate) type Kinds = Vec<(Guess, f64)>;
 
-/// The noise that was found.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Noise {
     pub guess: Guess,
     pub kinds: Kinds,
-    /// Number of alternations.
     pub turns: usize,
-    /// Whether the parameters converged.
     pub at_rest: bool,
     /// Standard errors of the parameters, and the largest among all plausible kinds.
     pub errors: Vec<f64>,
@@ -173,7 +170,6 @@ impl<'a> Turns<'a> {
         moved.is_finite().then_some((change, moved))
     }
 
-    /// Sums of all runs.
     fn all(&self, state: &State, guess: &Guess) -> Likelihoods {
         self.search(&state.lines, (usize::MAX, RISE)).sums(&[*guess; LANES], None)
     }
@@ -223,7 +219,6 @@ impl<'a> Turns<'a> {
     }
 }
 
-/// The value by which kinds are compared.
 fn value(best: &Best) -> f64 {
     best.likelihood - cost(&best.guess)
 }

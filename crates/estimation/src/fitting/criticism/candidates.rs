@@ -18,9 +18,7 @@ pub(crate) enum CandidateBlock {
 /// What a parameter of a ship with further terms is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Of {
-    /// A fitted number.
     Fitted(usize),
-    /// A candidate, by its place in the block.
     Candidate(usize),
 }
 
@@ -29,9 +27,7 @@ pub(crate) enum Of {
 pub(crate) struct Column {
     /// Products with the derivatives by θ.
     pub across: Vec<f64>,
-    /// Its own square.
     pub square: f64,
-    /// Jᵀe of each piece.
     pub scores: Vec<f64>,
 }
 
@@ -90,9 +86,6 @@ impl CandidateBlock {
 
 impl Pass<'_> {
     /// For each window of `group` the columns of all candidates, in order, with the sums of θ.
-    ///
-    /// # Errors
-    /// A window whose start is not determined.
     pub(crate) fn columns(
         &self,
         group: &WindowGroup,
@@ -153,7 +146,6 @@ impl Pass<'_> {
         slopes
     }
 
-    /// What acts in every row of inputs.
     fn acting(&self, group: &WindowGroup, theta: &[Lane]) -> Vec<Lane> {
         if self.late {
             let body = self.forces.body(theta);
@@ -246,7 +238,6 @@ impl ColumnSums {
     }
 }
 
-/// Derivatives of the errors by the candidates.
 #[inline(always)]
 fn simulated(
     pass: &Pass,
@@ -265,17 +256,13 @@ fn simulated(
     });
 }
 
-// Products of motion and inputs that an equation may lack.
-
 /// A factor: its place among the motion and the channels, and whether it is the modulus.
 type Plain = (usize, bool);
 
-/// A product that an equation may lack.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ForceProduct {
     /// 0 surge, 1 sway, 2 yaw.
     pub degree: usize,
-    /// As a term is written.
     pub text: String,
     /// Whether the prime system scales its number: it has no channels but angles and pure numbers.
     pub scaled: bool,
@@ -310,9 +297,6 @@ fn is_scaled(variable: usize, channels: &[Channel]) -> bool {
 }
 
 /// The products of `lists` for surge, sway and yaw that `forces` lacks, each once.
-///
-/// # Errors
-/// A text that is no term of these channels.
 pub(crate) fn listed(
     forces: &Forces,
     channels: &[Channel],
@@ -352,7 +336,6 @@ fn parsed(
     Ok(in_order(with.factors(degree, own_terms(forces, degree)).to_vec()))
 }
 
-/// Number of terms of an equation.
 fn own_terms(forces: &Forces, degree: usize) -> usize {
     forces.description().terms()[degree].len()
 }

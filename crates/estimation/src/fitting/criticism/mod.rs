@@ -16,7 +16,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use ship::forces::{Channel, Forces};
 
-use super::{Pass, at_bound};
+use super::{Pass, at_bound, block};
 use crate::fitting::sums::{AT_ONCE, Reduced, WindowSums};
 use crate::fitting::{Fit, Problem, Unfit};
 use candidates::{CandidateBlock, Column, ForceProduct, Measure, listed, products};
@@ -43,7 +43,6 @@ pub struct Channels<'a> {
 }
 
 impl Channels<'_> {
-    /// The products to test.
     fn products(&self, forces: &Forces) -> Result<Vec<ForceProduct>, Unfit> {
         match self.listed {
             Some(lists) => listed(forces, self.all, lists),
@@ -84,7 +83,7 @@ pub struct AbsentTerm {
 }
 
 /// What is wrong with a fitted ship.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Criticism {
     /// Signs that were turned, the one with the lowest cost first.
     pub signs: Vec<TurnedSign>,
@@ -120,16 +119,7 @@ impl Problem<'_> {
     /// # Errors
     /// A start of a window or a number that nothing determines.
     pub fn criticise(&self, fit: &Fit, channels: Channels) -> Result<Criticism, Unfit> {
-        let signs = self.signs(fit, channels.all);
-        let mut criticism = Criticism {
-            signs,
-            late: Vec::new(),
-            terms: Vec::new(),
-            hidden: Vec::new(),
-            units: 0,
-            whole: false,
-            p_value: None,
-        };
+        let mut criticism = Criticism { signs: self.signs(fit, channels.all), ..Criticism::default() };
         if !criticism.has_wrong_sign() {
             self.scored(fit, channels, &mut criticism)?;
         }
@@ -156,12 +146,11 @@ impl Problem<'_> {
         signs
     }
 
-    /// Adds scores of late inputs and of products.
     fn scored(&self, fit: &Fit, channels: Channels, criticism: &mut Criticism) -> Result<(), Unfit> {
         let inputs = inputs(self.forces, channels.inputs);
         let terms = channels.products(self.forces)?;
         let (blocks, measures) = self.blocks(&inputs, &terms, channels.all)?;
-        let Scores { all, units, whole } = Pass::new(self, fit.first).scores(fit, &blocks)?;
+        let (all, units, whole) = Pass::new(self, fit.first).scores(fit, &blocks)?;
         let testable: Vec<&Score> = all.iter().flatten().collect();
         let mut probabilities = probabilities(&testable).into_iter();
         let judged =
@@ -169,18 +158,32 @@ impl Problem<'_> {
         let (late, others): (Vec<_>, Vec<_>) = judged.enumerate().partition(|(i, _)| *i < inputs.len());
         criticism.p_value =
             late.iter().chain(&others).filter_map(|(_, judged)| judged.map(|(_, p)| p)).reduce(f64::min);
-        criticism.late = late
-            .into_iter()
-            .filter_map(|(i, score)| {
-                score.map(|scored| late_input(&channels.all[inputs[i]].name, scored, fit))
-            })
-            .collect();
+        let late = late.into_iter().filter_map(|(i, judged)| Some((&channels.all[inputs[i]], judged?)));
+        let late_input = |(channel, (score, p_value)): (&Channel, (&Score, f64))| {
+            let ((late_s, standard_error), share) = (score.value(), fit.share(score.gain()));
+            let input = channel.name.clone();
+            LateInput { input, late_s, standard_error, share, p_value, best: None, other: None }
+        };
+        criticism.late = late.map(late_input).collect();
         self.compare_late(fit, channels.all, &mut criticism.late);
-        for ((product, measure), (_, judged)) in terms.iter().zip(measures).zip(others) {
-            match judged {
-                Some(score) => criticism.terms.push(absent(product, measure, score, fit)),
-                None => criticism.hidden.push(label(product)),
-            }
+        for ((product, (unit, prime)), (_, judged)) in terms.into_iter().zip(measures).zip(others) {
+            let ForceProduct { degree, text: term, .. } = product;
+            let Some((score, p_value)) = judged else {
+                criticism.hidden.push(format!("`{term}` in {}", ["surge", "sway", "yaw"][degree]));
+                continue;
+            };
+            let ((value, standard_error), share) = (score.value(), fit.share(score.gain()));
+            criticism.terms.push(AbsentTerm {
+                degree,
+                term,
+                value,
+                standard_error,
+                unit,
+                prime,
+                share,
+                p_value,
+                candidate: false,
+            });
         }
         sort(&mut criticism.terms);
         (criticism.units, criticism.whole) = (units, whole);
@@ -193,9 +196,8 @@ impl Problem<'_> {
         terms: &[ForceProduct],
         channels: &[Channel],
     ) -> Result<(Vec<CandidateBlock>, Vec<Measure>), Unfit> {
-        let mut blocks: Vec<CandidateBlock> =
-            inputs.chunks(AT_ONCE).map(|chunk| CandidateBlock::Late(chunk.to_vec())).collect();
-        let mut measures = Vec::new();
+        let late = inputs.chunks(AT_ONCE).map(|chunk| CandidateBlock::Late(chunk.to_vec()));
+        let (mut blocks, mut measures): (Vec<_>, Vec<_>) = (late.collect(), Vec::new());
         for chunk in terms.chunks(AT_ONCE) {
             let (block, more) = CandidateBlock::terms(self.forces, chunk, channels)?;
             blocks.push(block);
@@ -232,36 +234,6 @@ fn inputs(forces: &Forces, count: usize) -> Vec<usize> {
     (0..count).filter(|input| !around.contains(input)).collect()
 }
 
-fn late_input(name: &str, (score, p_value): (&Score, f64), fit: &Fit) -> LateInput {
-    let (late_s, standard_error) = score.value();
-    let share = fit.share(score.gain());
-    LateInput { input: name.to_owned(), late_s, standard_error, share, p_value, best: None, other: None }
-}
-
-fn absent(
-    product: &ForceProduct,
-    (unit, prime): Measure,
-    (score, p_value): (&Score, f64),
-    fit: &Fit,
-) -> AbsentTerm {
-    let (value, standard_error) = score.value();
-    AbsentTerm {
-        degree: product.degree,
-        term: product.text.clone(),
-        value,
-        standard_error,
-        unit,
-        prime,
-        share: fit.share(score.gain()),
-        p_value,
-        candidate: false,
-    }
-}
-
-fn label(product: &ForceProduct) -> String {
-    format!("`{}` in {}", product.text, ["surge", "sway", "yaw"][product.degree])
-}
-
 /// Those that are not chance first, then by their gain; marks those that may be what is missing.
 fn sort(terms: &mut [AbsentTerm]) {
     let certain = |term: &AbsentTerm| term.p_value < LEVEL;
@@ -272,8 +244,6 @@ fn sort(terms: &mut [AbsentTerm]) {
     }
 }
 
-// Scores of candidates, from which fitted numbers and starts of windows are projected out.
-
 /// A candidate whose derivatives the fitted numbers explain but for this share cannot be told from them.
 const LEFT: f64 = 1e-6;
 /// Share of the weight of priors that is kept, so that what nothing determines stays. Priors weigh more than noise does:
@@ -282,7 +252,6 @@ const KEPT: f64 = 1e-4;
 /// Windows are the independent units where there are so many for each number that they determine; else pieces are.
 const ENOUGH: f64 = 4.0;
 
-/// The score of a candidate.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Score {
     /// g: half the derivative of the cost by its number.
@@ -291,17 +260,6 @@ pub(crate) struct Score {
     pub curvature: f64,
     /// Its part in each independent unit.
     pub units: Vec<f64>,
-}
-
-/// The scores of all candidates.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Scores {
-    /// In order; none where the fitted numbers explain a candidate.
-    pub all: Vec<Option<Score>>,
-    /// Number of independent units.
-    pub units: usize,
-    /// Whether these are whole windows; else pieces of them.
-    pub whole: bool,
 }
 
 impl Score {
@@ -335,35 +293,26 @@ struct Fitted {
     used: f64,
 }
 
-/// Sums over all windows for one candidate.
-struct Total {
-    across: Vec<f64>,
-    square: f64,
-    gradient: f64,
-}
+/// The sums of a window, what is left of them by θ, and its columns of all candidates.
+type Windowed<'a> = (&'a WindowSums, &'a Reduced, &'a Vec<Column>);
 
 impl Pass<'_> {
-    /// The scores of the candidates of `blocks` after `fit`.
-    ///
-    /// # Errors
-    /// A start of a window or a number that nothing determines.
-    pub(crate) fn scores(&self, fit: &Fit, blocks: &[CandidateBlock]) -> Result<Scores, Unfit> {
+    /// The scores of the candidates of `blocks` after `fit`, none where the fitted numbers explain one; the number of
+    /// independent units, and whether these are whole windows; else pieces of them.
+    #[allow(clippy::type_complexity)]
+    fn scores(
+        &self,
+        fit: &Fit,
+        blocks: &[CandidateBlock],
+    ) -> Result<(Vec<Option<Score>>, usize, bool), Unfit> {
         let groups: Vec<_> = self.groups.iter().zip(&fit.starts).collect();
-        let sums_and_columns: Result<Vec<_>, Unfit> = groups
-            .par_iter()
-            .map(|(group, starts)| self.columns(group, (&fit.theta, starts), blocks))
-            .collect();
-        let (sums, columns): (Vec<Vec<WindowSums>>, Vec<Vec<Vec<Column>>>) =
-            sums_and_columns?.into_iter().unzip();
+        let each = groups.par_iter().map(|(group, starts)| self.columns(group, (&fit.theta, starts), blocks));
+        let each = each.collect::<Result<Vec<_>, Unfit>>()?;
+        let (sums, columns): (Vec<_>, Vec<_>) = each.into_iter().unzip();
         let reduced = self.determined(&sums)?;
         let fitted = self.fitted(fit, &sums, &reduced)?;
-        let windows: Vec<(&WindowSums, &Reduced, &Vec<Column>)> = sums
-            .iter()
-            .zip(&reduced)
-            .zip(&columns)
-            .flat_map(|((sums, reduced), columns)| sums.iter().zip(reduced).zip(columns))
-            .map(|((sums, reduced), columns)| (sums, reduced, columns))
-            .collect();
+        let all = sums.iter().flatten().zip(reduced.iter().flatten()).zip(columns.iter().flatten());
+        let windows: Vec<Windowed> = all.map(|((sums, reduced), columns)| (sums, reduced, columns)).collect();
         let whole = windows.len() as f64 >= ENOUGH * fitted.used;
         let count = blocks.iter().map(CandidateBlock::count).sum();
         let of = |j: usize| self.score(&fitted, &windows, j, whole);
@@ -372,7 +321,7 @@ impl Pass<'_> {
             true => windows.len(),
             false => windows.iter().map(|(sums, _, _)| sums.pieces.len()).sum(),
         };
-        Ok(Scores { all, units, whole })
+        Ok((all, units, whole))
     }
 
     fn fitted(&self, fit: &Fit, sums: &[Vec<WindowSums>], reduced: &[Vec<Reduced>]) -> Result<Fitted, Unfit> {
@@ -384,7 +333,7 @@ impl Pass<'_> {
         gradient.iter_mut().zip(&pulls).for_each(|(sum, [_, slope])| *sum += KEPT * slope);
         let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
         let m = free.len();
-        let mut bread: Vec<f64> = (0..m * m).map(|k| data[free[k / m] * n + free[k % m]]).collect();
+        let mut bread = block(&data, n, &free);
         (0..m).for_each(|i| bread[i * m + i] += KEPT * pulls[free[i]][0]);
         let inverse = scaled_inverse(m, &bread).ok_or_else(|| self.undetermined(&free, &bread))?;
         let used = m as f64 - (0..m).map(|i| KEPT * inverse[i * m + i] * pulls[free[i]][0]).sum::<f64>();
@@ -392,36 +341,25 @@ impl Pass<'_> {
         Ok(Fitted { free, inverse, gradient, used })
     }
 
-    fn total(&self, n: usize, windows: &[(&WindowSums, &Reduced, &Vec<Column>)], j: usize) -> Total {
-        let mut total = Total { across: vec![0.0; n], square: 0.0, gradient: 0.0 };
+    fn score(&self, fitted: &Fitted, windows: &[Windowed], j: usize, whole: bool) -> Option<Score> {
+        let n = self.forces.parameters().len();
+        let (mut total, mut square, mut gradient) = (vec![0.0; n], 0.0, 0.0);
         for (sums, _, columns) in windows {
             let (weight, column) = (self.weight(&sums.errors), &columns[j]);
-            total.across.iter_mut().zip(&column.across).for_each(|(sum, entry)| *sum += weight * entry);
-            total.square += weight * column.square;
-            total.gradient += weight * column.scores.iter().sum::<f64>();
+            total.iter_mut().zip(&column.across).for_each(|(sum, entry)| *sum += weight * entry);
+            square += weight * column.square;
+            gradient += weight * column.scores.iter().sum::<f64>();
         }
-        total
-    }
-
-    fn score(
-        &self,
-        fitted: &Fitted,
-        windows: &[(&WindowSums, &Reduced, &Vec<Column>)],
-        j: usize,
-        whole: bool,
-    ) -> Option<Score> {
-        let n = self.forces.parameters().len();
-        let total = self.total(n, windows, j);
-        let across: Vec<f64> = fitted.free.iter().map(|i| total.across[*i]).collect();
+        let across: Vec<f64> = fitted.free.iter().map(|i| total[*i]).collect();
         let m = across.len();
         // How the fitted numbers would follow the candidate.
         let follows: Vec<f64> =
             (0..m).map(|i| numerics::dot(&fitted.inverse[i * m..(i + 1) * m], &across)).collect();
-        let curvature = total.square - numerics::dot(&follows, &across);
-        if !(curvature > LEFT * total.square && curvature.is_finite()) {
+        let curvature = square - numerics::dot(&follows, &across);
+        if !(curvature > LEFT * square && curvature.is_finite()) {
             return None;
         }
-        let gradient = total.gradient - numerics::dot(&follows, &fitted.gradient);
+        let gradient = gradient - numerics::dot(&follows, &fitted.gradient);
         let mut units = Vec::new();
         for (sums, reduced, columns) in windows {
             let weight = self.weight(&sums.errors);
@@ -442,9 +380,6 @@ impl Pass<'_> {
     }
 }
 
-// How often chance makes any candidate look as likely.
-
-/// Number of draws.
 const DRAWS: usize = 2000;
 
 /// For each score the probability that, if no candidate were missing, any of them had as large a score. Signs of the
@@ -467,7 +402,6 @@ fn probabilities(scores: &[&Score]) -> Vec<f64> {
     scores.iter().map(probability).collect()
 }
 
-/// The largest score of draw number `seed`.
 fn largest(rows: &[Vec<f64>], seed: u64) -> f64 {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut sums = vec![0.0; rows.first().map_or(0, Vec::len)];

@@ -104,7 +104,6 @@ impl Problem<'_> {
 }
 
 impl Pass<'_> {
-    /// What each window adds to the cost.
     pub(crate) fn window_costs(&self, fit: &Fit) -> Vec<f64> {
         let groups = self.groups.iter().zip(&fit.starts);
         let errors = groups.flat_map(|(group, starts)| self.errors(group, &fit.theta, starts));
@@ -134,8 +133,6 @@ fn chance(gains: &[f64]) -> f64 {
     }
     normal_tails(mean * count / (square * count / (count - 1.0)).sqrt())
 }
-
-// Signs of a ship's geometry that logs and drawings often have the wrong way round.
 
 /// Something that is turned over.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -310,51 +307,28 @@ impl Turns<'_> {
     /// Pairs of thrusters, and of propellers, on different sides.
     fn exchanged(&self) -> Vec<Alternative> {
         let written = self.written();
-        let thrusters =
-            written.thruster.iter().map(|thruster| (&thruster.name, &thruster.input, thruster.y_m.as_ref()));
-        let propellers = written
-            .propeller
-            .iter()
-            .map(|propeller| (&propeller.name, &propeller.input, propeller.y_m.as_ref()));
-        let exchange = |(i, j): (usize, usize), all: &mut Description, of: &Swapped| match of {
-            Swapped::Thrusters => {
-                let input = std::mem::take(&mut all.thruster[i].input);
-                let other = std::mem::replace(&mut all.thruster[j].input, input);
-                all.thruster[i].input = other;
-            }
-            Swapped::Propellers => {
-                let input = std::mem::take(&mut all.propeller[i].input);
-                let other = std::mem::replace(&mut all.propeller[j].input, input);
-                all.propeller[i].input = other;
-            }
+        let thrusters = written.thruster.iter().map(|it| (&it.name, &it.input, it.y_m.as_ref()));
+        let propellers = written.propeller.iter().map(|it| (&it.name, &it.input, it.y_m.as_ref()));
+        let (thrusters, propellers): (Vec<Placed>, Vec<Placed>) = (thrusters.collect(), propellers.collect());
+        let of_thrusters = opposite(&thrusters).into_iter().map(|(i, j)| {
+            let mut all = written.clone();
+            let (before, after) = all.thruster.split_at_mut(j);
+            std::mem::swap(&mut before[i].input, &mut after[0].input);
+            (all, [thrusters[i], thrusters[j]])
+        });
+        let of_propellers = opposite(&propellers).into_iter().map(|(i, j)| {
+            let mut all = written.clone();
+            let (before, after) = all.propeller.split_at_mut(j);
+            std::mem::swap(&mut before[i].input, &mut after[0].input);
+            (all, [propellers[i], propellers[j]])
+        });
+        let alternative = |(all, pair): (Description, [Placed; 2])| {
+            let turn = Turn::Exchanged(pair.map(|it| it.0.clone()), pair.map(|it| it.1.clone()));
+            let forces = Forces::new(&all, self.channels).ok()?;
+            Some(Alternative { turn, forces, negated: None, changed: None })
         };
-        let kinds: [(Swapped, Vec<Placed>); 2] =
-            [(Swapped::Thrusters, thrusters.collect()), (Swapped::Propellers, propellers.collect())];
-        let mut alternatives = Vec::new();
-        for (kind, placed) in &kinds {
-            for (i, j) in opposite(placed) {
-                let mut all = written.clone();
-                exchange((i, j), &mut all, kind);
-                let [names, inputs] = [[placed[i].0, placed[j].0], [placed[i].1, placed[j].1]]
-                    .map(|pair| pair.map(Clone::clone));
-                let turn = Turn::Exchanged(names, inputs);
-                let forces = Forces::new(&all, self.channels).ok();
-                alternatives.extend(forces.map(|forces| Alternative {
-                    turn,
-                    forces,
-                    negated: None,
-                    changed: None,
-                }));
-            }
-        }
-        alternatives
+        of_thrusters.chain(of_propellers).filter_map(alternative).collect()
     }
-}
-
-/// Whose inputs are exchanged.
-enum Swapped {
-    Thrusters,
-    Propellers,
 }
 
 /// Name, input and place to starboard of a thruster or propeller.
@@ -369,7 +343,6 @@ fn opposite(all: &[Placed]) -> Vec<(usize, usize)> {
     (0..all.len()).flat_map(|i| (i + 1..all.len()).map(move |j| (i, j))).filter(apart).collect()
 }
 
-/// A number as written.
 fn value(number: &Number) -> Option<f64> {
     match number {
         Number::Plain(number) => Some(*number),
@@ -382,8 +355,6 @@ fn other_side(place: Option<&Number>) -> Option<Number> {
     let place = place.filter(|number| value(number).is_some_and(|side| side != 0.0))?;
     Change::Negated.number(place)
 }
-
-// Inputs that act later than they are logged.
 
 /// Most steps of a fit that is only to be compared.
 const DELAY_STEPS: usize = 6;
