@@ -174,8 +174,7 @@ impl Share {
 /// Standard errors are trusted if their relative difference from the spread that they predict is at most this.
 pub const TRUSTED: f64 = 0.15;
 
-/// One parameter over the runs that have an estimate. Relative figures are over the modulus of the truth, and absent
-/// if it is unknown or 0.
+/// One parameter over the runs with an estimate; relative figures are over |truth|, absent if that is unknown or 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RepeatedEstimates {
     /// Mean estimate.

@@ -130,7 +130,7 @@ pub fn parameter_error(estimate: &[f64], truth: &[f64]) -> f64 {
 pub fn not_relative(vessel: &Vessel) -> Option<String> {
     let all = vessel.model.parameter_names().zip(&vessel.value);
     let zero: Vec<String> =
-        all.filter(|(_, value)| **value == Some(0.0)).map(|(name, _)| format!("`{name}`")).collect();
+        all.filter(|(_, v)| **v == Some(0.0)).map(|(name, _)| format!("`{name}`")).collect();
     (!zero.is_empty()).then(|| {
         format!(
             "in the parameter error {} with a true value of 0 counts as estimated, not relative to it",
@@ -257,7 +257,6 @@ impl<'a> ValidationRuns<'a> {
     }
 }
 
-/// Adds the squared errors of one run; `None` once any diverged.
 fn add(total: Option<[f64; 3]>, free_run: FreeRun, samples: f64) -> Option<[f64; 3]> {
     match free_run {
         FreeRun::Rmse(rmse) => total.map(|t| [0, 1, 2].map(|d| t[d] + rmse[d] * rmse[d] * samples)),
@@ -397,7 +396,6 @@ pub(crate) struct StateMeans {
     sums: [f64; 3],
 }
 
-/// Sums of squares about those means.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StateDeviations {
     rows: usize,

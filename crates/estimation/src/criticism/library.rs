@@ -2,8 +2,7 @@ use numerics::{LANES, Lane};
 use ship::engine::Compiled;
 use ship::model::{Degree, DegreeOfFreedom, Model, Term, Variable};
 
-/// Terms of surge to second order: even under exchange of port and starboard. Those of third order are so similar
-/// that a missing term would be misnamed.
+/// Terms of surge to second order: even under exchange of port and starboard. Those of third order are too similar.
 const EVEN: [&str; 5] = ["u", "u |u|", "v r", "v^2", "r^2"];
 /// Terms of sway and yaw: odd.
 const ODD: [&str; 8] = ["v", "r", "u v", "u r", "v |v|", "r |r|", "v |r|", "|v| r"];

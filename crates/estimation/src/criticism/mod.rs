@@ -68,7 +68,6 @@ fn judge(
     verdicts(subject, problems, states)
 }
 
-/// The verdict of the runs on every estimate.
 fn verdicts(subject: &Subject, problems: &Problems, states: Vec<TestedEstimate>) -> Vec<Option<Criticism>> {
     let lifted = Lifted::new(subject.model);
     let draws = Draws::new(lifted.candidates.iter().map(|c| c.unknowns.len()).sum());
@@ -161,7 +160,6 @@ fn noise(subject: &Subject, state: &TestedEstimate) -> ([f64; 3], (f64, Option<f
 
 /// Errors are not white below this probability of the test of whiteness, for each of u, v and r.
 const GATE: f64 = 0.01 / 3.0;
-/// Maximum number of terms that are added to the model.
 const MOST: usize = 4;
 const LAGS: usize = 20;
 
@@ -169,8 +167,7 @@ fn is_white(test: &Whiteness) -> bool {
     test.p_value >= GATE
 }
 
-/// Whether the errors of an estimate become white when the terms that `found` names are added to the model one by
-/// one.
+/// Whether the errors of an estimate become white when the terms that `criticism` names are added one by one.
 fn white_once_named(
     problems: &Problems,
     problem: usize,
@@ -239,8 +236,7 @@ impl Richer {
             self.exogenous = runs.iter().map(|run| self.with_effects(subject, run)).collect();
             self.model.variables.clone_from(&lifted.model.variables);
         }
-        let places: Vec<usize> =
-            candidate.unknowns.iter().flatten().map(|column| lifted.others[*column]).collect();
+        let places: Vec<usize> = candidate.unknowns.iter().flatten().map(|c| lifted.others[*c]).collect();
         let (mut first, mut parameters) = (0, Vec::new());
         let mut known = self.state.parameters.iter();
         for (degree, richer) in self.model.degrees.iter_mut().zip(&lifted.model.degrees) {
@@ -274,8 +270,7 @@ impl Richer {
 
 /// With fewer samples, the noise is not known well enough to choose one kind.
 const SHORT: usize = 500;
-/// Samples per degree of freedom of Student's t, and the least number of degrees: the levels of noise are found from
-/// the run too.
+/// Samples per degree of freedom of Student's t, and the least number of these: levels are found from the run too.
 const FREEDOM: [f64; 2] = [18.5, 13.0];
 
 /// Factor on standard errors of runs of `samples` samples, for 95 % intervals by the normal distribution's 1.96.
@@ -292,18 +287,14 @@ pub(crate) struct Calibrated {
     pub widest: Option<Vec<f64>>,
     /// The levels of these kinds; of the best one alone if runs are long enough.
     pub near: Vec<NoiseModel>,
-    /// The factor on standard errors under these.
     pub factor: f64,
-    /// Whether the errors follow this noise.
     pub white: bool,
     /// Whether waves move the ship, so that no standard errors hold.
     pub waves: bool,
-    /// All kinds of noise, the likeliest first.
     pub kinds: Kinds,
 }
 
-/// Noise and parameters of `runs` under `model`, whose initial states may be known, from the first of `starts` that
-/// succeeds.
+/// Noise and parameters of `runs` under `model`, from the first of `starts` that succeeds.
 pub(crate) fn calibrated(
     model: &Model,
     runs: &[RunView],

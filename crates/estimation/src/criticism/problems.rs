@@ -30,7 +30,6 @@ pub struct Subject<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct TestedEstimate {
     pub parameters: Vec<f64>,
-    /// The noise that was found if none is stated.
     pub noise: Option<Noise>,
 }
 
@@ -59,7 +58,6 @@ impl<'a> Problems<'a> {
         self.of_run.last().map_or(0, |last| last + 1)
     }
 
-    /// Number of states of the filter for the stated disturbances.
     fn states(&self) -> usize {
         self.subject.levels.map_or(3, |levels| levels.states())
     }
@@ -80,8 +78,7 @@ impl<'a> Problems<'a> {
         group.iter().any(|run| wanted.contains(&self.of_run[*run]))
     }
 
-    /// White errors of the `wanted` problems at these states, and their derivatives by the model's parameters; `None`
-    /// if they are not finite.
+    /// White errors of the `wanted` problems and their derivatives by the parameters; `None` if they are not finite.
     pub fn white(&self, wanted: &[usize], states: &[TestedEstimate]) -> Vec<Option<Linear>> {
         let free: Vec<usize> = (0..self.subject.model.parameters()).collect();
         let mut sums = vec![None; self.count()];
@@ -105,8 +102,7 @@ impl<'a> Problems<'a> {
         each.collect()
     }
 
-    /// Least squares of the `wanted` problems: one-sample predictions under forces far above the noise are linear in
-    /// the parameters.
+    /// Least squares of the `wanted` problems: under forces far above the noise predictions are linear in the parameters.
     pub fn least_squares(&self, wanted: &[usize]) -> Vec<(usize, Vec<f64>)> {
         let std = self.subject.levels.map_or([1.0; 3], |levels| levels.measurement).map(|std| FORCE * std);
         let gusts = ForceNoise { std, factor: [0.0; 3] };
@@ -142,7 +138,6 @@ impl<'a> Problems<'a> {
         (finite(sums), series)
     }
 
-    /// Adds the sums of a group of runs to those of their estimates.
     fn add(&self, sums: &mut [Option<Linear>], group: &[usize], linears: Vec<Linear>) {
         for (run, linear) in group.iter().zip(linears) {
             match &mut sums[self.of_run[*run]] {
@@ -213,7 +208,6 @@ fn look_at<const N: usize>(
     (sums, errors(runs, &gains, &innovations))
 }
 
-/// Parameters, and zero offsets of the initial states.
 fn with_start(parameters: Vec<Lane>) -> Vec<Lane> {
     parameters.into_iter().chain([Lane::ZERO; 3]).collect()
 }
@@ -245,7 +239,6 @@ fn newton_step(sums: &Linear) -> Option<(Vec<f64>, f64)> {
 const ROUNDS: usize = 12;
 /// Above this variance of the white errors another start is tried.
 const FAR: f64 = 1.3;
-/// The estimate has converged at a smaller decrease of the squared white errors.
 const SETTLED: f64 = 1e-2;
 const SHORTER: i32 = 6;
 
@@ -343,8 +336,7 @@ impl<'a> Refinement<'a> {
     }
 }
 
-/// Whether white errors are smaller, or closer to a stationary point: the filter depends on the estimate, so sums of
-/// squares may rise on the way.
+/// Whether white errors are smaller, or closer to a stationary point: sums of squares may rise on the way.
 fn nearer(linear: &Linear, before: &Linear) -> bool {
     let left = |sums: &Linear| newton_step(sums).map_or(f64::INFINITY, |(_, decrement)| decrement);
     squares(linear) < squares(before) || left(linear) < left(before)
@@ -354,8 +346,7 @@ fn squares(sums: &Linear) -> f64 {
     sums.squares.iter().sum()
 }
 
-/// Estimates alternating with the noise found for each: from `starts`, else from least squares. `before`: see
-/// [`with_noise`].
+/// Estimates alternating with the noise of each: from `starts`, else from least squares; see [`with_noise`].
 pub(super) fn each_with_noise(
     problems: &Problems,
     starts: &[Vec<f64>],

@@ -15,8 +15,7 @@ use crate::predictor::{Linear, scaled_inverse};
 const UNLIKELY: f64 = 1e-3;
 const WEAK: f64 = 0.1;
 
-/// Innovations of an input are clipped at this many times their median, so that a few steps of a course do not
-/// dominate.
+/// Innovations of an input are clipped at this many times their median: few steps of a course must not dominate.
 const MOST: f64 = 3.0;
 
 /// The input that responds most to the white errors of `series`, if any does. Only its innovations, which its last
@@ -55,8 +54,7 @@ pub(super) fn feedback(model: &Model, runs: &[RunView], series: &Series) -> Opti
     most.filter(|feedback| feedback.p_value < UNLIKELY && feedback.correlation.abs() > WEAK)
 }
 
-/// Innovations of an input per run of `series`, from sample 2 on: what its last two values do not predict; `None` if
-/// they always predict it.
+/// Innovations of an input per run, from sample 2 on: what its last two values do not predict; `None` without any.
 fn innovations(
     series: &Series,
     value: impl Fn(usize, usize) -> f64,
@@ -89,9 +87,7 @@ fn innovations(
 
 // Errors that oscillate, as those of a ship that waves move: a narrow peak of their spectrum.
 
-/// Lags of the windows of spectra, in periods.
 const LAGS: usize = 3;
-/// Periods that are tried per octave.
 const TRIED: f64 = 8.0;
 /// How far a peak is above the spectrum an octave below and above.
 const NARROW: f64 = 3.0;
@@ -181,8 +177,7 @@ const LEVEL: f64 = 1e-4;
 /// A parameter depends on the others if less than this share of its signal is independent of theirs.
 const LEFT: f64 = 1e-6;
 
-/// Recordings that contradict the others, the farthest first: they are removed one by one until the rest agree. At
-/// most half of the recordings are named.
+/// Recordings that contradict the others, the farthest first, until the rest agree; at most half of them.
 pub(super) fn apart(problems: &Problems, state: &TestedEstimate) -> Vec<Apart> {
     let mut left = recordings(problems, state);
     let mut out = Vec::new();
@@ -199,7 +194,6 @@ pub(super) fn apart(problems: &Problems, state: &TestedEstimate) -> Vec<Apart> {
     out
 }
 
-/// White errors of every recording, and their derivatives by the parameters.
 fn recordings(problems: &Problems, state: &TestedEstimate) -> Vec<(String, Linear)> {
     let mut all: Vec<(String, Linear)> = Vec::new();
     for (run, linear) in problems.by_run(state) {

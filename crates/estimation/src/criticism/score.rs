@@ -8,8 +8,7 @@ use super::problems::{Problems, TestedEstimate};
 use super::verdict::{Absent, Criticism, LEVEL, Verdict, called};
 use crate::predictor::{Linear, scaled_inverse};
 
-/// A signal cannot be distinguished from the estimated unknowns if less than this share of it is left after
-/// projection.
+/// A signal with less than this share of it left after projection cannot be told from the estimated unknowns.
 const LEFT: f64 = 1e-7;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -19,7 +18,6 @@ pub(super) struct Score {
     pub freedom: usize,
     /// log P(χ² ≥ T).
     pub log_p: f64,
-    /// What each unknown would be if the candidate were added.
     pub values: Vec<f64>,
     pub standard_errors: Vec<f64>,
 }
@@ -121,8 +119,7 @@ pub(super) fn tested(lifted: &Lifted, draws: &Draws, projected: &Projected) -> (
     let (testable, hidden): (Vec<_>, Vec<_>) = scored.partition(|(_, score)| score.is_some());
     let testable: Vec<(&CandidateEffect, Score)> =
         testable.into_iter().filter_map(|(c, score)| Some((c, score?))).collect();
-    let groups =
-        testable.iter().map(|(candidate, score)| (candidate.unknowns.as_slice(), score)).collect::<Vec<_>>();
+    let groups = testable.iter().map(|(c, score)| (c.unknowns.as_slice(), score)).collect::<Vec<_>>();
     let probabilities = draws.adjusted(projected, &groups);
     let most = testable.iter().map(|(_, score)| -2.0 * score.log_p).fold(0.0, f64::max);
     let all = testable.iter().zip(&probabilities);
@@ -152,7 +149,6 @@ fn absent(candidate: &CandidateEffect, score: &Score, p_value: f64, most: f64) -
 
 /// Twice the log-likelihood by which another kind may be ahead due to a missing term.
 const TAKEN: f64 = 30.0;
-/// Factor on probabilities under white noise: two tests are made.
 const TESTS: f64 = 2.0;
 
 /// The tests of every estimate under white noise if that is not the likeliest kind but plausible.
@@ -179,8 +175,7 @@ pub(super) fn under_white(
         .collect()
 }
 
-/// Rejects a model by the tests under white noise if these are the stronger evidence against it; returns whether they
-/// are.
+/// Rejects a model by the tests under white noise if these are the stronger evidence; returns whether they are.
 pub(super) fn reject_under_white(criticism: &mut Criticism, white: Option<Vec<Absent>>) -> bool {
     let Some(white) = white.and_then(|white| clearer_under_white(&criticism.absent, white)) else {
         return false;
@@ -206,7 +201,6 @@ const DRAWS: usize = 2000;
 const DEPENDENT: f64 = 1e-9;
 const SEED: u64 = 1;
 
-/// Normal random numbers for draws of scores.
 pub(super) struct Draws {
     width: usize,
     normals: Vec<f64>,
@@ -220,9 +214,8 @@ impl Draws {
         Self { width, normals }
     }
 
-    /// Per group, the probability under the model that any group has a score as improbable as its own. Tests overlap,
-    /// so a Bonferroni factor would be too large: scores are drawn with their joint covariance. Probabilities beyond
-    /// all draws use that factor.
+    /// Per candidate, the probability that any has so improbable a score: by joint draws, since tests overlap, and
+    /// beyond all draws by Bonferroni's factor.
     pub fn adjusted(&self, projected: &Projected, groups: &[(&[Vec<usize>], &Score)]) -> Vec<f64> {
         let least = self.least(projected, groups);
         let among = |score: &Score| {
@@ -248,8 +241,7 @@ impl Draws {
                 let statistic = numerics::quadratic(&x[*first..first + q], inverse);
                 most[*q] = most[*q].max(statistic);
             }
-            let tail =
-                |(q, most): (usize, &f64)| if *most > 0.0 { log_chi_square_tail(*most, q) } else { 0.0 };
+            let tail = |(q, x): (usize, &f64)| if *x > 0.0 { log_chi_square_tail(*x, q) } else { 0.0 };
             most.iter().enumerate().map(tail).fold(0.0, f64::min)
         };
         let mut all: Vec<f64> = self.normals.chunks_exact(self.width.max(1)).take(DRAWS).map(least).collect();

@@ -196,7 +196,6 @@ impl Absent {
     }
 }
 
-/// The name of an effect in one degree of freedom, or in all.
 pub(super) fn called(name: &str, degree: Option<&str>) -> String {
     degree.map_or(name.to_owned(), |degree| format!("`{name}` in {degree}"))
 }
@@ -274,7 +273,6 @@ pub(super) fn statements(criticism: &Criticism, under_white: bool) -> Vec<String
     out
 }
 
-/// Names the recordings that contradict the others.
 fn contradictions(apart: &[Apart]) -> Option<String> {
     let first = apart.first()?;
     let p = if first.p_value < 1e-4 { "p < 0.0001".to_owned() } else { format!("p {:.4}", first.p_value) };
@@ -324,8 +322,7 @@ fn noise_found(criticism: &Criticism, noise: &FoundNoise) -> String {
 }
 
 impl Criticism {
-    /// The warning that a current persists, for estimates that do not allow for one: parameters take it for the vessel's own
-    /// motion.
+    /// The warning that a current persists, for estimates that do not allow for one: parameters take it for motion.
     pub fn persistent_current(&self) -> Option<String> {
         let time = self.current_time_s.filter(|time| *time >= SLOW)?;
         let lasts = if time >= LASTING { "stays".to_owned() } else { format!("changes within {time:.0} s") };
@@ -345,7 +342,6 @@ fn values(absent: &Absent) -> String {
     format!("{} {}", values.join(", "), absent.unit)
 }
 
-/// Three significant digits.
 fn number(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {
         return x.to_string();

@@ -12,7 +12,6 @@ use crate::fitting::{Problem, Starts, Unfit};
 const ENOUGH: f64 = 1e-6;
 /// What no step need lower: errors of a millionth of a standard deviation.
 const LEAST: f64 = 1e-12;
-/// Damping at the beginning, and where no step helps any more.
 const DAMPING: [f64; 2] = [1e-3, 1e12];
 
 /// The minimum.
@@ -176,13 +175,11 @@ impl Pass<'_> {
         Fit { theta, cost, rms, steps: 0, starts, first: self.first }
     }
 
-    /// A window's share in the mean over windows, by its samples.
     pub(crate) fn share(&self, window: &WindowErrors) -> f64 {
         window.samples as f64 / self.samples as f64
     }
 
-    /// Where a step with this damping leads, and by how much it is expected to lower the cost; `None` where it cannot be
-    /// computed.
+    /// Where a step with this damping leads, and how much it should lower the cost; `None` where it cannot be computed.
     fn tried(&self, at: &Fit, sums: &[Vec<WindowSums>], damping: f64) -> Result<Option<(Fit, f64)>, Unfit> {
         let n = at.theta.len();
         let reduced = |group: &Vec<WindowSums>| group.iter().map(|sums| reduced(sums, n, damping)).collect();
@@ -229,8 +226,7 @@ impl Pass<'_> {
     /// Every window reduced to θ at a minimum.
     pub(crate) fn determined(&self, sums: &[Vec<WindowSums>]) -> Result<Vec<Vec<Reduced>>, Unfit> {
         let n = self.forces.parameters().len();
-        let reduce =
-            |(window, window_sums)| reduced(window_sums, n, 0.0).ok_or_else(|| self.without_start(window));
+        let reduce = |(window, sums)| reduced(sums, n, 0.0).ok_or_else(|| self.without_start(window));
         let all = self.groups.iter().zip(sums);
         all.map(|(group, sums)| group.windows.iter().zip(sums).map(reduce).collect()).collect()
     }
@@ -256,7 +252,6 @@ impl Pass<'_> {
         prior_gradient(theta, &self.priors, self.prior_cost())
     }
 
-    /// What a window's sums of squares count in the cost.
     pub(crate) fn weight(&self, window: &WindowErrors) -> f64 {
         self.share(window) * window.slope(self.settings.knee) / window.numbers()
     }
@@ -280,7 +275,6 @@ impl Pass<'_> {
 }
 
 impl Reduced {
-    /// The start after θ has changed by `change`.
     fn start(&self, old: [f64; 3], change: &[f64]) -> [f64; 3] {
         let n = change.len();
         [0, 1, 2].map(|d: usize| {
@@ -301,8 +295,7 @@ pub struct Parameter {
     pub standard_error: Option<f64>,
     /// How much of the estimate is the prior's, from 0 to 1.
     pub prior_share: f64,
-    /// By what the recordings' standard error grows because other parameters are unknown; none where the recordings
-    /// leave a direction open.
+    /// By what the standard error grows because others are unknown; none where recordings leave a direction open.
     pub inflation: Option<f64>,
 }
 

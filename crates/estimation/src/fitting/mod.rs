@@ -103,8 +103,7 @@ impl<'a> Problem<'a> {
     pub(crate) fn first(&self, rms: [f64; 3]) -> [f64; 3] {
         let third = |rows: &[[f64; 3]], d: usize| rows[3][d] - rows[0][d] - 3.0 * (rows[2][d] - rows[1][d]);
         [0, 1, 2].map(|d: usize| {
-            let all =
-                self.recordings.iter().flat_map(|recording| recording.measured.as_chunks::<3>().0.windows(4));
+            let all = self.recordings.iter().flat_map(|run| run.measured.as_chunks::<3>().0.windows(4));
             let squares: Vec<f64> = all.map(|row| third(row, d).powi(2)).collect();
             let noise = statistics::mean(&squares).unwrap_or(0.0) / 20.0;
             let error = (rms[d] * self.deviations[d]).powi(2);
@@ -119,15 +118,13 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Standard deviations of u, v, r after the first sample of each recording.
 fn deviations(recordings: &[RecordingView]) -> Result<[f64; 3], Unfit> {
     if recordings.iter().all(|recording| recording.samples() == 0) {
         return Err(Unfit::NoSample);
     }
     let mut deviations = [0.0; 3];
     for (d, name) in ["u", "v", "r"].into_iter().enumerate() {
-        let rows =
-            recordings.iter().flat_map(|recording| recording.measured.as_chunks::<3>().0.iter().skip(1));
+        let rows = recordings.iter().flat_map(|run| run.measured.as_chunks::<3>().0.iter().skip(1));
         let all: Vec<f64> = rows.map(|row| row[d]).collect();
         let mean = statistics::mean(&all).unwrap_or(0.0);
         let square = all.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / all.len() as f64;
@@ -255,11 +252,9 @@ fn windows(recordings: &[RecordingView], settings: &Settings) -> Vec<Window> {
 pub(crate) struct WindowGroup {
     pub windows: Vec<Window>,
     pub samples: usize,
-    /// Rows of inputs before the first sample, for what follows them late.
     pub before: usize,
     /// Rows of inputs: `before`, then one for each sample, and the one after it.
     pub inputs: Vec<Lane>,
-    /// Rows of measured states: one more than samples.
     pub measured: Vec<Lane>,
 }
 
@@ -296,12 +291,10 @@ impl WindowGroup {
     }
 }
 
-/// A problem with what its windows start from.
 #[derive(Clone, Copy)]
 struct Pass<'p> {
     problem: &'p Problem<'p>,
-    /// How many samples the first one of u, v and r counts as, where windows have starts of their own; none where they start
-    /// at it.
+    /// As how many samples the first one of u, v, r counts where windows have starts of their own; else none.
     pub first: Option<[f64; 3]>,
 }
 
@@ -432,8 +425,7 @@ fn distance(theta: &[f64], priors: &[Option<Prior>]) -> f64 {
     theta.iter().zip(priors).map(square).sum()
 }
 
-/// What the prior of each of θ adds to the second and to the first derivative of half the cost, where the squares of distances
-/// are multiplied by `weight`.
+/// What each prior adds to the second and first derivative of half the cost, with squares times `weight`.
 fn prior_gradient(theta: &[f64], priors: &[Option<Prior>], weight: f64) -> Vec<[f64; 2]> {
     let pull = |(value, prior): (&f64, &Option<Prior>)| {
         let Some(prior) = prior else { return [0.0; 2] };

@@ -98,7 +98,6 @@ impl SimulatedRun<'_> {
         finite.then_some(StateSlopes { states, by_theta })
     }
 
-    /// Fills the columns of the parameters from `first` on.
     fn columns(
         &self,
         forces: &Forces,
@@ -135,8 +134,7 @@ impl SimulatedRun<'_> {
         &self.inputs[k * self.width..(k + 1) * self.width]
     }
 
-    /// The information of the run about θ under `noise`; `None` where the simulation is not finite. The start is known, and
-    /// errors of samples after it count.
+    /// The information about θ under `noise` of samples after the known start; `None` where a simulation is not finite.
     pub fn information(&self, forces: &Forces, theta: &[f64], noise: &WhiteNoise) -> Option<RunInformation> {
         let slopes = self.slopes(forces, theta)?;
         let n = theta.len();
@@ -192,8 +190,7 @@ impl SimulatedRun<'_> {
         let by_state =
             [0, 1, 2].map(|d: usize| [0, 1, 2].map(|j: usize| change[d].tangents[j] + stays(d, j)));
         // The state relative to the water is that over the ground less the current.
-        let by_current =
-            [0, 1].map(|i: usize| change.map(|component| component.tangents[3 + i] - component.tangents[i]));
+        let by_current = [0, 1].map(|i: usize| change.map(|x| x.tangents[3 + i] - x.tangents[i]));
         (by_state, by_current)
     }
 }
@@ -202,8 +199,7 @@ impl SimulatedRun<'_> {
 type Transition = ([[f64; 3]; 3], [[f64; 3]; 2]);
 
 impl RunInformation {
-    /// The errors of an output-error estimate whose priors know `prior`, 1/σ² of each parameter, of those parameters that are
-    /// `free`; `None` where nothing determines one.
+    /// Errors of an output-error estimate of `free` parameters with 1/σ² of the `prior`; `None` where one is open.
     pub fn errors(&self, prior: &[f64], free: &[bool]) -> Option<PredictedErrors> {
         let (n, places) = (prior.len(), (0..prior.len()).filter(|i| free[*i]).collect::<Vec<_>>());
         let m = places.len();
@@ -211,8 +207,7 @@ impl RunInformation {
         let mut bread = information.clone();
         (0..m).for_each(|i| bread[i * m + i] += prior[places[i]]);
         let inverted = scaled_inverse(m, &bread)?;
-        let meat: Vec<f64> =
-            bread.iter().zip(block(&self.current, n, &places)).map(|(left, more)| left + more).collect();
+        let meat: Vec<f64> = bread.iter().zip(block(&self.current, n, &places)).map(|(a, b)| a + b).collect();
         let known = congruence(m, &inverted, &meat);
         let mut covariance = vec![0.0; n * n];
         (0..m * m).for_each(|k| covariance[places[k / m] * n + places[k % m]] = known[k]);
@@ -244,7 +239,6 @@ impl StateSlopes {
 
 /// The search has ended where Newton's step promises less than this, in squares of standard errors.
 const ENOUGH: f64 = 1e-3;
-/// Damping at the beginning, and where no step helps any more.
 const DAMPING: [f64; 2] = [1e-3, 1e10];
 const MOST_STEPS: usize = 300;
 
@@ -332,7 +326,6 @@ impl Search<'_> {
         errors.map(square).sum::<f64>() + distance(theta, self.priors)
     }
 
-    /// Second and first derivatives of half the cost.
     fn normal(&self, theta: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
         let MeasuredRun { run, measured, noise } = self.of;
         let (n, slopes) = (theta.len(), run.slopes(self.forces, theta)?);

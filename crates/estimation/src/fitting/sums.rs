@@ -16,7 +16,6 @@ pub fn cost_of_rms(rms: f64, knee: f64) -> f64 {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct WindowErrors {
-    /// Sums of squares in u, v and r.
     pub squares: [f64; 3],
     pub samples: usize,
 }
@@ -47,9 +46,7 @@ impl WindowErrors {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct WindowSums {
     pub errors: WindowErrors,
-    /// JᵀJ, square, of θ and then of the start.
     pub products: Vec<f64>,
-    /// Jᵀe of each piece.
     pub pieces: Vec<Vec<f64>>,
 }
 
@@ -85,7 +82,7 @@ impl Pass<'_> {
         for first in (0..unknowns).step_by(AT_ONCE) {
             let dual = |value: Lane, i: usize| Dual::<Lane, AT_ONCE>::unknown(value, i.wrapping_sub(first));
             let parameters: Vec<_> =
-                theta.iter().enumerate().map(|(i, value)| dual(Lane::splat(*value), i)).collect();
+                theta.iter().enumerate().map(|(i, x)| dual(Lane::splat(*x), i)).collect();
             let begin = start(starts);
             let begin = [0, 1, 2].map(|d: usize| dual(begin[d], theta.len() + d));
             let body = self.forces.body(&parameters);
@@ -96,7 +93,7 @@ impl Pass<'_> {
         Derivatives { slopes, left }
     }
 
-    /// The sums of `own`, the derivatives of the windows of `group`.
+    /// The sums of `derivatives`, those of the windows of `group`.
     pub fn sums_of(&self, group: &WindowGroup, derivatives: &Derivatives) -> Vec<WindowSums> {
         let (unknowns, Derivatives { slopes, left }) = (self.unknowns(), derivatives);
         let piece = self.settings.samples(self.settings.piece_s);
@@ -120,7 +117,6 @@ impl Pass<'_> {
     }
 }
 
-/// The errors of the windows of `group`, from their sums of squares.
 fn window_errors(group: &WindowGroup, squares: [Lane; 3]) -> Vec<WindowErrors> {
     let of = |(lane, window): (usize, &Window)| WindowErrors {
         squares: squares.map(|square| square[lane]),
@@ -129,12 +125,10 @@ fn window_errors(group: &WindowGroup, squares: [Lane; 3]) -> Vec<WindowErrors> {
     group.windows.iter().enumerate().map(of).collect()
 }
 
-/// The starts of the windows of a group, side by side.
 pub(crate) fn start(starts: &[[f64; 3]]) -> [Lane; 3] {
     [0, 1, 2].map(|d: usize| numerics::lanes::lane(starts.len(), |i| starts[i][d]))
 }
 
-/// Calls `look` with the state in every sample.
 #[inline(always)]
 fn follow<X: Real>(
     pass: &Pass,
@@ -206,7 +200,6 @@ fn squared(pass: &Pass, group: &WindowGroup, body: &Body<Lane>, start: [Lane; 3]
     );
 }
 
-/// Errors, and the first `count` columns of their derivatives in rows of `width`.
 #[inline(always)]
 fn columns(
     pass: &Pass,
@@ -228,7 +221,6 @@ fn columns(
     });
 }
 
-/// The sums over rows of `width` derivatives; gradients by pieces of so many rows.
 #[inline(always)]
 fn accumulate(
     slopes: &[Lane],
@@ -256,7 +248,6 @@ fn accumulate(
 /// What a window says of θ once its start is chosen best, and how the start then follows θ.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Reduced {
-    /// Square, of θ.
     pub products: Vec<f64>,
     pub gradient: Vec<f64>,
     /// How the start changes with each of θ: 3 rows.
@@ -268,8 +259,7 @@ pub(crate) struct Reduced {
 /// Share that is added to the diagonal of a start that is singular to all digits.
 const SINGULAR: f64 = 1e-9;
 
-/// The sums of `window` over θ of length `n` alone; `damping` is a share that is added to the diagonal of its start.
-/// `None` where the start is not determined.
+/// Sums over θ alone, `damping` added to the diagonal of the start; `None` where the start is not determined.
 pub(crate) fn reduced(window: &WindowSums, n: usize, damping: f64) -> Option<Reduced> {
     let all = n + window.starts(n);
     let at = |i: usize, j: usize| window.products[i * all + j];

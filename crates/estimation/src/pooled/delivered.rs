@@ -17,8 +17,7 @@ use super::{DegreeTrust, Estimated, ParameterTrust, Pool, Score, Searched, Sourc
 pub struct Delivered {
     /// θ̂: surge, sway, yaw.
     pub theta: Vec<f64>,
-    /// What u, v \[m/s\], r \[rad/s\] gain in a sample whatever the vessel does: the intercepts, and the constant that was
-    /// known before.
+    /// What u, v \[m/s\], r \[rad/s\] gain in any sample: the intercepts, and the constant that was known before.
     pub constant: [f64; 3],
     /// Covariance of the estimates; none where a degree of freedom has no standard errors.
     pub covariance: Option<Covariance>,
@@ -94,7 +93,7 @@ impl Covered {
 }
 
 impl Delivered {
-    /// The model of `found`, which was fitted to `parts`; `None` unless all degrees of freedom have an estimate.
+    /// The model of `estimated`, which was fitted to `parts`; `None` unless all degrees of freedom have an estimate.
     pub(super) fn new(
         pool: &Pool,
         estimated: &Estimated,
@@ -103,27 +102,14 @@ impl Delivered {
         sources: &[SourceErrors],
     ) -> Result<Option<Self>, Unread> {
         let Some((theta, intercepts)) = estimated.theta() else { return Ok(None) };
-        let beyond = |intercepts| beyond(&pool.model, intercepts);
         let mut account = Account::new(&pool.vessel.model, &theta, intercepts);
         parts.each(&mut |part| account.add(&part))?;
-        let surroundings = estimated
-            .searched
-            .as_ref()
-            .map(|(searched, _)| Surroundings::all(parts, searched))
-            .transpose()?;
-        Ok(Some(Self {
-            constant: beyond(intercepts),
-            covariance: covariance(&pool.model, estimated, degrees, parts.count()),
-            least_squares: pool
-                .least_squares(estimated)
-                .map(|(theta, intercepts)| (theta, beyond(intercepts))),
-            increment_std: account.squares.map(|sum| (sum / f64::max(account.samples, 1.0)).sqrt()),
-            output_rmse: pooled_rmse(sources),
-            surroundings: surroundings.unwrap_or_default(),
-            covered: account.ranges.covered(),
-            recordings: account.recordings(),
-            theta,
-        }))
+        let (searched, data) = (estimated.searched.as_ref(), pool.least_squares(estimated));
+        let surroundings = searched.map(|(searched, _)| Surroundings::all(parts, searched)).transpose()?;
+        let covariance = covariance(&pool.model, estimated, degrees, parts.count());
+        let surroundings = surroundings.unwrap_or_default();
+        let delivered = account.delivered(data, pooled_rmse(sources));
+        Ok(Some(Self { covariance, surroundings, ..delivered }))
     }
 
     /// The model from an estimate of one run, θ̂ and intercepts, with those by least squares and its
@@ -139,17 +125,9 @@ impl Delivered {
         account.add(part);
         let lifted = model.with_intercepts();
         let parameters = lifted.layout().woven(&theta, intercepts);
-        Self {
-            constant: beyond(model, intercepts),
-            covariance: None,
-            least_squares: least_squares.map(|(theta, intercepts)| (theta, beyond(model, intercepts))),
-            increment_std: account.squares.map(|sum| (sum / f64::max(account.samples, 1.0)).sqrt()),
-            output_rmse: Score::of(&lifted, &parameters, [part.run].into_iter()).rmse(),
-            surroundings: surroundings.into_iter().collect(),
-            covered: account.ranges.covered(),
-            recordings: account.recordings(),
-            theta,
-        }
+        let rmse = Score::of(&lifted, &parameters, [part.run].into_iter()).rmse();
+        let surroundings = surroundings.into_iter().collect();
+        Self { surroundings, ..account.delivered(least_squares, rmse) }
     }
 }
 
@@ -158,7 +136,6 @@ pub(super) fn beyond(model: &Model, intercepts: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|d| model.constant[d] + intercepts[d])
 }
 
-/// Statistics of the data, accumulated part by part.
 struct Account<'a> {
     model: &'a Model,
     theta: &'a [f64],
@@ -196,22 +173,38 @@ impl<'a> Account<'a> {
             }
         }
         self.samples += regression.samples as f64;
-        self.gain(part.source, regression.samples as u64, left);
-        self.ranges.add(&part.run);
-    }
-
-    fn gain(&mut self, source: &str, samples: u64, [u, v, r]: [f64; 3]) {
-        let place = self.places.get(source).copied().unwrap_or(self.recordings.len());
+        let place = self.places.get(part.source).copied().unwrap_or(self.recordings.len());
         if place == self.recordings.len() {
-            self.places.insert(source.to_owned(), place);
-            let source = source.to_owned();
+            self.places.insert(part.source.to_owned(), place);
+            let source = part.source.to_owned();
             self.recordings.push(RecordingConstant { source, ..RecordingConstant::default() });
         }
         let recording = &mut self.recordings[place];
-        recording.samples += samples;
-        recording.constant_u += u;
-        recording.constant_v += v;
-        recording.constant_r += r;
+        recording.samples += regression.samples as u64;
+        recording.constant_u += left[0];
+        recording.constant_v += left[1];
+        recording.constant_r += left[2];
+        self.ranges.add(&part.run);
+    }
+
+    /// The model with what its data tell, and the estimate by least squares.
+    fn delivered(
+        self,
+        least_squares: Option<(Vec<f64>, [f64; 3])>,
+        output_rmse: Option<[f64; 3]>,
+    ) -> Delivered {
+        let model = self.model;
+        Delivered {
+            theta: self.theta.to_vec(),
+            constant: beyond(model, self.intercepts),
+            covariance: None,
+            least_squares: least_squares.map(|(theta, intercepts)| (theta, beyond(model, intercepts))),
+            increment_std: self.squares.map(|sum| (sum / f64::max(self.samples, 1.0)).sqrt()),
+            output_rmse,
+            surroundings: Vec::new(),
+            covered: self.ranges.covered(),
+            recordings: self.recordings(),
+        }
     }
 
     /// Means instead of sums, with the known constant.
@@ -225,7 +218,6 @@ impl<'a> Account<'a> {
     }
 }
 
-/// The least and the largest value of each variable of a model.
 pub(super) struct Ranges<'a> {
     model: &'a Model,
     ends: Vec<[f64; 2]>,
@@ -296,7 +288,6 @@ fn covariance(
     covariance_of(degrees)
 }
 
-/// The covariance of degrees of freedom that were estimated separately.
 pub(super) fn covariance_of(degrees: &[DegreeTrust]) -> Option<Covariance> {
     let of = |degree: &DegreeTrust| -> Option<Vec<f64>> {
         degree.parameters.iter().map(ParameterTrust::spread).collect()
@@ -326,8 +317,7 @@ fn pooled_rmse(sources: &[SourceErrors]) -> Option<[f64; 3]> {
     (samples > 0.0).then(|| squares.map(|sum| (sum / samples).sqrt()))
 }
 
-/// The ranges of the channels of `model` in `parts`: its states and of its inputs and measured disturbances, in the
-/// order of its variables and in their units.
+/// The ranges of the variables of `model` in `parts`, in their order and units.
 pub fn covered(model: &Model, parts: &[Part]) -> Vec<Covered> {
     let mut ranges = Ranges::new(model);
     parts.iter().for_each(|part| ranges.add(&part.view()));
@@ -373,7 +363,6 @@ impl Surroundings {
         Self { source: source.to_owned(), part: part as u64, found: unknowns }
     }
 
-    /// The surroundings of all parts that were `searched`.
     pub(super) fn all(parts: &AnyParts, searched: &Searched) -> Result<Vec<Self>, Unread> {
         let mut all = Vec::new();
         if !searched.currents.is_empty() {
@@ -428,7 +417,6 @@ impl Uncertain {
     }
 }
 
-/// The bounds of a number of forces; open for terms.
 fn ends(vessel: &Vessel, place: usize) -> [f64; 2] {
     let open = [f64::NEG_INFINITY, f64::INFINITY];
     vessel.model.forces.as_ref().map_or(open, |force_model| force_model.forces.parameters()[place].bounds)

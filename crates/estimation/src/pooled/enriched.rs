@@ -145,7 +145,7 @@ impl Added {
     }
 }
 
-/// `vessel` with the term that `found` says is most likely missing, and the index of its parameter; `None` if the
+/// `vessel` with the term that `pooled` says is most likely missing, and the index of its parameter; `None` if the
 /// model is not rejected or lacks something other than a term. Its nominal value is the estimate by the test.
 fn lacking(vessel: &Vessel, pooled: &Pooled) -> Option<(Vessel, usize, Added)> {
     let criticism = pooled.criticism.as_ref().filter(|criticism| criticism.rejected)?;

@@ -162,8 +162,7 @@ fn estimate_any(
         .chain(few_informative(pool, &estimated, parts.count()))
         .chain(beside(pool, &estimated));
     let parameters = degrees.iter().flat_map(|degree| &degree.parameters);
-    let estimates: Vec<_> =
-        parameters.map(|parameter| Some([parameter.estimate?, parameter.standard_error?])).collect();
+    let estimates: Vec<_> = parameters.map(|p| Some([p.estimate?, p.standard_error?])).collect();
     let turned = against_nominal(&pool.vessel.model, &pool.vessel.nominal, &estimates);
     let known: Vec<String> =
         turned.clone().into_iter().chain(spread).chain(statements(&degrees)).chain(alike).collect();
@@ -212,7 +211,6 @@ fn allows_for_current(estimated: &Estimated) -> bool {
     allows && estimated.used.iter().all(|used| used.searches())
 }
 
-/// The warning that a search ended before its minimum.
 fn stalled(estimated: &Estimated) -> Option<&'static str> {
     let (searched, _) = estimated.searched.as_ref()?;
     (!searched.converged).then_some(
@@ -235,8 +233,7 @@ fn diverging(sources: &[SourceErrors]) -> Option<String> {
     })
 }
 
-/// The remark that a model was found with starts, currents or a filter that free simulations of the recordings do not
-/// use.
+/// The remark that a model was found with starts, currents or a filter that free simulations do not use.
 fn beside(pool: &Pool, estimated: &Estimated) -> Option<String> {
     let (_, scales) = estimated.searched.as_ref()?;
     match scales.follow() {
@@ -257,7 +254,6 @@ fn beside(pool: &Pool, estimated: &Estimated) -> Option<String> {
 /// With a smaller effective number of sub-experiments, standard errors, which compare them, are a guess.
 const FEW: f64 = 3.0;
 
-/// The warning that few sub-experiments are informative about some parameters.
 fn few_informative(pool: &Pool, estimated: &Estimated, parts: usize) -> Option<String> {
     let (searched, _) = estimated.searched.as_ref()?;
     if parts == 1 {
@@ -360,7 +356,6 @@ fn standard_errors_any(
     Ok(theta.zip(errors).map(|(theta, standard_errors)| StandardErrors { theta, standard_errors }))
 }
 
-/// Maximum number of samples for tests of what the model lacks.
 const MOST_CRITICISED: usize = 200_000;
 
 /// Tests what the model lacks on the first whole recordings up to [`MOST_CRITICISED`] samples.

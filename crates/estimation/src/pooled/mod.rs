@@ -111,8 +111,7 @@ impl Estimated {
         self.iv.as_ref().filter(|_| self.by_instruments(d)).unwrap_or(&self.ls)
     }
 
-    /// The model that the instruments of degree of freedom `d` were simulated with; `None` if they are the
-    /// regressors.
+    /// The model that simulated the instruments of degree of freedom `d`; `None` if they are the regressors.
     pub fn simulated(&self, d: usize) -> Option<&[f64]> {
         self.instruments.as_deref().filter(|_| self.iv.is_some() && self.by_instruments(d))
     }
@@ -167,9 +166,7 @@ impl<'a> Pool<'a> {
 }
 
 impl Pool<'_> {
-    /// The default estimator; `None` if the noise decides, see [`unstated`]. A prior only applies to
-    /// regressions, and an unknown current only to simulations. `simulated`: the runs are those of simulated
-    /// trials.
+    /// The default estimator; `None` if the noise decides, see [`unstated`]. `simulated`: the runs are simulated ones.
     pub fn usual(&self, simulated: bool) -> Option<Estimator> {
         match simulated || self.strength > 0.0 {
             true => Some(Estimator::Iv),
@@ -201,8 +198,7 @@ impl Pool<'_> {
         Pool { vessel, model: vessel.model.with_intercepts(), nominal, constant, ..*self }
     }
 
-    /// Cuts `runs` into segments, or takes whole runs if a current is unknown, which is the same throughout a
-    /// run.
+    /// Cuts `runs` into segments, or takes whole runs if a current is unknown, which stays throughout a run.
     pub fn cut<'r, R: Recorded>(&self, runs: &'r PooledRuns<R>) -> CutRuns<'r, R> {
         match self.unknown().current {
             None => runs.cut(self.part_samples),
@@ -210,7 +206,6 @@ impl Pool<'_> {
         }
     }
 
-    /// The unknowns of free simulations with known starts.
     fn unknown(&self) -> Unknown {
         Unknown::new(InitialState::Known, self.additional, 1.0 / self.vessel.sample_rate_hz)
     }
@@ -265,7 +260,7 @@ impl Pool<'_> {
         Ok(estimated)
     }
 
-    /// The least-squares estimate of the data of `found`, and its intercepts.
+    /// The least-squares estimate of the data of `estimated`, and its intercepts.
     pub fn least_squares(&self, estimated: &Estimated) -> Option<(Vec<f64>, [f64; 3])> {
         let nominal = estimated.nominal.as_ref().map(|(theta, _)| theta.as_slice());
         whole(&estimated.ls.fit(&self.options(nominal, Estimator::Ls)))
@@ -370,8 +365,7 @@ impl Pool<'_> {
 pub struct Unfound {
     /// The requested estimator.
     pub estimator: Estimator,
-    /// The recordings whose free simulation with the search's start diverges; empty if a parameter has no effect of
-    /// its own.
+    /// Recordings whose simulation from the search's start diverges; empty if a parameter has no effect of its own.
     pub recordings: Vec<String>,
 }
 

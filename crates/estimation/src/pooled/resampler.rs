@@ -18,8 +18,7 @@ pub enum Resampling<'a> {
     Given(&'a [Resample]),
 }
 
-/// Draws as many parts as there are, with replacement, and estimates as `found` was. The result depends on the seed
-/// and the index of the resample alone.
+/// Draws as many parts as there are, with replacement, and estimates again. Depends on seed and index alone.
 pub(super) struct Resampler<'a> {
     pool: &'a Pool<'a>,
     estimated: &'a Estimated,
@@ -147,8 +146,7 @@ pub fn redraw(streams: &Streams, replicate: u32, count: usize) -> Vec<usize> {
 }
 
 impl Bootstrap {
-    /// The bootstrap of the parameters at `places` in all `resamples`; `None` if fewer than two of these have an
-    /// estimate.
+    /// The bootstrap of the parameters at `places`; `None` if fewer than two resamples have an estimate.
     pub fn of_resamples(resamples: &[Resample], places: &Range<usize>) -> Option<Self> {
         let theta_of = |resample: &Resample| resample.theta[places.clone()].iter().copied().collect();
         let thetas: Vec<Vec<f64>> = resamples.iter().filter_map(theta_of).collect();

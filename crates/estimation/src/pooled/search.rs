@@ -16,9 +16,8 @@ use crate::validate::Score;
 const NOISY: f64 = 0.25;
 
 impl Pool<'_> {
-    /// Continues from the present estimate to the least errors of free simulations, and from there to those of
-    /// predictions if requested. If that fails there is no estimate. A model without an estimate of a degree of
-    /// freedom cannot be simulated: it is left unchanged.
+    /// Continues to the least errors of free simulations, then of predictions if requested; without success there is no
+    /// estimate. A model without an estimate of a degree of freedom is left unchanged.
     pub(super) fn searched(
         &self,
         parts: &AnyParts,
@@ -73,9 +72,8 @@ impl Pool<'_> {
         Ok(())
     }
 
-    /// Whether sensor noise is a large share of the errors of free simulations of `found`: then the first sample of a
-    /// part is as noisy as any other, and its start is an additional unknown. Noise is estimated from third
-    /// differences, to which smooth motion adds little.
+    /// Whether sensor noise, by third differences, is a large share of the errors: then the first sample of a part is as
+    /// noisy as others, and its start is a further unknown.
     fn mostly_noise(&self, parts: &AnyParts, simulated: &Searched, std: [f64; 3]) -> Result<bool, Unread> {
         let (mut noise, mut counted, mut samples) = (0.0, 0_u64, 0);
         parts.each(&mut |part| {
@@ -92,8 +90,7 @@ impl Pool<'_> {
         Ok(noise * samples as f64 > NOISY * simulated.squares * counted as f64)
     }
 
-    /// Minimises the errors of predictions by filters for the noise and drifting current that make the first parts
-    /// most likely, found alternately with the parameters.
+    /// Minimises the errors of predictions by filters for the likeliest noise of the first parts.
     fn predicted(
         &self,
         parts: &AnyParts,
@@ -209,7 +206,6 @@ impl Pool<'_> {
         least_errors_any(&self.model, parts, start, *std, sizes, follow)
     }
 
-    /// The recordings whose free simulation with `parameters` diverges, each once.
     pub(super) fn diverging(&self, parts: &AnyParts, parameters: &[f64]) -> Result<Vec<String>, Unread> {
         let mut named: Vec<String> = Vec::new();
         parts.each(&mut |part| {

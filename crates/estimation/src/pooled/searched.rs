@@ -38,7 +38,6 @@ pub struct Searched {
 }
 
 impl Searched {
-    /// The covariance of the parameters at `places`, as many rows.
     pub(super) fn covariance_of(&self, places: Range<usize>) -> Vec<f64> {
         let all = self.parameters.len();
         let pairs = places.clone().flat_map(|i| places.clone().map(move |j| (i, j)));
@@ -51,8 +50,7 @@ impl Searched {
 pub enum Follow {
     /// Those of free simulations, each from its part's first measured state or one near it, in its own current.
     Simulated(Unknown),
-    /// Those of one-sample predictions by a Kalman filter for these levels, with the gains along it at these
-    /// parameters.
+    /// Those of predictions by a Kalman filter for these levels, with its gains at these parameters.
     Predicted(NoiseModel, Vec<f64>),
 }
 
@@ -111,7 +109,7 @@ pub(super) fn least_errors_any(
     let Some(minimum) = minima.filter(|end| matches!(end.status, Ended::Converged | Ended::Stalled)) else {
         return Ok(None);
     };
-    Ok(problem.spread(&minimum)?.map(|Spread { covariance, effective_parts, currents }| Searched {
+    Ok(problem.spread(&minimum)?.map(|(covariance, effective_parts, currents)| Searched {
         covariance,
         effective_parts,
         currents,
@@ -122,7 +120,6 @@ pub(super) fn least_errors_any(
     }))
 }
 
-/// One problem: all parts, [`LANES`] of them at a time.
 struct PooledProblem<'a> {
     asked: Question<'a>,
     parts: &'a AnyParts<'a>,
@@ -132,7 +129,6 @@ struct PooledProblem<'a> {
     ambient: Vec<Vec<f64>>,
 }
 
-/// The problem for every part.
 struct Question<'a> {
     model: &'a Model,
     held: Vec<f64>,
@@ -154,7 +150,6 @@ impl Question<'_> {
         whole
     }
 
-    /// The additional unknowns of every part, if there are any.
     fn unknown(&self) -> Option<Unknown> {
         match self.follow {
             Follow::Simulated(unknown) => Some(*unknown).filter(|unknown| unknown.further().next().is_some()),
@@ -259,7 +254,7 @@ impl PooledProblem<'_> {
             let ordered = self.order.iter().zip(&settled);
             ordered.for_each(|(place, settled)| currents[*place] = settled.current(&of_parameters));
         }
-        Ok(Some(Spread { covariance, effective_parts: shares.into_iter().map(alike).collect(), currents }))
+        Ok(Some((covariance, shares.into_iter().map(alike).collect(), currents)))
     }
 }
 
@@ -275,11 +270,8 @@ fn innovations<const N: usize>(
     linearize(recordings, unknowns, free, Some(levels), &gains, true)
 }
 
-struct Spread {
-    covariance: Vec<f64>,
-    effective_parts: Vec<f64>,
-    currents: Vec<[[f64; 2]; 2]>,
-}
+/// See the fields of [`Searched`]: covariance, effective parts, currents.
+type Spread = (Vec<f64>, Vec<f64>, Vec<[[f64; 2]; 2]>);
 
 impl Residuals for PooledProblem<'_> {
     type Error = Unread;
@@ -358,8 +350,7 @@ impl Residuals for Ambient<'_> {
     fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<Linear>, Infallible> {
         // Idle lanes, of converged parts, repeat the point of the first.
         let request_of = |lane: usize| asked.iter().find(|request| request.problem == lane).or(asked.first());
-        let points: Vec<&[f64]> =
-            (0..LANES).filter_map(request_of).map(|request| request.point.as_slice()).collect();
+        let points: Vec<&[f64]> = (0..LANES).filter_map(request_of).map(|r| r.point.as_slice()).collect();
         let linears = self.linears(&points, &self.places);
         let wanted = |lane: &usize| asked.iter().any(|request| request.problem == *lane);
         Ok((0..LANES).zip(linears).filter(|(lane, _)| wanted(lane)).map(|(_, linear)| linear).collect())
@@ -367,7 +358,6 @@ impl Residuals for Ambient<'_> {
 }
 
 impl<'a> Ambient<'a> {
-    /// The problem of parts whose squared errors in u, v, r have these `weights`.
     pub(super) fn new(
         recordings: &'a Recordings<'a>,
         unknown: Unknown,

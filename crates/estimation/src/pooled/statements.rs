@@ -9,8 +9,7 @@ use super::{DegreeTrust, Delivered};
 const WEAK: f64 = 0.1;
 const UNLIKELY: f64 = 0.01;
 
-/// Increments of noise correlate by −0.5, which weights that fall with the lag do not compensate: standard errors are
-/// too large.
+/// Increments of noise correlate by −0.5: below this correlation standard errors are too large.
 const ALTERNATING: f64 = -0.3;
 
 /// Warnings about an estimate, in words.
@@ -61,8 +60,7 @@ fn not_white(degree: &DegreeTrust, white: &Whiteness) -> String {
     )
 }
 
-/// How far a norm of RMSE/std lies above another over `pairs` (named `called`), with the interval of that median or
-/// why there is none.
+/// How far a norm of RMSE/std lies above another over `pairs` (named `called`), with that median's interval.
 pub fn lies_above(median: Option<f64>, ends: [Option<f64>; 2], pairs: u64, called: &str) -> String {
     let number = |x: f64| format!("{x:+.3}");
     let interval = match median_interval_in_words(ends, pairs, number) {
@@ -170,7 +168,6 @@ impl Pair<'_> {
     }
 }
 
-/// With three significant digits.
 fn three(value: f64) -> String {
     let exponent = format!("{value:e}").rsplit('e').next().and_then(|e| e.parse::<i32>().ok()).unwrap_or(0);
     match exponent {
@@ -179,7 +176,6 @@ fn three(value: f64) -> String {
     }
 }
 
-/// Two significant digits below 10 %.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent < 10.0 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
@@ -191,12 +187,11 @@ const FAR: f64 = 5.0;
 /// … and those that the nominal value must be away from it.
 const NOMINAL: f64 = 3.0;
 
-/// Estimates on the other side of zero than their `nominal` values, in words; `found` are those of the parameters of `model`
+/// Estimates on the other side of zero than their `nominal` values, in words; `estimates` are those of the parameters of `model`
 /// with their standard errors, where both are known.
 pub fn against_nominal(model: &Model, nominal: &[f64], estimates: &[Option<[f64; 2]>]) -> Option<String> {
     let parameters = model.parameter_names().zip(nominal).zip(estimates).enumerate();
-    let known =
-        parameters.filter_map(|(i, ((name, nominal), estimate))| Some((i, name, *nominal, (*estimate)?)));
+    let known = parameters.filter_map(|(i, ((name, nominal), known))| Some((i, name, *nominal, (*known)?)));
     let counted: Vec<_> = known
         .filter(|(.., nominal, [estimate, error])| {
             *error > 0.0 && estimate.abs() > FAR * error && nominal.abs() > NOMINAL * error
@@ -216,8 +211,7 @@ pub fn against_nominal(model: &Model, nominal: &[f64], estimates: &[Option<[f64;
     // Whether a turn of the sign of `variable` turns parameter `i`.
     let turns = |variable: usize, i: usize| {
         terms.get(i).is_some_and(|(d, term)| {
-            let factors =
-                term.factors.iter().filter(|factor| factor.variable == variable && !factor.modulus).count();
+            let factors = term.factors.iter().filter(|f| f.variable == variable && !f.modulus).count();
             (factors + usize::from(*d == variable)) % 2 == 1
         })
     };

@@ -1,10 +1,8 @@
 use std::borrow::Cow;
-use std::ops::Range;
 
 use regression::pooled::{
-    AnyParts, AnyRuns, Centring, CrossCorrelation, DegreeFit, Diagnosis, Meat, Part, PartView, Regression,
-    ResidualTests, Solution, Status, Strength, Unread, Whiteness, default_bandwidth, residuals_of,
-    unidentified, weakest,
+    AnyParts, AnyRuns, Centring, Meat, Part, PartView, Regression, ResidualTests, Solution, Status, Strength,
+    Unread, Whiteness, default_bandwidth, residuals_of, unidentified, weakest,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -148,16 +146,6 @@ pub(super) struct Judge<'a> {
     pub resampling: Resampling<'a>,
 }
 
-pub(super) struct DegreeStatistics {
-    pub covariance: Option<Vec<f64>>,
-    pub whiteness: Option<Whiteness>,
-    pub crossed: Option<CrossCorrelation>,
-    pub strength: Option<Vec<f64>>,
-    pub diagnosis: Diagnosis,
-    pub instrument_fit: Option<f64>,
-    pub bootstrap: Option<Bootstrap>,
-}
-
 impl Judge<'_> {
     pub(super) fn samples(&self) -> usize {
         (0..self.parts.count()).map(|i| self.parts.samples(i)).sum()
@@ -177,24 +165,16 @@ impl Judge<'_> {
             self.account(i, &part, &mut accounts, &mut fit);
             i += 1;
         })?;
-        let (fits, mut degrees) = (fit.found(), Vec::new());
-        let (resamples, layout) = (self.resamples()?, self.pool.vessel.model.layout());
-        for (d, account) in DegreeOfFreedom::ALL.into_iter().zip(accounts) {
-            let bootstrap = Bootstrap::of_resamples(&resamples, &layout.terms(d as usize));
-            let places = self.pool.model.layout().terms(d as usize);
-            let mut degree =
-                account.closed(self.estimated, places, fits.map(|fits| fits[d as usize]), bootstrap);
-            // Errors of a search compare parts.
-            degree.covariance = degree
-                .covariance
-                .filter(|_| self.parts.count() > 1 || !self.estimated.used[d as usize].searches());
-            let fit = &self.estimated.degrees[d as usize];
-            degrees.push(judged(self.pool, d, fit, self.estimated.used[d as usize], &degree));
-        }
-        Ok(degrees)
+        let (fits, resamples) = (fit.found(), self.resamples()?);
+        let layout = self.pool.vessel.model.layout();
+        let closed = |account: Account| {
+            let d = account.d;
+            let bootstrap = Bootstrap::of_resamples(&resamples, &layout.terms(d));
+            DegreeTrust { instrument_fit: fits.map(|fits| fits[d]), ..account.closed(self, bootstrap) }
+        };
+        Ok(accounts.map(closed).into())
     }
 
-    /// Adds a part to the accounts of all degrees of freedom.
     fn account(&self, i: usize, part: &PartView, accounts: &mut [Account; 3], fit: &mut InstrumentFit) {
         let instruments = self.estimated.instruments.as_deref();
         // Parts that diverge were refused before.
@@ -213,7 +193,6 @@ impl Judge<'_> {
         }
     }
 
-    /// The resamples of the bootstrap: drawn now, or before.
     fn resamples(&self) -> Result<Cow<'_, [Resample]>, Unread> {
         let Judgement { replicates, seed, .. } = *self.judgement;
         match self.resampling {
@@ -248,75 +227,6 @@ impl Judge<'_> {
     }
 }
 
-/// Judges `fit`, the estimate of degree of freedom `d` by `used`.
-pub(super) fn judged(
-    pool: &Pool,
-    d: DegreeOfFreedom,
-    fit: &DegreeFit,
-    used: Estimator,
-    degree: &DegreeStatistics,
-) -> DegreeTrust {
-    let covariance = degree.covariance.as_deref();
-    let model = &pool.vessel.model.degrees[d as usize];
-    let instrument_residual = degree.crossed.map(|c| InstrumentResidual {
-        instrument: model.terms[c.instrument].text.clone(),
-        lag: c.lag,
-        strongest: c.correlation,
-        p_value: c.p_value,
-    });
-    let finite = |x: f64| Some(x).filter(|x| x.is_finite());
-    DegreeTrust {
-        name: d.name().to_owned(),
-        status: match fit.status {
-            Status::Identified => EstimateStatus::Identified,
-            _ => EstimateStatus::NotIdentifiable,
-        },
-        reason: unidentified(d, model, &fit.status, &pool.constant),
-        estimator: used,
-        condition: finite(degree.diagnosis.condition),
-        condition_index: finite(degree.diagnosis.index),
-        weakest: weakest(d, model, &degree.diagnosis, &pool.constant),
-        parameters: parameters(pool, d, degree, fit.solution.as_ref()),
-        correlation: covariance.and_then(|c| {
-            let held = |i: usize| fit.solution.as_ref().is_some_and(|s| model.at_bound(i, s.theta[i]));
-            correlation(c, model.terms.len(), held)
-        }),
-        whiteness: degree.whiteness,
-        instrument_residual,
-        instrument_fit: degree.instrument_fit,
-    }
-}
-
-fn parameters(
-    pool: &Pool,
-    d: DegreeOfFreedom,
-    degree: &DegreeStatistics,
-    solution: Option<&Solution>,
-) -> Vec<ParameterTrust> {
-    let whole = &pool.vessel.model;
-    let model = &whole.degrees[d as usize];
-    let p = model.terms.len();
-    let units = &whole.parameter_units()[whole.layout().degree(d as usize)];
-    let resampled = |i: usize| degree.bootstrap.as_ref().map(|b| b.parameters[i]);
-    let at_bound = |i: usize| solution.is_some_and(|s| model.at_bound(i, s.theta[i]));
-    let error = |i: usize| degree.covariance.as_ref().map(|c| c[i * p + i].max(0.0).sqrt());
-    let parameter = |i: usize| ParameterTrust {
-        name: model.parameters[i].clone(),
-        term: model.terms[i].text.clone(),
-        unit: units[i].clone(),
-        estimate: solution.map(|s| s.theta[i]),
-        standard_error: error(i).filter(|_| !at_bound(i)),
-        at_bound: at_bound(i),
-        bootstrap_std: resampled(i).map(|r| r.std),
-        bootstrap_low: resampled(i).map(|r| r.low),
-        bootstrap_high: resampled(i).map(|r| r.high),
-        variation: degree.diagnosis.variation[i],
-        instrument_strength: degree.strength.as_ref().map(|s| s[i]),
-    };
-    (0..p).map(parameter).collect()
-}
-
-/// The statistics of one degree of freedom, accumulated part by part.
 struct Account<'a> {
     d: usize,
     centring: Centring,
@@ -358,28 +268,63 @@ impl<'a> Account<'a> {
         }
     }
 
-    /// The result over all parts for the parameters at `places` of the model with intercepts.
-    fn closed(
-        self,
-        estimated: &Estimated,
-        places: Range<usize>,
-        instrument_fit: Option<f64>,
-        bootstrap: Option<Bootstrap>,
-    ) -> DegreeStatistics {
-        let (d, centring) = (self.d, self.centring);
-        let searched = || estimated.searched.as_ref().map(|(searched, _)| searched.covariance_of(places));
-        let covariance = self.solution.and_then(|solution| match self.meat {
-            Some(meat) => Some(meat.covariance(&centring, solution, d)),
+    fn closed(self, judge: &Judge, bootstrap: Option<Bootstrap>) -> DegreeTrust {
+        let Judge { pool, estimated, parts, .. } = *judge;
+        let (d, solution, fit, used) =
+            (self.d, self.solution, &estimated.degrees[self.d], estimated.used[self.d]);
+        let (degree, model) = (DegreeOfFreedom::ALL[d], &pool.vessel.model.degrees[d]);
+        let searched = || {
+            let (searched, _) = estimated.searched.as_ref()?;
+            Some(searched.covariance_of(pool.model.layout().terms(d)))
+        };
+        let covariance = solution.and_then(|solution| match self.meat {
+            Some(meat) => Some(meat.covariance(&self.centring, solution, d)),
             None => searched(),
         });
-        DegreeStatistics {
-            covariance,
-            whiteness: self.solution.map(|_| self.tests.whiteness()),
-            crossed: self.solution.and_then(|_| self.tests.strongest()),
-            strength: self.strength.partial(),
-            diagnosis: estimated.data(d).diagnose(d),
-            instrument_fit,
-            bootstrap,
+        // Errors of a search compare parts.
+        let covariance = covariance.filter(|_| parts.count() > 1 || !used.searches());
+        let crossed = solution.and_then(|_| self.tests.strongest());
+        let diagnosis = estimated.data(d).diagnose(d);
+        let (strength, p) = (self.strength.partial(), model.terms.len());
+        let units = &pool.vessel.model.parameter_units()[pool.vessel.model.layout().degree(d)];
+        let at_bound = |i: usize| solution.is_some_and(|s| model.at_bound(i, s.theta[i]));
+        let error = |i: usize| covariance.as_ref().map(|c| c[i * p + i].max(0.0).sqrt());
+        let resampled = |i: usize| bootstrap.as_ref().map(|b| b.parameters[i]);
+        let parameter = |i: usize| ParameterTrust {
+            name: model.parameters[i].clone(),
+            term: model.terms[i].text.clone(),
+            unit: units[i].clone(),
+            estimate: solution.map(|s| s.theta[i]),
+            standard_error: error(i).filter(|_| !at_bound(i)),
+            at_bound: at_bound(i),
+            bootstrap_std: resampled(i).map(|r| r.std),
+            bootstrap_low: resampled(i).map(|r| r.low),
+            bootstrap_high: resampled(i).map(|r| r.high),
+            variation: diagnosis.variation[i],
+            instrument_strength: strength.as_ref().map(|s| s[i]),
+        };
+        let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+        DegreeTrust {
+            name: degree.name().to_owned(),
+            status: match fit.status {
+                Status::Identified => EstimateStatus::Identified,
+                _ => EstimateStatus::NotIdentifiable,
+            },
+            reason: unidentified(degree, model, &fit.status, &pool.constant),
+            estimator: used,
+            condition: finite(diagnosis.condition),
+            condition_index: finite(diagnosis.index),
+            weakest: weakest(degree, model, &diagnosis, &pool.constant),
+            parameters: (0..p).map(parameter).collect(),
+            correlation: covariance.as_deref().and_then(|c| correlation(c, p, at_bound)),
+            whiteness: solution.map(|_| self.tests.whiteness()),
+            instrument_residual: crossed.map(|c| InstrumentResidual {
+                instrument: model.terms[c.instrument].text.clone(),
+                lag: c.lag,
+                strongest: c.correlation,
+                p_value: c.p_value,
+            }),
+            instrument_fit: None,
         }
     }
 }
@@ -404,7 +349,7 @@ pub struct InstrumentFit {
 }
 
 impl InstrumentFit {
-    /// The fit over the parts that `found` was estimated from.
+    /// The fit over the parts of `estimated`.
     pub fn new(estimated: &Estimated) -> Self {
         Self::from_deviations(estimated.means().deviations())
     }

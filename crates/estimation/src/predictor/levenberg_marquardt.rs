@@ -2,7 +2,6 @@ use super::linear::Linear;
 use crate::sensitivity::Slopes;
 use numerics::{dot, times};
 
-/// Several least-squares problems that are linearised in one pass.
 pub(crate) trait Residuals {
     type Error;
     /// Linearises problems at the requested points, at most one per problem and all of them in the first call; not
@@ -26,7 +25,6 @@ pub(crate) trait Residuals {
     }
 }
 
-/// A requested point of a problem, by its index.
 pub(crate) struct Linearization {
     pub problem: usize,
     pub weighting: Weighting,
@@ -78,12 +76,10 @@ pub(crate) struct Minimum {
     pub unseen: bool,
     pub status: Ended,
     pub steps: usize,
-    /// Unknowns at a bound beyond which the errors would be less; empty without bounds.
     pub held: Vec<usize>,
 }
 
 impl Minimum {
-    /// Takes the linearised problem at the point; returns whether that is a minimum.
     pub(crate) fn look(&mut self, linear: Linear, weighting: Weighting) -> bool {
         let looked = Progress::new(weighting, Vec::new(), std::mem::take(&mut self.point), linear);
         let is_minimum = looked.ended == Some(Ended::Converged);
@@ -91,8 +87,7 @@ impl Minimum {
         is_minimum
     }
 
-    /// The inverse of the normal matrix of the free unknowns, with zero rows and columns for held ones, or an unknown
-    /// that has no effect of its own.
+    /// The inverse normal matrix of the free unknowns, zero for held ones, or an unknown without effect of its own.
     pub(crate) fn inverse(&self, weights: [f64; 3]) -> Result<Vec<f64>, usize> {
         let (mut normal, mut gradient) = self.linear.weighted(weights);
         let p = gradient.len();
@@ -131,11 +126,8 @@ fn clipped(mut point: Vec<f64>, bounds: &[[f64; 2]]) -> Vec<f64> {
 pub(crate) enum Ended {
     /// The next step would change the prediction by less than [`ENOUGH`] standard errors.
     Converged,
-    /// The maximum number of steps was reached, or no step improves.
     Stalled,
-    /// The start's prediction diverges.
     Diverged,
-    /// This unknown does not change the prediction by itself.
     Singular(usize),
 }
 
@@ -151,7 +143,6 @@ const SINGULAR: f64 = 1e12;
 
 /// Below this decrement, steps use the learnt second derivatives.
 const NEAR: f64 = 3.0;
-/// Below this decrement, slopes alone decide on a step.
 const SLOPING: f64 = 10.0;
 /// The normal matrix is renewed if a step reduces the decrement to no less than this share.
 const SLOW: f64 = 0.9;
@@ -169,7 +160,6 @@ struct Progress {
     inverse: Vec<f64>,
     /// At the point, as is the cost.
     gradient: Vec<f64>,
-    /// Whether `linear` is of the point, and not of one before it.
     exact: bool,
     /// Whether to linearise at the point without a step.
     looks: bool,
@@ -204,8 +194,7 @@ pub(crate) fn minimize<R: Residuals>(
     let sloping = residuals.has_slopes();
     let asked = |problems: &mut [Progress], near: bool| -> Vec<Linearization> {
         let all = problems.iter_mut().enumerate();
-        let open =
-            all.filter(|(_, problem)| problem.is_open(steps) && (sloping && problem.is_near()) == near);
+        let open = all.filter(|(_, it)| it.is_open(steps) && (sloping && it.is_near()) == near);
         let ask = |(problem, progress): (_, &mut Progress)| Linearization {
             problem,
             weighting: progress.weighting,
@@ -274,7 +263,6 @@ impl Progress {
         progress
     }
 
-    /// Whether the problem is unfinished, with at most `steps` steps.
     fn is_open(&self, steps: usize) -> bool {
         self.ended.is_none() && (self.looks || self.steps < steps)
     }
@@ -313,12 +301,10 @@ impl Progress {
         self.weighting.variance(self.cost, self.linear.samples)
     }
 
-    /// Whether a step to this cost is accepted: it does not increase the cost, up to rounding.
     fn lessens(&self, cost: f64) -> bool {
         cost <= self.cost + 1e-12 * self.cost.abs()
     }
 
-    /// Accepts or rejects a step, or linearises again.
     fn judge(&mut self, trial: Vec<f64>, linear: Linear) {
         let cost = self.weighting.cost(linear.squares, linear.samples);
         if !(self.looks || linear.finite() && self.lessens(cost)) {
@@ -337,8 +323,7 @@ impl Progress {
         self.settle();
     }
 
-    /// Judges a step of which only slopes are known; linearises if it is the last one, unless the caller does so
-    /// `later`, improves little, or ends at a bound.
+    /// Judges a step by slopes; linearises at the last one, if not done `later`, at a bound, or if it gains little.
     fn judge_slopes(&mut self, trial: Vec<f64>, slopes: Slopes, later: bool) {
         let cost = self.weighting.cost(slopes.squares, self.linear.samples);
         if !self.lessens(cost) {
@@ -393,7 +378,6 @@ impl Progress {
         }
     }
 
-    /// Unknowns at a bound beyond which the errors would decrease.
     fn pulled(&self) -> Vec<usize> {
         let pulled = |(i, [low, high]): (usize, &[f64; 2])| {
             let (x, pull) = (self.point[i], self.gradient[i]);
@@ -420,7 +404,6 @@ impl Progress {
         }
     }
 
-    /// Computes the decrement, and returns the previous one.
     fn measure(&mut self) -> f64 {
         let square = numerics::quadratic(&self.gradient, &self.inverse);
         let decrement = (square.max(0.0) / self.variance()).sqrt();

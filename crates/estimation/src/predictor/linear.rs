@@ -59,7 +59,6 @@ pub(crate) fn linearize<const N: usize>(
     linearize_each(recordings, unknowns, free, levels.as_ref(), gains, from_start)
 }
 
-/// The same with levels of every recording.
 pub(crate) fn linearize_each<const N: usize>(
     recordings: &Recordings,
     unknowns: &[Lane],
@@ -283,19 +282,16 @@ impl Unknown {
         offsets.chain(if self.current.is_none() { 3..3 } else { 3..5 })
     }
 
-    /// Whether sample 0 counts.
     pub(super) fn start_counts(self) -> bool {
         self.initial == InitialState::Estimated
     }
 
-    /// The current as a constant disturbance.
     fn levels(self) -> Option<NoiseModel> {
         let lasting = |turning| Flow::Markov { std: 0.0, factor: 1.0, turning };
         let of = |current| NoiseModel { measurement: [0.0; 3], current, force: None, drift: None };
         self.current.map(lasting).map(of)
     }
 
-    /// Free simulations linearised, see [`linearize`].
     pub(crate) fn linearize(self, recordings: &Recordings, unknowns: &[Lane], free: &[usize]) -> Vec<Linear> {
         let counts = self.start_counts();
         match self.levels() {
@@ -309,7 +305,6 @@ impl Unknown {
         self.current.is_none()
     }
 
-    /// The squared errors of free simulations and their slopes, see [`slopes`].
     pub(super) fn slopes(
         self,
         recordings: &Recordings,
@@ -321,7 +316,6 @@ impl Unknown {
         slopes(recordings, unknowns, free, self.start_counts(), weights, path)
     }
 
-    /// Sums of free simulations over blocks of samples, see [`blocks`].
     pub(crate) fn blocks(
         self,
         recordings: &Recordings,

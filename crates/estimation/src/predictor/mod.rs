@@ -28,7 +28,6 @@ pub use crate::sensitivity::{
     Drift, Flow, ForceNoise, NoiseModel, Recordings, Sensitivities, Slopes, Step, free_sweep, slopes,
 };
 
-/// Standard errors of all unknowns.
 #[derive(Clone, Debug)]
 struct EstimateErrors {
     pub each: Vec<f64>,
@@ -57,14 +56,12 @@ impl EstimateErrors {
     }
 }
 
-/// `covariance`, if every error is multiplied by `factor`.
 pub(crate) fn scaled(mut covariance: Vec<f64>, factor: f64) -> Vec<f64> {
     covariance.iter_mut().for_each(|entry| *entry *= factor * factor);
     covariance
 }
 
-/// The part of `covariance`, of a model's parameters, intercepts and perhaps further unknowns, that the terms' parameters
-/// have.
+/// The part of the `covariance` of all unknowns of a model that the terms' parameters have.
 pub(crate) fn of_terms(layout: ParameterLayout, covariance: &[f64]) -> Vec<f64> {
     let all = covariance.len().isqrt();
     let numbers: Vec<usize> = (0..layout.parameters()).collect();
@@ -188,7 +185,6 @@ fn fit(
     }
 }
 
-/// A degree of freedom whose parameters are all held at bounds.
 fn all_held(layout: ParameterLayout, minimum: &Minimum) -> Option<usize> {
     (0..3).find(|d| layout.terms(*d).all(|i| minimum.held.contains(&i)))
 }

@@ -33,11 +33,14 @@ pub fn output_error(
     let unknown = unknown.into();
     let best = vec![None; runs.len()];
     let mut searches = Searches { model, runs, unknown, best, workspace: WORKSPACE.take(), exactly: false };
-    let from =
-        |weights| move |run: usize, i: usize| Some(Try { run, weights, point: starts[run].get(i)?.clone() });
-    let (likely, eased) = (from(Likelihood), from(Fixed));
+    let from = |weighting: fn(&RunView) -> Weighting| {
+        move |run: usize, i: usize| {
+            Some(Try { run, weighting: weighting(&runs[run]), point: starts[run].get(i)?.clone() })
+        }
+    };
+    let (likely, eased) = (from(likelihood), from(fixed));
     searches.attempt(BRIEF, |run, _| likely(run, 0));
-    searches.attempt(STEPS, |run, best| Some(Try { run, weights: Likelihood, point: best?.point.clone() }));
+    searches.attempt(STEPS, |run, best| Try::likely(runs, run, best?));
     // Few runs are left, so all remedies are tried in lanes at once: their other starts, and fixed weights at first,
     // for runs in which one state is predicted so much better than the others that its weight blocks the search.
     let attempts = starts.iter().map(Vec::len).max().unwrap_or(0);
@@ -49,8 +52,7 @@ pub fn output_error(
     searches.keep(&others, minima);
     let open: Vec<usize> = searches.open().collect();
     let begun = easier.iter().zip(begun).filter(|(start, _)| open.contains(&start.run));
-    let after: Vec<Try> =
-        begun.map(|(start, at)| Try { run: start.run, weights: Likelihood, point: at.point }).collect();
+    let after: Vec<Try> = begun.filter_map(|(from, at)| Try::likely(runs, from.run, &at)).collect();
     let minima = searches.minima(after.iter(), STEPS);
     searches.keep(&after, minima);
     let fits = searches.fits(spread);
@@ -61,20 +63,19 @@ pub fn output_error(
 /// Runs per search: enough to fill the lanes to the end, few enough for the processor's caches.
 const TOGETHER: usize = 8 * LANES;
 
-#[derive(Clone, Copy)]
-enum Weights {
-    Likelihood,
-    Fixed,
-}
-use Weights::{Fixed, Likelihood};
-
 struct Try {
     run: usize,
-    weights: Weights,
+    weighting: Weighting,
     point: Vec<f64>,
 }
 
-/// Searches for the estimates of many runs, some of which end sooner than others.
+impl Try {
+    /// From the point of a minimum.
+    fn likely(runs: &[RunView], run: usize, at: &Minimum) -> Option<Self> {
+        Some(Self { run, weighting: likelihood(&runs[run]), point: at.point.clone() })
+    }
+}
+
 struct Searches<'a> {
     model: &'a Model,
     runs: &'a [RunView<'a>],
@@ -91,14 +92,12 @@ impl Searches<'_> {
         (0..self.runs.len()).filter(is_open)
     }
 
-    /// Searches again for the runs without a minimum, from `start`, which is given the best result so far.
     fn attempt(&mut self, steps: usize, start: impl Fn(usize, Option<&Minimum>) -> Option<Try>) {
         let tries: Vec<Try> = self.open().filter_map(|run| start(run, self.best[run].as_ref())).collect();
         let minima = self.minima(tries.iter(), steps);
         self.keep(&tries, minima);
     }
 
-    /// Keeps the better of the new and the previous result.
     fn keep(&mut self, tries: &[Try], minima: Vec<Minimum>) {
         for (start, minimum) in tries.iter().zip(minima) {
             let best = &mut self.best[start.run];
@@ -109,7 +108,6 @@ impl Searches<'_> {
         }
     }
 
-    /// The result of each of `tries`.
     fn minima<'t>(&mut self, tries: impl Iterator<Item = &'t Try>, steps: usize) -> Vec<Minimum> {
         let tries: Vec<&Try> = tries.collect();
         let runs: Vec<RunView> = tries.iter().map(|start| self.runs[start.run]).collect();
@@ -125,7 +123,7 @@ impl Searches<'_> {
                 point
             };
             let starts = together.iter().map(from).collect();
-            let weighting = together.iter().map(|i| weighting(&runs[*i], tries[*i].weights)).collect();
+            let weighting = together.iter().map(|i| tries[*i].weighting).collect();
             let Ok(minima) = minimize(&mut search, weighting, starts, steps);
             self.workspace = search.workspace;
             by_try.extend(together.into_iter().zip(minima));
@@ -133,19 +131,12 @@ impl Searches<'_> {
         by_try.into_values().collect()
     }
 
-    /// The outcomes of the runs. Minima that only slopes indicate are verified here, in lanes; those that are not
-    /// minima are searched again.
+    /// The outcomes of the runs. Minima that only slopes indicate are verified here, or searched again.
     fn fits(&mut self, spread: Spread) -> Vec<RunFit> {
         let mut fits = vec![RunFit::NotConverged(0); self.runs.len()];
         let searched = (0..self.runs.len()).filter(|run| self.best[*run].is_some()).collect();
         let missed = self.fit(searched, spread, &mut fits);
-        let from = |run: &usize| {
-            self.best[*run].as_ref().map(|best| Try {
-                run: *run,
-                weights: Likelihood,
-                point: best.point.clone(),
-            })
-        };
+        let from = |run: &usize| Try::likely(self.runs, *run, self.best[*run].as_ref()?);
         let tries: Vec<Try> = missed.iter().filter_map(from).collect();
         self.exactly = true;
         for (start, mut minimum) in tries.iter().zip(self.minima(tries.iter(), STEPS)) {
@@ -168,8 +159,7 @@ impl Searches<'_> {
             let points: Vec<&Vec<f64>> = minima.iter().map(|minimum| &minimum.point).collect();
             let unknowns = side_by_side(&points, &free, recordings.unknowns());
             let problem = Simulations { recordings, unknowns, free, unknown: self.unknown };
-            let weighting: Vec<Weighting> =
-                group.iter().map(|run| weighting(&self.runs[*run], Likelihood)).collect();
+            let weighting: Vec<Weighting> = group.iter().map(|run| likelihood(&self.runs[*run])).collect();
             if !minima.iter().any(|minimum| minimum.unseen) {
                 problem.follow(spread, &mut kept);
             } else {
@@ -193,21 +183,22 @@ impl Searches<'_> {
     }
 }
 
-fn mean_square(run: &RunView, d: usize) -> f64 {
-    let sum: f64 = run.measured.iter().skip(d).step_by(3).map(|y| y * y).sum();
-    sum / (run.samples() + 1) as f64
+/// Mean squares of the measured u, v, r, which errors are weighed by.
+fn mean_squares(run: &RunView) -> [f64; 3] {
+    [0, 1, 2].map(|d: usize| {
+        let sum: f64 = run.measured.iter().skip(d).step_by(3).map(|y| y * y).sum();
+        (sum / (run.samples() + 1) as f64).max(1e-12)
+    })
 }
 
-/// The weighting by the mean squares of the measured states of `run`.
-fn weighting(run: &RunView, weights: Weights) -> Weighting {
-    let sizes = [0, 1, 2].map(|d: usize| mean_square(run, d).max(1e-12));
-    match weights {
-        Likelihood => Weighting::Likelihood(sizes.map(|square| EXACT * square)),
-        Fixed => Weighting::Fixed(sizes.map(|square| square.recip())),
-    }
+fn likelihood(run: &RunView) -> Weighting {
+    Weighting::Likelihood(mean_squares(run).map(|square| EXACT * square))
 }
 
-/// The one that is a minimum; if neither is, the first that made progress.
+fn fixed(run: &RunView) -> Weighting {
+    Weighting::Fixed(mean_squares(run).map(f64::recip))
+}
+
 pub(super) fn better(a: Minimum, b: Minimum) -> Minimum {
     let rank = |m: &Minimum| match m.status {
         Ended::Converged => 3,
@@ -241,13 +232,11 @@ struct LaneSearch<'a> {
     exactly: bool,
 }
 
-/// A workspace that is reused by searches, so that memory is allocated once.
 #[derive(Default)]
 struct Workspace {
     all: Vec<Packed>,
     some: Vec<Packed>,
     path: Vec<[Lane; 3]>,
-    /// Sensitivities of the last verification of minima.
     kept: Sensitivities<Lane>,
 }
 
@@ -280,8 +269,7 @@ impl<'a> LaneSearch<'a> {
         }
     }
 
-    /// Groups with the requested runs: all groups, or, if these would leave many lanes empty, groups of the last
-    /// requested runs only.
+    /// All groups, or, if these would leave many lanes empty, groups of the last requested runs.
     fn packed(&mut self, asked: &[Linearization]) -> &[Packed] {
         let wanted = asked.len().div_ceil(LANES);
         let enough = |packed: usize| 3 * wanted > 2 * packed;
@@ -300,16 +288,14 @@ impl<'a> LaneSearch<'a> {
         &self.workspace.some[..self.some]
     }
 
-    /// The results of `look` for the requested runs, in their order; it is called with recordings in lanes, the
-    /// unknowns and the request of each lane.
+    /// The results of `look`, called with recordings in lanes, unknowns and requests, in the order of requests.
     fn each<T>(
         &mut self,
         asked: &[Linearization],
         mut look: impl FnMut(&Recordings, &[Lane], &[&Linearization]) -> Vec<T>,
     ) -> Vec<T> {
         let (model, free) = (self.model, self.free.clone());
-        let by_run: BTreeMap<usize, &Linearization> =
-            asked.iter().map(|request| (request.problem, request)).collect();
+        let by_run: BTreeMap<usize, &Linearization> = asked.iter().map(|r| (r.problem, r)).collect();
         let mut results = BTreeMap::new();
         for Packed { runs, data } in self.packed(asked) {
             let Some(any) = runs.iter().find_map(|run| by_run.get(run)) else { continue };
@@ -327,7 +313,6 @@ impl<'a> LaneSearch<'a> {
     }
 }
 
-/// Packs the `wanted` ones of `runs` into the first groups of `workspace`; returns the number of groups.
 fn pack(runs: &[RunView], wanted: &[usize], workspace: &mut Vec<Packed>) -> usize {
     let count = wanted.len().div_ceil(LANES);
     workspace.resize_with(count.max(workspace.len()), Packed::default);
@@ -374,7 +359,6 @@ impl Residuals for LaneSearch<'_> {
     }
 }
 
-/// Free simulations of runs in lanes, at their minima.
 struct Simulations<'a> {
     recordings: Recordings<'a>,
     unknowns: Vec<Lane>,
@@ -392,7 +376,6 @@ impl Simulations<'_> {
         }
     }
 
-    /// Stores their sensitivities, with a stated spread.
     fn follow(&self, spread: Spread, kept: &mut Sensitivities<Lane>) {
         if !matches!(spread, Spread::Blocks) {
             kept.follow(&self.recordings, &self.unknowns, &self.free, self.unknown.start_counts());

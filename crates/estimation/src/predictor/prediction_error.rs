@@ -109,8 +109,7 @@ impl<const N: usize> Residuals for Predictions<'_, N> {
         // A problem's gains are in its lane, so it cannot move to another. Lanes of finished problems repeat the
         // first's point.
         let request_of = |lane: usize| asked.iter().find(|request| request.problem == lane).or(asked.first());
-        let points: Vec<&[f64]> =
-            (0..LANES).filter_map(request_of).map(|request| request.point.as_slice()).collect();
+        let points: Vec<&[f64]> = (0..LANES).filter_map(request_of).map(|r| r.point.as_slice()).collect();
         let unknowns = side_by_side(&points, &self.free, self.recordings.unknowns());
         let linears = linearize(self.recordings, &unknowns, &self.free, Some(self.levels), &self.gains, true);
         let wanted = |lane: &usize| asked.iter().any(|request| request.problem == *lane);
@@ -169,8 +168,7 @@ fn rounds<const N: usize>(
             }
         }
     }
-    let fit =
-        |minimum: &Minimum| fit(recordings, minimum, errors(minimum, free.len()), InitialState::Known.into());
+    let fit = |m: &Minimum| fit(recordings, m, errors(m, free.len()), InitialState::Known.into());
     best.iter().map(fit).collect()
 }
 

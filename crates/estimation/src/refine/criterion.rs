@@ -102,7 +102,6 @@ impl TraceCriterion<'_> {
         })
     }
 
-    /// The model with intercepts, which are zero.
     fn lifted(&self) -> (Model, Vec<f64>) {
         let model = self.model.with_intercepts();
         let parameters = model.layout().woven(self.parameters, [0.0; 3]);
@@ -127,14 +126,12 @@ fn inverse(n: usize, information: &[f64]) -> Option<Vec<f64>> {
     (regular && positive && out.iter().all(|x| x.is_finite())).then_some(out)
 }
 
-/// The diagonal of C B C, C symmetric.
 fn sandwich(n: usize, c: &[f64], b: &[f64]) -> Vec<f64> {
     product(n, c, b).chunks_exact(n).zip(c.chunks_exact(n)).map(|(row, c)| dot(row, c)).collect()
 }
 
 // The backward pass: the gradient of log tr(G cov θ̃) by all inputs of all samples.
 //
-/// A matrix of n rows, padded with zeros to whole lanes.
 struct Rows {
     columns: usize,
     rows: Vec<Lane>,
@@ -308,7 +305,6 @@ impl Back<'_> {
         out
     }
 
-    /// Adds the terms that depend on S(k+1) itself.
     #[inline(always)]
     fn add_sources(&self, k: usize, to: &mut [[Lane; 3]]) {
         let s = self.forward.path.at(k + 1);

@@ -38,14 +38,13 @@ pub struct Refined {
     pub settled: bool,
 }
 
-/// Maximum iterations of a round; few iterations are shared among rounds, since the cost of violations has to grow.
+/// Maximum iterations of a round; few are shared among rounds, since the cost of violations has to grow.
 const ROUND: usize = 60;
 const ROUNDS: usize = 12;
 /// Cost of a violation in the first round, its growth by round, and its greatest.
 const WEIGHTS: [f64; 3] = [3.0, 2.0, 3e3];
 /// Margin of the search below limits of motion and rates, as a part of them.
 pub const MARGIN: f64 = 5e-4;
-/// A gain below this, in a round, ends the search.
 const GAIN: f64 = 1e-4;
 
 /// Minimises `criterion` from inputs `start`, N × inputs, within `limits`, which `start` must keep, those of rates by
@@ -106,12 +105,10 @@ pub struct SignalLimits {
 }
 
 impl SignalLimits {
-    /// The largest share of a limit that states (rows × 3) and inputs (rows × inputs) reach: of u, v, r, of every input, and of
-    /// every input's rate.
+    /// The largest share of its limit that each of u, v, r, every input and every input's rate reaches, row by row.
     pub fn reached(&self, states: &[f64], inputs: &[f64]) -> Vec<f64> {
         let width = self.inputs.len();
-        let largest =
-            |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |most, x| most.max(x.abs()));
+        let largest = |all: &mut dyn Iterator<Item = f64>| all.fold(0.0_f64, |most, x| most.max(x.abs()));
         let state = |d: usize| largest(&mut states.iter().skip(d).step_by(3).copied()) / self.states[d];
         let input = |i: usize| {
             let [middle, half] = centred(self.inputs[i]);
@@ -131,17 +128,14 @@ impl SignalLimits {
     }
 }
 
-/// The criterion with the cost of limits at the present multipliers.
 struct Lagrangian<'a> {
     pub criterion: &'a TraceCriterion<'a>,
     pub signal: Signal<'a>,
     pub limits: &'a SignalLimits,
-    /// Relative margin of the search below the limits.
     pub margin: f64,
     pub weight: f64,
     /// Of the states, (N+1) × 3, then of the inputs' steps, (N−1) × inputs.
     pub multipliers: Vec<f64>,
-    /// The best inputs within all limits, with their corrections.
     pub best: Option<(f64, Vec<f64>)>,
     pub evaluations: usize,
 }
@@ -168,7 +162,6 @@ impl Lagrangian<'_> {
         states.chain(steps).collect()
     }
 
-    /// max(0, ν + μ c) of every constraint.
     fn forces(&self, constraints: &[(f64, f64)]) -> Vec<f64> {
         let force = |(nu, (c, _)): (&f64, &(f64, f64))| (nu + self.weight * c).max(0.0);
         self.multipliers.iter().zip(constraints).map(force).collect()
@@ -280,7 +273,6 @@ impl<'a> Signal<'a> {
         self.start.iter().enumerate().map(of).collect()
     }
 
-    /// The gradient by the corrections from that by the inputs.
     fn gathered(&self, slopes: &[f64]) -> Vec<f64> {
         let width = self.limits.len();
         let mut out = vec![0.0; self.knots() * width];

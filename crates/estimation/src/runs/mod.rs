@@ -35,7 +35,6 @@ pub struct RunEstimators<'a> {
     pub levels: Option<NoiseModel>,
 }
 
-/// The results of all estimators on some runs; empty for those not needed.
 #[derive(Default)]
 struct EstimatorResults {
     ls: Vec<Regressed>,
@@ -112,7 +111,6 @@ impl RunEstimators<'_> {
         Ok(rows.map(|(row, covariance)| (row, covariance.map(<[f64]>::to_vec))).collect())
     }
 
-    /// All estimates with their covariances, run by run.
     fn rows<'f>(&self, results: &'f EstimatorResults, runs: &[Run]) -> Vec<(RunEstimate, Option<&'f [f64]>)> {
         let columns = self.estimators.iter().map(|e| results.rows(self, *e, runs).into_iter());
         let mut columns: Vec<_> = columns.collect();
@@ -198,8 +196,7 @@ impl RunEstimators<'_> {
         each.map(|(run, (outcome, excitation))| Regressed::new(run, outcome, excitation)).collect()
     }
 
-    /// The terms that a measured run's instruments cannot distinguish; for estimators that need instruments. Others
-    /// work with collinear columns.
+    /// Terms that a run's instruments cannot distinguish; only for estimators that need instruments.
     pub fn collinear(&self, run: &Run) -> Option<CollinearRun> {
         let instrumented = self.estimators.iter().any(|e| e.by_instruments());
         instrumented.then(|| collinear_run(self.vessel, run, self.removal)).flatten()

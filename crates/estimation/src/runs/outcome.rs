@@ -9,7 +9,6 @@ use thiserror::Error;
 use crate::predictor::{NoiseModel, RunFit};
 use crate::{EstimateStatus, Estimator, RunEstimate};
 
-/// The result of an estimator on one run.
 #[derive(Clone)]
 pub(super) struct RunOutcome {
     pub status: EstimateStatus,
@@ -17,7 +16,6 @@ pub(super) struct RunOutcome {
     pub covariance: Option<Vec<f64>>,
     /// Intercepts, if they were estimated with the parameters; else they are the mean residuals.
     pub intercepts: Option<[f64; 3]>,
-    /// The current, and its standard errors, if estimated.
     pub current: Option<[[f64; 2]; 2]>,
 }
 
@@ -31,7 +29,6 @@ pub(super) struct Regressed {
 }
 
 impl RunOutcome {
-    /// θ̂, where there is one.
     pub(super) fn theta(&self) -> Option<&[f64]> {
         self.estimate.as_ref().map(|(theta, _)| theta.as_slice())
     }
@@ -90,7 +87,6 @@ impl Regressed {
         self
     }
 
-    /// The same without an estimate, because of this parameter.
     pub(super) fn unidentified(mut self, degree: usize, parameter: usize) -> Self {
         self.outcome = RunOutcome::none(EstimateStatus::NotIdentifiable);
         self.weakest[degree] = parameter;
@@ -98,7 +94,6 @@ impl Regressed {
         self
     }
 
-    /// The estimate `found` of `run`, with this excitation.
     pub(super) fn estimate(
         &self,
         vessel: &Vessel,
@@ -186,12 +181,10 @@ pub(super) fn refined(
     groups(&lengths).into_iter().flat_map(group).collect()
 }
 
-/// Up to [`numerics::LANES`] runs.
 struct Refinement<'a> {
     vessel: &'a Vessel,
     removal: MeanRemoval,
     noise: Option<Noise>,
-    /// The runs with the latest simulations as instruments.
     runs: Prepared<'a>,
     thetas: Vec<Option<Vec<f64>>>,
     models: Vec<Vec<f64>>,
@@ -234,7 +227,6 @@ impl<'a> Refinement<'a> {
         }
     }
 
-    /// Takes the outcome of a run's round; `None` if its simulation diverged.
     fn take(&mut self, lane: usize, outcome: Option<Outcome>) {
         if self.done[lane] {
             return;

@@ -73,7 +73,6 @@ impl RunEstimators<'_> {
         white(self.levels.as_ref()).map(|_| ())
     }
 
-    /// Estimates of `runs` of a ship with forces, each with its covariance.
     pub(super) fn by_forces(
         &self,
         moved: &ForceModel,
@@ -98,7 +97,6 @@ struct Single<'a> {
 }
 
 impl Single<'_> {
-    /// The estimate of `run` by output error, and its covariance.
     fn estimate(&self, run: &Run) -> (RunEstimate, EstimateCovariance) {
         let (status, weakest, condition, estimate, covariance) = match self.search(run) {
             Ok((theta, PredictedErrors { covariance, condition, weakest })) => {
@@ -151,7 +149,6 @@ impl Single<'_> {
         self.moved.forces.parameters().iter().map(|parameter| parameter.prior)
     }
 
-    /// 1/σ² of each prior, 0 without one.
     fn known(&self) -> Vec<f64> {
         self.deviations().map(|prior| prior.map_or(0.0, |deviation| deviation.powi(-2))).collect()
     }

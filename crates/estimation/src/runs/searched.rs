@@ -53,7 +53,6 @@ impl RunEstimators<'_> {
         output_error(&model, &views, &starts, self.unknown(), spread)
     }
 
-    /// The unknowns of free simulations.
     pub(super) fn unknown(&self) -> Unknown {
         Unknown::new(self.initial, self.additional, 1.0 / self.vessel.sample_rate_hz)
     }
@@ -73,8 +72,7 @@ impl RunEstimators<'_> {
         prediction_error(&self.lifted(), &views(runs), &starts, self.initial, levels)
     }
 
-    /// Seconds of the search for the noise per row and thread, order of magnitude; see
-    /// [`crate::Estimator::seconds_per_row`].
+    /// Seconds of the search for noise per row and thread; see [`crate::Estimator::seconds_per_row`].
     pub fn seconds_per_row_calibrated(&self) -> f64 {
         let searched = self.estimators.iter().filter(|estimator| estimator.searches()).count();
         if self.levels.is_none() { 1e-3 * searched as f64 } else { 0.0 }
@@ -113,8 +111,7 @@ impl RunEstimators<'_> {
         calibrated(model, &[run], self.vessel.sample_rate_hz, known, starts)
     }
 
-    /// An estimate under noise that was found, with standard errors that allow for it, or marked as approximate if
-    /// the errors follow no known kind of noise.
+    /// An estimate with errors under the noise that was found, or approximate ones if errors follow no known noise.
     fn with_errors_of(&self, fitted: Fitted, model: &Model, run: RunView, noise: &Calibrated) -> Fitted {
         let layout = model.layout();
         let theta = layout.woven(&fitted.parameters, fitted.intercepts);
@@ -140,7 +137,6 @@ impl RunEstimators<'_> {
         Fitted { standard_errors, covariance, approximate: !noise.white, ..fitted }
     }
 
-    /// The model with its intercepts, if it is to have any.
     fn lifted(&self) -> Cow<'_, Model> {
         match self.additional.intercepts {
             Intercepts::Each => Cow::Owned(self.vessel.model.with_intercepts()),
@@ -148,7 +144,6 @@ impl RunEstimators<'_> {
         }
     }
 
-    /// The starts of `known` that exist, and the nominal model.
     fn starts(&self, known: [Option<Start>; 2]) -> Vec<Vec<f64>> {
         let layout = self.lifted().layout();
         let all = known.into_iter().flatten().chain([without(&self.vessel.nominal)]);

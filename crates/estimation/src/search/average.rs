@@ -127,13 +127,11 @@ impl Averages {
     }
 }
 
-/// The number of recordings that a structure is found on: seven tenths.
 pub(crate) fn share(recordings: usize) -> usize {
     (7 * recordings + 5) / 10
 }
 
-/// Seven tenths of `recordings`, with the same share of each kind as far as possible, in their order. Depends on the
-/// stream and the number alone.
+/// Seven tenths of `recordings`, of each kind alike, in their order. Depends on stream and number alone.
 pub fn draw_most<'a>(recordings: &[&'a Recording], streams: &Streams, number: u32) -> Vec<&'a Recording> {
     let all = recordings.len();
     let mut rest: Vec<usize> = (0..all).collect();
@@ -227,7 +225,7 @@ impl Study<'_> {
     }
 }
 
-/// The quantiles over `found` of every parameter that one of them has.
+/// The quantiles over `models` of every parameter that one of them has.
 fn summed_up(models: &[Fitted]) -> BTreeMap<String, ResampledParameter> {
     let mut values: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     for fitted in models {
@@ -252,8 +250,7 @@ const DISTINCT: usize = 3;
 /// Maximum number of draws for a resample with enough distinct recordings.
 const DRAWS: u32 = 1000;
 
-/// Indices of `recordings` drawn with replacement, the same number of every kind. Depends on the stream and the
-/// number alone.
+/// Indices drawn with replacement, as many of every kind. Depends on stream and number alone.
 pub fn draw_again(recordings: &[Recording], streams: &Streams, number: u32) -> Vec<usize> {
     let mut order: Vec<usize> = (0..recordings.len()).collect();
     order.sort_by_key(|i| recordings[*i].kind());

@@ -13,15 +13,10 @@ use crate::search::limit;
 use crate::search::nested::{Fitted, Study, widened};
 use crate::search::problem::{LossSlopes, WindowProblem};
 
-/// For refits during the search.
 const REFIT: Ending = Ending { steps: 2, enough: 1e-3 };
-/// For the model with the chosen terms, when it is scored.
 const JUDGED: Ending = Ending { steps: 12, enough: 1e-4 };
-/// Terms that are added before the model is linearised again.
 const BEFORE: usize = 3;
-/// The search ends after this many additions without a lower loss.
 const PATIENCE: usize = 12;
-/// A smaller relative decrease of the loss does not count.
 const NONE: f64 = 1e-4;
 
 /// A number of terms and how folds that are left out are followed with that many.
@@ -42,14 +37,12 @@ pub struct SizeScore {
 
 pub(crate) struct Compact {
     pub sizes: Vec<SizeScore>,
-    /// Indices in the library of the chosen terms.
     pub places: Vec<usize>,
 }
 
 struct Size {
     places: Vec<usize>,
     added: usize,
-    /// Loss of each fold by the quadratic fitted to the others.
     losses: Vec<f64>,
 }
 
@@ -78,8 +71,7 @@ impl Study<'_> {
         let scores: Vec<SizeScore> = sizes
             .iter()
             .map(|size| {
-                let more: Vec<f64> =
-                    size.losses.iter().zip(&best.losses).map(|(loss, best)| loss - best).collect();
+                let more: Vec<f64> = size.losses.iter().zip(&best.losses).map(|(a, b)| a - b).collect();
                 SizeScore {
                     terms: size.places.len() as u64,
                     added: names[size.added].to_owned(),
@@ -153,8 +145,7 @@ fn linearise(problem: &WindowProblem, beta: &[f64]) -> Option<Linearised> {
     Some(Linearised { errors: problem.errors(), loss: looked.loss, slopes })
 }
 
-/// `places` with the term that gives the least loss of the left-out folds; `None` if there is no other term.
-/// Parameters `held` at a bound stay there.
+/// `places` with the term of the least loss on left-out folds; parameters `held` at a bound stay there.
 fn addition(
     linearised: &[Linearised],
     places: &[usize],
@@ -215,7 +206,7 @@ impl Others {
         Some(Self { p, curvature, descent, inverse, step })
     }
 
-    /// Loss of the fold `own` with the terms at `places` and `added`, by the bordered inverse.
+    /// Loss of a `fold_loss` with the terms at `places` and `added`, by the bordered inverse.
     fn loss(&self, fold_loss: &Linearised, places: &[usize], added: usize) -> f64 {
         let p = self.p;
         let border: Vec<f64> = places.iter().map(|i| self.curvature[i * p + added]).collect();
@@ -225,8 +216,7 @@ impl Others {
         let step = if step.is_finite() { step } else { 0.0 };
         let LossSlopes { curvature, descent } = &fold_loss.slopes;
         let mut loss = fold_loss.loss + step * (curvature[added * p + added] * step - 2.0 * descent[added]);
-        let change: Vec<f64> =
-            self.step.iter().zip(&moved).map(|(free_step, moved)| free_step - moved * step).collect();
+        let change: Vec<f64> = self.step.iter().zip(&moved).map(|(a, b)| a - b * step).collect();
         for (i, change_i) in places.iter().zip(&change) {
             let row = &curvature[i * p..(i + 1) * p];
             let along: f64 = places.iter().zip(&change).map(|(j, change)| row[*j] * change).sum();
@@ -236,18 +226,8 @@ impl Others {
     }
 }
 
-/// `library` with the terms at `places` only.
 fn subset(library: &Model, places: &[usize]) -> Model {
-    let mut model = library.clone();
-    let layout = library.layout();
-    for (d, degree) in model.degrees.iter_mut().enumerate() {
-        let first = layout.degree(d).start;
-        let kept = |i: &usize| places.contains(&(first + i));
-        let chosen: Vec<usize> = (0..degree.terms.len()).filter(kept).collect();
-        degree.terms = chosen.iter().map(|i| degree.terms[*i].clone()).collect();
-        degree.parameters = chosen.iter().map(|i| degree.parameters[*i].clone()).collect();
-    }
-    model
+    selected(library, |_, _, parameter| places.contains(&parameter))
 }
 
 /// `library` without those terms beyond `base` that are 0 in every sample.
@@ -258,19 +238,19 @@ pub(crate) fn without_zeros(base: &Model, library: &Model, recordings: &[Recordi
         compiled.look(state, exogenous, None);
         used.iter_mut().enumerate().for_each(|(i, used)| *used |= compiled.term(i) != 0.0);
     });
-    let mut model = library.clone();
-    let layout = library.layout();
-    for (d, degree) in model.degrees.iter_mut().enumerate() {
-        let first = layout.degree(d).start;
-        let kept = |i: usize| i < base.degrees[d].terms.len() || used[first + i];
-        degree.terms = keep(&degree.terms, kept);
-        degree.parameters = keep(&degree.parameters, kept);
-    }
-    model
+    selected(library, |d, i, parameter| i < base.degrees[d].terms.len() || used[parameter])
 }
 
-fn keep<T: Clone>(all: &[T], kept: impl Fn(usize) -> bool) -> Vec<T> {
-    all.iter().enumerate().filter(|(i, _)| kept(*i)).map(|(_, item)| item.clone()).collect()
+/// `library` with the terms that are `kept`, by degree of freedom, place in it, and index of the parameter.
+fn selected(library: &Model, kept: impl Fn(usize, usize, usize) -> bool) -> Model {
+    let (mut model, layout) = (library.clone(), library.layout());
+    for (d, degree) in model.degrees.iter_mut().enumerate() {
+        let first = layout.degree(d).start;
+        let places: Vec<usize> = (0..degree.terms.len()).filter(|i| kept(d, *i, first + i)).collect();
+        degree.terms = places.iter().map(|i| degree.terms[*i].clone()).collect();
+        degree.parameters = places.iter().map(|i| degree.parameters[*i].clone()).collect();
+    }
+    model
 }
 
 /// Calls `look` with the index of the recording, the state, the inputs and the state's increment of every sample.
@@ -289,8 +269,7 @@ fn each(recordings: &[Recording], width: usize, mut look: impl FnMut(usize, [f64
 /// A term is a combination of those before it, up to rounding, if the rest of its square is below this share.
 const COMBINED: f64 = 1e-10;
 
-/// Names of the parameters of `model` whose terms are combinations of earlier terms of their degree of freedom in
-/// every sample, so that no recording can distinguish them.
+/// Parameters whose terms are combinations of earlier ones of their degree of freedom in every sample.
 pub(crate) fn combined(model: &Model, recordings: &[Recording]) -> Vec<String> {
     let mut compiled = Compiled::new(model, &vec![0.0; model.parameters()]);
     let layout = model.layout();
@@ -320,7 +299,7 @@ pub(crate) fn without_intercepts(lifted: &Model) -> Model {
     model
 }
 
-/// The model `found`, whose structure without intercepts is `structure`.
+/// The model of `fitted`, whose structure without intercepts is `structure`.
 pub(crate) fn delivered(
     structure: &Model,
     fitted: &Fitted,

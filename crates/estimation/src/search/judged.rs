@@ -127,8 +127,7 @@ struct LeftOut<'a> {
 }
 
 impl Study<'_> {
-    /// Scores the models that were found without each fold on that fold; likewise the means of several models, if
-    /// there are `averages`.
+    /// Scores the models found without each fold on that fold; likewise the means of several, with `averages`.
     pub fn judged(&self, by_folds: &[Judged], averages: Option<&[Option<Vec<Fitted>>]>) -> NestedScore {
         let laid = |laid| self.left_out(by_folds, averages, laid);
         let all = [laid(Laid::SideBySide), laid(Laid::Overlapping)];
@@ -136,7 +135,6 @@ impl Study<'_> {
         nested_score(&all, [self.std, self.overlapping_std], averages.is_some(), ridges)
     }
 
-    /// Every recording when it was left out, in the order of the recordings.
     fn left_out(
         &self,
         by_folds: &[Judged],
@@ -153,7 +151,7 @@ impl Study<'_> {
             let average = several.map(|several| scores_of_mean(&ships(several), &recordings, laid, *limit));
             for (i, recording) in recordings.iter().enumerate() {
                 let [search, base, average] =
-                    [&searched, &base, &average].map(|scores| scores.as_ref().map(|s| s[i]));
+                    [&searched, &base, &average].map(|all| all.as_ref().map(|s| s[i]));
                 all.push(LeftOut { recording, fold, search, base, average });
             }
         }
@@ -215,12 +213,10 @@ pub(crate) fn ships(all: &[Fitted]) -> Vec<(&Model, &[f64])> {
     all.iter().map(|fitted| (&fitted.model, fitted.theta.as_slice())).collect()
 }
 
-/// Against the standard deviations of its own states.
 fn own_errors(score: Option<Score>, recording: &Recording) -> Option<FreeRunErrors> {
     score?.errors(varying(std::iter::once(recording), Laid::SideBySide))
 }
 
-/// All together against `std`; `None` if one has no model.
 fn whole(scores: impl Iterator<Item = Option<Score>>, std: [f64; 3]) -> Option<FreeRunErrors> {
     let all: Vec<Score> = scores.collect::<Option<_>>()?;
     together(all.iter()).errors(std)
@@ -312,7 +308,7 @@ impl Dealt<'_> {
         let held = self.are_inputs_held;
         let score = |(i, fold): (usize, &usize)| {
             let ships: Vec<&FittedShip> =
-                kinds.iter().map(|kind| kind.without[*fold].as_ref()).collect::<Option<_>>()?;
+                kinds.iter().map(|k| k.without[*fold].as_ref()).collect::<Option<_>>()?;
             let mut windows: Vec<_> = kinds.iter().map(|kind| kind.recordings[i].scored(laid)).collect();
             let mut score = Score::default();
             while let Some(views) = windows.iter_mut().map(Iterator::next).collect::<Option<Vec<_>>>() {
@@ -358,14 +354,12 @@ impl Dealt<'_> {
             nested_recording.average = score.and_then(|score| score.errors(varied()));
             nested_recording.average_norm = score.and_then(|score| score.norm(std));
         }
-        let scored =
-            nested.recordings.iter().zip(recordings).filter(|(_, recording)| recording.windows() > 0);
+        let scored = nested.recordings.iter().zip(recordings).filter(|(_, r)| r.windows() > 0);
         let norms = |of: fn(&NestedRecording) -> Option<f64>| {
             let pairs = scored.clone().map(|(recording, _)| [recording.average_norm, of(recording)]);
             Margin::of(&pairs.collect::<Vec<_>>())
         };
-        let (over_search, over_base) =
-            (norms(|recording| recording.search_norm), norms(|other| other.base_norm));
+        let (over_search, over_base) = (norms(|r| r.search_norm), norms(|r| r.base_norm));
         nested.average = Some(NestedAverage {
             errors,
             overlapping,

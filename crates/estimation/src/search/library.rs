@@ -56,8 +56,7 @@ pub fn library(base: &Model, roles: &Roles) -> Model {
     model
 }
 
-/// The factors of a term of symbols in the vessel's channels; several if several channels have one role, none if no
-/// channel has it.
+/// The factors of a term of symbols in channels: several where channels share a role, none where it is free.
 fn meant(symbolic: &[Factor], roles: &Roles) -> Vec<Vec<Factor>> {
     let ahead = symbolic.iter().filter(|f| f.variable == AHEAD).count();
     let mut all = vec![Vec::new()];
@@ -89,7 +88,6 @@ fn meant(symbolic: &[Factor], roles: &Roles) -> Vec<Vec<Factor>> {
 }
 
 impl Roles {
-    /// The channels that a symbol stands for.
     fn playing(&self, symbol: usize) -> Vec<usize> {
         match symbol {
             PROPELLER => self.propellers.clone(),
@@ -185,8 +183,7 @@ const PRODUCTS: [(&str, i32, i32, bool); 7] = [
     ("sin_3", 0, 3, false),
 ];
 
-/// Adds the roles of the channels derived from the wind, if there is one. A channel that the model has already, up to
-/// a factor, is not derived again.
+/// Adds the roles of channels derived from the wind, if there is one; those of the model are not derived again.
 fn with_wind(made: &mut Made, mut roles: Roles) -> Roles {
     let (Some(wind), Some(from)) = (roles.wind, roles.wind_from) else { return roles };
     let [wind, from] = [wind, from].map(|variable| &made.model.variables[variable]);
@@ -240,10 +237,8 @@ pub fn core(model: &Model, roles: &Roles, reversing: &[usize]) -> Result<(Model,
 
 /// The channels of propellers ahead and astern that are derived of those `reversing`, where none has these roles.
 fn with_astern(model: &Model, mut roles: Roles, reversing: &[usize]) -> Result<(Model, Roles), Invalid> {
-    let single: Vec<usize> =
-        roles.propellers.iter().copied().filter(|propeller| reversing.contains(propeller)).collect();
-    let apart =
-        roles.ahead.iter().any(|channel| !roles.propellers.contains(channel)) || !roles.astern.is_empty();
+    let single: Vec<usize> = roles.propellers.iter().copied().filter(|p| reversing.contains(p)).collect();
+    let apart = roles.ahead.iter().any(|c| !roles.propellers.contains(c)) || !roles.astern.is_empty();
     if single.is_empty() || apart {
         return Ok((model.clone(), roles));
     }

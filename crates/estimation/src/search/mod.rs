@@ -104,8 +104,7 @@ impl Recording {
         self.whole.iter().flat_map(move |whole| {
             let samples = whole.samples();
             // A remainder that is shorter than a step belongs to the windows before it.
-            let starts =
-                (0..samples).step_by(every).filter(move |start| *start == 0 || start + every <= samples);
+            let starts = (0..samples).step_by(every).filter(move |k| *k == 0 || k + every <= samples);
             starts.map(move |start| whole.view().part(start..(start + window).min(samples)))
         })
     }
@@ -171,7 +170,6 @@ fn scores(
     scored(recordings, laid, |windows| squares(model, &theta, windows, limit))
 }
 
-/// Scores the mean trajectory of several `models` with their θ.
 fn scores_of_mean(
     models: &[(&Model, &[f64])],
     recordings: &[&Recording],

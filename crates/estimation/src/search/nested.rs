@@ -12,7 +12,6 @@ use crate::pooled::Score;
 use crate::search::limit;
 use crate::search::problem::{Looked, LossSlopes, WindowProblem};
 
-/// For the fits of a path: the next ridge starts where they end.
 const ALONG: Ending = Ending { steps: 2, enough: 1e-3 };
 const BASE: Ending = Ending { steps: 20, enough: 1e-5 };
 /// No smaller ridge is tried after this many candidates worse than the best: with few recordings a large ridge may be
@@ -36,14 +35,12 @@ pub(crate) struct Study<'a> {
     pub std: [f64; 3],
     pub overlapping_std: [f64; 3],
     pub choosing_std: [f64; 3],
-    /// Whether whole runs are scored.
     pub whole_runs: bool,
 }
 
 const DELIVERED: Ending = Ending { steps: 20, enough: 1e-6 };
 
-/// Fits without some folds, from the largest ridge on, each started from the one before, unless the base structure or
-/// least squares costs less.
+/// Fits without some folds, from the largest ridge on, each from the cheapest of the one before and two others.
 pub(crate) struct RidgePath<'a> {
     problem: WindowProblem<'a>,
     pub limit: [f64; 3],
@@ -51,7 +48,6 @@ pub(crate) struct RidgePath<'a> {
     /// Starts in scaled parameters of the library: that, the library's least squares, and zero.
     starts: Vec<Vec<f64>>,
     last: Option<Vec<f64>>,
-    /// By ridge; `None` if the fit failed.
     pub thetas: Vec<Option<Vec<f64>>>,
 }
 
@@ -69,7 +65,6 @@ pub struct Candidate {
     pub rejected: u64,
 }
 
-/// Candidates in the order in which they were tried, until the best is clear.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Choice {
     pub candidates: Vec<Candidate>,
@@ -96,7 +91,6 @@ impl Choice {
 }
 
 pub(crate) struct Fitted {
-    /// Its structure, with intercepts.
     pub model: Model,
     pub theta: Vec<f64>,
 }
@@ -129,8 +123,7 @@ impl<'a> Study<'a> {
         self.recordings.iter().zip(self.folds).filter(|(_, fold)| keep(**fold)).map(|(r, _)| r).collect()
     }
 
-    /// The path without some folds, before its first ridge: fits the base structure by least squares, then by output
-    /// errors.
+    /// The path without some folds, before its first ridge: the base by least squares, then by output errors.
     pub fn path(&self, without: &[usize]) -> RidgePath<'a> {
         let recordings = self.picked(|fold| !without.contains(&fold));
         let base = started(self.base, &recordings, self.rate_hz, BASE);
@@ -194,8 +187,7 @@ impl<'a> Study<'a> {
         choice
     }
 
-    /// Chooses the ridge by recordings that are left out; again without each fold, by the remaining folds. A fit
-    /// without two folds serves both.
+    /// Chooses the ridge by left-out recordings; again without each fold. A fit without two folds serves both.
     pub fn nested(&self, done: &(dyn Fn(usize) + Sync)) -> Nested<'a> {
         let count = self.all_folds().end;
         let sets: Vec<Vec<usize>> = (0..count)
@@ -249,8 +241,7 @@ impl<'a> Study<'a> {
         }
     }
 
-    /// Scores the last fit of `path` on windows of the recordings of `fold`; `None` if it diverges over a window, or
-    /// over a run if whole runs are scored.
+    /// Scores the last fit on windows of the recordings of `fold`; `None` if it diverges over what is scored.
     fn followed(&self, path: &RidgePath, fold: usize) -> Option<Vec<Score>> {
         let (theta, recordings) = (path.last_theta()?, self.within(fold));
         let over = |laid| {
@@ -301,12 +292,10 @@ const DAMPING: [f64; 2] = [1e-6, 1e6];
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ending {
     pub steps: usize,
-    /// The search ends at a smaller relative decrease of the loss.
     pub enough: f64,
 }
 
-/// Minimises loss(β) + ridge |β|² within the bounds of β from `start` by Levenberg and Marquardt's method. `None` if
-/// the start is outside the limits.
+/// Minimises loss(β) + ridge |β|² within bounds by Levenberg and Marquardt's method; `None` from beyond limits.
 pub(crate) fn minimum(
     problem: &WindowProblem,
     start: Vec<f64>,
@@ -413,8 +402,7 @@ fn limited(
 /// Weight of the penalty that keeps collinear terms of the base structure in place.
 const NEARLY_NONE: f64 = 1e-8;
 
-/// θ of `model` by output errors over `recordings`, nearly without a penalty, from least squares or, if that
-/// diverges, from zero.
+/// θ by output errors, nearly without a penalty, from least squares or, if that diverges, from zero.
 fn started(model: &Model, recordings: &[&Recording], rate_hz: f64, ending: Ending) -> Option<Vec<f64>> {
     let none = vec![0.0; model.parameters()];
     let least = least_squares(model, recordings, rate_hz)?;
@@ -423,7 +411,6 @@ fn started(model: &Model, recordings: &[&Recording], rate_hz: f64, ending: Endin
     from(least).or_else(|| from(none)).map(|beta| problem.theta(&beta))
 }
 
-/// Scaled least-squares parameters of the increments.
 fn least_squares(model: &Model, recordings: &[&Recording], rate_hz: f64) -> Option<Vec<f64>> {
     let simple = WindowProblem::increments(model, recordings, rate_hz);
     let none = vec![0.0; model.parameters()];

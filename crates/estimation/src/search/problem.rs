@@ -30,13 +30,11 @@ pub(crate) struct WindowProblem<'a> {
     /// Bounds of θ, infinite at open ends; empty without bounds.
     bounds: Vec<[f64; 2]>,
     residuals: f64,
-    /// Interval in samples at which the curvature is summed.
     thin: usize,
 }
 
 #[derive(Clone, Debug)]
 pub(crate) struct Looked {
-    /// Mean over all errors of the Huber loss of their window.
     pub loss: f64,
     weights: Vec<f64>,
 }
@@ -282,10 +280,8 @@ const TILE: usize = 4;
 /// Σ x xᵀ over rows of many signals. It is summed in tiles, so that each loaded number is used four times.
 struct Gram {
     signals: usize,
-    /// The last rows of each signal.
     rows: Vec<f64>,
     filled: usize,
-    /// Columns × columns, of which only tiles on and above the diagonal are summed.
     sums: Vec<f64>,
 }
 
@@ -362,8 +358,7 @@ impl WithSimd for Multiply<'_> {
     }
 }
 
-/// Products of four signals with four. Every lane has its own sum regardless of the width of the processor's vectors,
-/// so that the bits are the same everywhere.
+/// Products of four signals with four. Every lane has its own sum, so that bits are the same everywhere.
 #[inline(always)]
 fn tile<S: Simd>(simd: S, signals: [&[S::f64s]; TILE], others: [&[S::f64s]; TILE]) -> [[f64; TILE]; TILE] {
     let vectors = signals[0].len() / ROWS;

@@ -136,7 +136,6 @@ impl Roles {
             .collect()
     }
 
-    /// Finds the pairs among thrusters that have no role yet.
     fn pair(&mut self, model: &Model) {
         let thruster =
             |i: &usize| [&SPEEDS[..], &FORCES].concat().contains(&model.variables[*i].unit.as_str());
@@ -201,7 +200,6 @@ impl Roles {
     }
 }
 
-/// Two channels as port and starboard, if their names differ only in the side.
 fn sides(model: &Model, one: usize, other: usize) -> Option<[usize; 2]> {
     let [one_name, other_name] = [one, other].map(|i| model.variables[i].name.to_lowercase());
     let named = |port: &str, starboard: &str| {

@@ -190,8 +190,7 @@ pub fn search(
         Some(wanted) => Some(setting.resampled(wanted, done).ok_or(SearchError::NoResample)?),
         None => None,
     };
-    let nested_score =
-        setting.judged(&models.by_folds, averages.as_ref().map(|averages| averages.by_folds.as_slice()));
+    let nested_score = setting.judged(&models.by_folds, averages.as_ref().map(|all| all.by_folds.as_slice()));
     let ship = |fitted: &Fitted| FittedShip { model: fitted.model.clone(), theta: fitted.theta.clone() };
     let without = models.by_folds.iter().map(|judged| judged.model.as_ref().map(ship)).collect();
     let candidates = nested.all.candidates;
@@ -224,17 +223,14 @@ pub fn search(
     })
 }
 
-/// The model of all recordings, and those without each fold.
 struct FoundModels {
     all: Fitted,
     by_folds: Vec<Judged>,
-    /// With few terms, see [`Searched`].
     sizes: Vec<SizeScore>,
     chosen_by_folds: BTreeMap<String, u64>,
 }
 
-/// The least number of recordings from which each model of an average can draw as many as there are folds, without
-/// any fold.
+/// The least number of recordings from which an average can draw as many as there are folds, without any fold.
 fn needed(folds: usize) -> usize {
     let left = |recordings: usize| recordings - recordings.div_ceil(folds);
     (folds..).find(|recordings| share(left(*recordings)) >= folds.max(3)).unwrap_or(usize::MAX)
@@ -249,7 +245,6 @@ fn chosen(all: &Choice, lost: impl Fn() -> SearchError) -> Result<(usize, f64), 
 }
 
 impl Study<'_> {
-    /// The recordings on which the last fits without them diverge.
     fn diverging(&self, nested: &Nested) -> Vec<String> {
         let of = |fold: usize| {
             let path = &nested.paths[&vec![fold]];
@@ -283,7 +278,6 @@ impl Study<'_> {
         Some(FoundModels { all, by_folds, sizes: Vec::new(), chosen_by_folds: BTreeMap::new() })
     }
 
-    /// The same with few terms.
     fn few(&self, nested: &Nested, chosen: usize, done: &(dyn Fn(usize) + Sync)) -> Option<FoundModels> {
         let ridge = |choice: &Choice| choice.best().map(|best| choice.candidates[best].ridge);
         let search = |without: Option<usize>| {
@@ -314,11 +308,10 @@ impl Study<'_> {
     }
 }
 
-/// A remark if whole runs are scored.
 const CHOSEN_ON_WINDOWS: &str =
     "the ridge was chosen over windows of the length that is fitted, though whole runs are scored";
 
-/// The errors of the parameters of the model `found`, in words: from searches over resampled recordings, or none.
+/// The errors of the parameters of the model `fitted`, in words: from searches over resampled recordings, or none.
 fn errors(resampled: Option<&Resampled>, fitted: &Fitted) -> String {
     let Some(Resampled { searches, failed, parameters }) = resampled else {
         return "held back by a ridge; predictions have bands, parameters have no errors".to_owned();
@@ -401,7 +394,6 @@ pub fn left_out(nested: &NestedScore) -> Vec<String> {
     out
 }
 
-/// Names the terms that no recording distinguishes from others.
 fn combined_in_words(names: &[String]) -> Option<String> {
     let named: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
     (!named.is_empty()).then(|| {
@@ -413,7 +405,6 @@ fn combined_in_words(names: &[String]) -> Option<String> {
     })
 }
 
-/// Names the parameters at a bound.
 fn at_bounds(fitted: &Fitted) -> Option<String> {
     let bounds = fitted.model.bounds()?;
     let parameters = fitted.model.parameter_names().zip(&fitted.theta).zip(bounds);
@@ -429,8 +420,7 @@ const USELESS: f64 = 1.0;
 /// A recording contradicts the others if its error exceeds this many times their median.
 const CONTRADICTS: f64 = 4.0;
 
-/// Names the recordings that contradict the others: models of the others are useless for them, or diverge, but fit
-/// each other.
+/// Names the recordings that contradict the others, whose models fit each other but not these.
 fn contradicting(nested: &NestedScore) -> Option<String> {
     let norms: Vec<f64> = nested.recordings.iter().filter_map(|recording| recording.search_norm).collect();
     let usual = median(norms)?;

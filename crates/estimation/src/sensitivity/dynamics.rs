@@ -23,15 +23,13 @@ pub(crate) struct Motion<X, const N: usize> {
     drift: X,
 }
 
-/// The dynamics at one sample, for their derivative.
 #[derive(Clone, Copy)]
 pub(crate) struct Local<X> {
     pub slopes: [[X; 3]; 3],
     turn: Turn<X>,
 }
 
-/// A current over ground rotates relative to the vessel by the change of its heading: cosine and sine, and the
-/// derivatives of its components by r.
+/// A current over ground turns with the heading: cosine and sine, and the derivatives of its components by r.
 #[derive(Clone, Copy)]
 struct Turn<X> {
     cos: X,
@@ -52,7 +50,6 @@ const fn drift(n: usize) -> bool {
 }
 
 impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
-    /// Of `model` with `theta`, one number per parameter.
     pub(crate) fn new(model: &'m Model, theta: &[X], levels: Option<&NoiseModel<X>>) -> Self {
         Self { model: Compiled::new(model, theta), motion: Motion::new(levels) }
     }
@@ -64,7 +61,6 @@ impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
         Local { slopes: self.model.slopes(), turn: self.motion.turn(z) }
     }
 
-    /// The next u, v, r, without derivatives.
     #[inline(always)]
     pub(crate) fn step(&mut self, state: [X; 3], exogenous: &[X]) -> [X; 3] {
         self.model.step(state, exogenous, Ambient::default())
@@ -123,7 +119,6 @@ impl<X: Unknowns, const N: usize> Motion<X, N> {
         Turn { cos, sin, by_r: by_r.map(|by| self.turning * by) }
     }
 
-    /// The states after `z`, where `vessel` is u, v, r.
     #[inline(always)]
     pub(crate) fn next(&self, z: &[X; N], vessel: [X; 3], local: &Local<X>) -> [X; N] {
         let mut next = *z;
@@ -205,7 +200,6 @@ impl<X: Unknowns, const N: usize> Motion<X, N> {
 }
 
 impl<X: Unknowns> Turn<X> {
-    /// Components one sample later.
     #[inline(always)]
     fn of(&self, [along, across]: [X; 2]) -> [X; 2] {
         [self.cos * along + self.sin * across, self.cos * across - self.sin * along]
@@ -334,8 +328,7 @@ impl NoiseModel {
         )
     }
 
-    /// Number of states of vessel and disturbances together: 3, plus 2 for a correlated current, plus 3 for gusts; 7
-    /// for drifting sensors, see [`super::Dynamics`].
+    /// Number of states: 3, plus 2 for a correlated current, plus 3 for gusts; 7 for drifting sensors.
     pub(crate) fn states(&self) -> usize {
         if self.drift.is_some() {
             return 7;
@@ -344,7 +337,6 @@ impl NoiseModel {
         3 + current + if self.gusts().is_some() { 3 } else { 0 }
     }
 
-    /// The forces that are states of the filter.
     fn gusts(&self) -> Option<ForceNoise> {
         self.force.filter(|force| force.factor.iter().all(|factor| *factor < 1.0))
     }
@@ -370,8 +362,7 @@ impl NoiseModel {
 }
 
 impl<X: Copy> NoiseModel<X> {
-    /// The Gauss–Markov processes among the N states of levels that are [`NoiseModel::spread`]: state, standard deviation,
-    /// correlation of neighbouring samples.
+    /// The Gauss–Markov processes among N [`NoiseModel::spread`] states: state, standard deviation, correlation.
     #[inline(always)]
     pub(crate) fn processes<const N: usize>(self) -> impl Iterator<Item = (usize, X, X)> {
         let current = match self.current {

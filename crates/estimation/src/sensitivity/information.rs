@@ -22,8 +22,7 @@ use super::{Recordings, Unknowns};
 pub struct OutputInformation {
     /// F.
     pub information: Vec<f64>,
-    /// E: the contribution of measurement errors to the meat of the sandwich; F if every channel is weighted by its
-    /// variance.
+    /// E: the meat of measurement errors; F if every channel is weighted by its variance.
     pub measurement: Vec<f64>,
     /// P: the contribution of the current.
     pub process: Vec<f64>,
@@ -52,8 +51,7 @@ pub fn output_information(
         .mean(run.longest(), |entry| *entry)
 }
 
-/// A run to be simulated: with the parameters `theta` from its initial state by its exogenous signals, see
-/// [`output_information`].
+/// A run to be simulated with the parameters `theta`, see [`output_information`].
 #[derive(Clone, Copy, Debug)]
 pub struct Simulated<'a> {
     /// θ.
@@ -78,8 +76,7 @@ pub fn output_informations(
     let mut path = Sensitivities::default();
     for group in lanes::groups(&samples) {
         let (group_runs, samples) = (&runs[group.clone()], samples[group.start]);
-        let parameters: Vec<Vec<f64>> =
-            group_runs.iter().map(|run| layout.woven(run.theta, [0.0; 3])).collect();
+        let parameters: Vec<Vec<f64>> = group_runs.iter().map(|r| layout.woven(r.theta, [0.0; 3])).collect();
         let parameters = lanes::interleave(&parameters.iter().map(Vec::as_slice).collect::<Vec<_>>());
         let rows: Vec<&[f64]> = group_runs.iter().map(|run| run.exogenous).collect();
         let exogenous = lanes::interleave(&rows);
@@ -118,7 +115,6 @@ pub fn prediction_weights(
 /// The information of a run, or of many in lanes, about the parameters: sums over samples, n × n each.
 pub(crate) struct RunInformation<X = f64> {
     pub path: Sensitivities<X>,
-    /// F, E and P.
     pub information: Vec<X>,
     pub measurement: Vec<X>,
     pub process: Vec<X>,

@@ -5,7 +5,6 @@ use super::{Recordings, Unknowns};
 
 #[derive(Clone, Debug)]
 pub(crate) struct Gain<X, const N: usize> {
-    /// Gain of each state for each error: N × 3.
     rows: [[X; 3]; N],
     /// W with W Λ Wᵀ = 1 for the innovations' covariance Λ, lower triangle by rows.
     whitening: [X; 6],
@@ -55,7 +54,6 @@ pub(crate) fn filter<const N: usize>(
     filter_each(recordings, unknowns, &levels.spread(), known_start)
 }
 
-/// The same with separate levels for every recording.
 pub(crate) fn filter_each<const N: usize>(
     recordings: &Recordings,
     unknowns: &[Lane],
@@ -114,7 +112,6 @@ fn filtered<const N: usize>(
     (gains, innovations)
 }
 
-/// The covariance before the first measurement.
 pub(crate) fn start<const N: usize>(levels: &NoiseModel<Lane>, known: bool) -> [[Lane; N]; N] {
     let mut p = [[Lane::ZERO; N]; N];
     if !known {
@@ -187,7 +184,6 @@ pub(crate) fn moved<const N: usize>(
     whole
 }
 
-/// Adds the contribution of a sample's disturbances to the covariance.
 #[inline(always)]
 pub(crate) fn add_noise<const N: usize>(
     p: &mut [[Lane; N]; N],

@@ -29,8 +29,7 @@ pub(crate) use products::Products;
 pub use sweep::{Sensitivities, Slopes, Step, free_sweep, slopes};
 pub(crate) use sweep::{add_draws, add_start, backward, sweep};
 
-/// Recordings of N samples, all row-major: [`LANES`] of them side by side, or a single one (`X` = `f64`). Shorter
-/// ones are padded with arbitrary values.
+/// Recordings of N samples, row-major: [`LANES`] side by side, or a single one (`X` = `f64`); padded if shorter.
 #[derive(Clone, Copy, Debug)]
 pub struct Recordings<'a, X = Lane> {
     /// The model structure, with or without intercepts.

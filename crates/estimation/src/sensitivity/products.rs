@@ -10,8 +10,7 @@ use super::Unknowns;
 const TILE: usize = 5;
 type Tile = [[Lane; TILE]; TILE];
 
-/// Σ over samples of the product of every two signals, [`BLOCK`] samples at a time. Signals are in columns as
-/// unknowns are.
+/// Σ over samples of the products of signals, [`BLOCK`] samples at a time; in columns as unknowns are.
 pub(crate) struct Products<X> {
     signals: usize,
     columns: Vec<Block<Lane>>,
@@ -44,7 +43,6 @@ impl<X: Unknowns> Products<X> {
         numerics::dispatch_narrow(Scale { factor, entry, columns: from, blocks: &mut self.columns, row });
     }
 
-    /// Moves to the next sample, after every column was set.
     #[inline(always)]
     pub(crate) fn advance(&mut self) {
         self.filled += 1;
@@ -76,7 +74,6 @@ impl<X: Unknowns> Products<X> {
         }
     }
 
-    /// The sums over all samples.
     pub(crate) fn finish(mut self) -> ProductSums<X> {
         for signal in &mut self.columns {
             signal[self.filled..].fill(Lane::ZERO);
@@ -86,8 +83,7 @@ impl<X: Unknowns> Products<X> {
     }
 }
 
-/// Accumulates every block by `f`(t, value, sum), sample by sample; several blocks at a time, so that no addition
-/// waits for the previous one.
+/// Accumulates every block by `f`(t, value, sum); several at a time, so that no addition waits for another.
 #[inline(always)]
 fn accumulate(blocks: &[Block<Lane>], sums: &mut [Lane], f: impl Fn(usize, Lane, Lane) -> Lane + Copy) {
     let (fours, rest) = blocks.as_chunks::<4>();
@@ -100,7 +96,6 @@ fn accumulate(blocks: &[Block<Lane>], sums: &mut [Lane], f: impl Fn(usize, Lane,
     }
 }
 
-/// [`accumulate`] of `C` blocks.
 #[allow(clippy::needless_range_loop)] // What iterators make of arrays is not always inlined, and then has no vectors.
 #[inline(always)]
 fn add_sums<const C: usize>(
@@ -142,7 +137,6 @@ impl WithSimd for Tiles<'_> {
     }
 }
 
-/// Adds the products of some columns with some others; of columns with themselves each once.
 #[inline(always)]
 fn add_tile<S: Simd, const THEMSELVES: bool>(
     simd: S,
@@ -201,8 +195,7 @@ fn add_rows<S: Simd, const THEMSELVES: bool, const FROM: usize, const ROWS: usiz
 pub(crate) struct ProductSums<X> {
     signals: usize,
     columns: usize,
-    /// If every signal has its own column: the tiles of [`TILE`] columns with themselves, with the next ones and so
-    /// on.
+    /// If every signal has its own column: the tiles of [`TILE`] columns with themselves and those after them.
     tiles: Vec<Tile>,
     /// If several signals share a column: per signal its products with its own column and all after it.
     rows: Vec<Lane>,
@@ -223,12 +216,10 @@ impl<X: Unknowns> ProductSums<X> {
         none
     }
 
-    /// The index of the first sum of signal `i`.
     fn row(&self, i: usize) -> usize {
         (0..i).map(|before| self.columns - before / X::PER_COLUMN).sum()
     }
 
-    /// All of them: signals × signals.
     pub(crate) fn square(&self) -> Vec<X> {
         let n = self.signals;
         let mut square = vec![X::ZERO; n * n];
@@ -249,8 +240,7 @@ impl<X: Unknowns> ProductSums<X> {
 }
 
 // Passes over columns at one sample, in the processor's registers: by default compilers take eight columns at a time
-/// λ(k) = Aᵀλ(k+1) + W s(k) in every column of adjoints; A is the identity plus its derivatives by u, v, r, and zero
-/// at the last sample.
+/// λ(k) = Aᵀλ(k+1) + W s(k) in every column; A is the identity plus `slopes`, and zero at the last sample.
 pub(crate) struct Backward<'a, const N: usize> {
     pub slopes: Option<[[Lane; 3]; 3]>,
     pub weights: [Lane; 3],

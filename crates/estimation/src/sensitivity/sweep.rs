@@ -96,7 +96,6 @@ fn go_along<X: Unknowns, const N: usize>(
     }
 }
 
-/// The effect of an unknown on the next state.
 enum Effect {
     /// Multiplies its term in this degree of freedom.
     Term(usize, usize),
@@ -132,8 +131,7 @@ impl<X> Default for Sensitivities<X> {
 }
 
 impl<X: Unknowns> Sensitivities<X> {
-    /// The sensitivities of `recordings` simulated with `unknowns`, to those in `free`. Sample 0 counts where
-    /// `from_start`.
+    /// The sensitivities of `recordings` to unknowns in `free`; sample 0 counts where `from_start`.
     pub fn of(recordings: &Recordings<X>, unknowns: &[X], free: &[usize], from_start: bool) -> Self {
         let mut kept = Self::default();
         kept.follow(recordings, unknowns, free, from_start);
@@ -165,7 +163,6 @@ impl<X: Unknowns> Sensitivities<X> {
         );
     }
 
-    /// Clears and reserves buffers for other recordings.
     pub(crate) fn clear(&mut self, free: usize, samples: usize) {
         let rows = samples + 1;
         self.free = free;
@@ -177,7 +174,6 @@ impl<X: Unknowns> Sensitivities<X> {
         self.columns.reserve(rows * free.div_ceil(X::PER_COLUMN));
     }
 
-    /// Stores a sample with the weight `counts`.
     #[inline(always)]
     pub(crate) fn keep(&mut self, step: &Step<'_, X, 3>, counts: X) {
         let [u, v, r] = step.error;
@@ -283,7 +279,6 @@ pub(crate) fn add_draws<X: Unknowns, const N: usize>(
     }
 }
 
-/// Adds the effect of the disturbances' first values.
 pub(crate) fn add_start<X: Unknowns, const N: usize>(
     draws: &mut Products<X>,
     adjoints: &[[Lane; N]],
@@ -294,8 +289,7 @@ pub(crate) fn add_start<X: Unknowns, const N: usize>(
     all.for_each(|(i, std, _)| add_state(draws, adjoints, i, std, measured));
 }
 
-/// Adds the effect of a change of standard deviation `std` in state `i`; that of a sensor's drift is `measured` at
-/// once.
+/// Adds the effect of a change `std` in state `i`; that of a sensor's drift is `measured` at once.
 #[inline(always)]
 fn add_state<X: Unknowns, const N: usize>(
     draws: &mut Products<X>,

@@ -177,8 +177,7 @@ fn go_along<const N: usize>(
     sums.logs += logarithm(scale);
 }
 
-/// A point's states, those after it, and the propagation of deviations there. If the current is not a state, its mean
-/// is zero.
+/// A point's states, those after it, and the propagation there. A current that is no state has a mean of zero.
 #[inline(always)]
 fn about<const N: usize>(motion: &Motion<Lane, N>, point: &PathPoint) -> ([Lane; N], [Lane; N], Local<Lane>) {
     let mut middle = [Lane::ZERO; N];
@@ -210,7 +209,6 @@ fn left(white: &[[Lane; 3]], change: &[f64]) -> Lane {
 /// A run, with the model linearised about a causal path.
 pub(super) struct Line<'a> {
     pub run: RunView<'a>,
-    /// By sample; the last one has no successor.
     pub points: Vec<PathPoint>,
     /// φ of every parameter, by sample.
     pub terms: Vec<f64>,
@@ -243,8 +241,7 @@ impl<'a> Line<'a> {
         Self::about(model, theta, run, path)
     }
 
-    /// Linearises about the states and currents that a filter for `guess` has at every sample; `None` if they are not
-    /// finite.
+    /// Linearises about the states and currents of a filter for `guess`; `None` if they are not finite.
     pub fn filtered(
         model: &Model,
         theta: &[f64],

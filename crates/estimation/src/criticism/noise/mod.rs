@@ -18,13 +18,10 @@ use crate::sensitivity::{Drift, Flow, ForceNoise, NoiseModel};
 pub(crate) use turns::{ENOUGH, Kinds};
 pub(super) use turns::{Noise, Turns};
 
-/// Maximum number of levels of a kind.
 const MOST: usize = 9;
-/// Least time of a process over the sampling interval.
 const LEAST: f64 = 1e-3;
 /// A process with this time or more counts as constant \[s\].
 pub(super) const LASTING: f64 = 1e5;
-/// Least standard deviation of a process.
 const NONE: f64 = 1e-12;
 
 /// What disturbs runs besides white noise of u, v and r.
@@ -95,8 +92,7 @@ impl NoiseKind {
     }
 }
 
-/// Logarithms of the levels of a kind: noise of u, v, r; then of forces or sensors three, and their times \[s\]; then the
-/// current and its time.
+/// Logarithms of levels: noise of u, v, r; forces or sensors three, and their times \[s\]; the current and its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Guess {
     pub kind: NoiseKind,
@@ -119,7 +115,6 @@ impl Guess {
         [0, 1, 2].map(|d| self.level(d))
     }
 
-    /// Standard deviations of forces or sensors.
     fn three(&self) -> [f64; 3] {
         [3, 4, 5].map(|i| self.level(i))
     }

@@ -7,10 +7,8 @@ use crate::sensitivity::with_states;
 
 /// Change of a logarithm for difference quotients by its level.
 const CHANGE: f64 = 1e-4;
-/// Steps after which the better of two climbs is continued.
 const FIRST: usize = 3;
 pub(super) const STEPS: usize = 30;
-/// Maximum change of a logarithm in a step.
 const LONGEST: f64 = 1.5;
 /// Damping of the first step, and the largest one that is tried.
 const DAMPING: [f64; 2] = [1e-2, 1e6];
@@ -20,11 +18,9 @@ const AT_ONCE: usize = LANES - 1;
 /// Maximises the restricted likelihood of runs, with the model linearised about their paths.
 pub(super) struct LikelihoodSearch<'a> {
     pub layout: ParameterLayout,
-    /// Runs, and the number of samples used of each.
     pub lines: Vec<(&'a Line<'a>, usize)>,
     pub rate_hz: f64,
     pub known_start: bool,
-    /// Least noise of u, v, r.
     pub floor: [f64; 3],
     /// The search ends at a smaller rise of twice the log-likelihood.
     pub rise: f64,
@@ -174,7 +170,6 @@ pub(super) struct Seen {
     /// Differences of neighbouring samples beyond steady change: u, v, r.
     pub rough: [f64; 3],
     pub errors: [f64; 3],
-    /// Root mean square of the measured states.
     pub motion: [f64; 3],
 }
 
@@ -203,44 +198,30 @@ impl Seen {
     pub fn starts(&self, kind: NoiseKind, rate_hz: f64) -> Vec<Guess> {
         let flow = libm::hypot(self.errors[0], self.errors[1]);
         let less = |share: f64| self.errors.map(|e| share * e);
-        match kind {
-            NoiseKind::White => {
-                let noises = [self.rough, less(0.9)];
-                each(&noises, &[0.03, 0.3, 1.0, 3.0], |noise, share| {
-                    Guess::new(kind, &[&noise[..], &[share * flow]].concat())
-                })
-            }
-            NoiseKind::Current => {
-                let shares: Vec<[f64; 2]> =
-                    TIMES.iter().flat_map(|time| [[0.3, *time], [1.2, *time]]).collect();
-                each(&[self.rough, less(0.4)], &shares, |noise, [share, time]| {
-                    Guess::new(kind, &[&noise[..], &[share * flow, time]].concat())
-                })
-            }
+        let pairs = |shares: [f64; 2], times: &[f64]| -> Vec<[f64; 2]> {
+            times.iter().flat_map(|time| shares.map(|share| [share, *time])).collect()
+        };
+        let (second, shares) = match kind {
+            NoiseKind::White => (less(0.9), [0.03, 0.3, 1.0, 3.0].map(|share| [share, 0.0]).to_vec()),
+            NoiseKind::Current => (less(0.4), pairs([0.3, 1.2], &TIMES)),
             NoiseKind::Forces | NoiseKind::ForcesEach => {
                 // Errors that grow over a time are due to forces of about that time.
                 let times = [0.5 / rate_hz, 2.0 / rate_hz, 2.0, 8.0, 30.0, 120.0];
-                let shares: Vec<[f64; 2]> =
-                    times.iter().flat_map(|time| [[0.02, *time], [0.1, *time]]).collect();
-                each(&[self.rough, less(0.4)], &shares, |noise, [share, time]| {
-                    Guess::new(kind, &[&noise[..], &less(share), &[time]].concat())
-                })
+                (less(0.4), pairs([0.02, 0.1], &times))
             }
             NoiseKind::Sensors => {
-                let shares: Vec<[f64; 2]> =
-                    [1.0, 5.0, 20.0, 60.0, 200.0].iter().flat_map(|t| [[0.3, *t], [1.0, *t]]).collect();
-                let noises = [self.rough, self.rough.map(|r| 0.3 * r)];
-                each(&noises, &shares, |noise, [share, time]| {
-                    Guess::new(kind, &[&noise[..], &less(share), &[time]].concat())
-                })
+                (self.rough.map(|r| 0.3 * r), pairs([0.3, 1.0], &[1.0, 5.0, 20.0, 60.0, 200.0]))
             }
-            NoiseKind::ForcesAndCurrent => Vec::new(),
-        }
+            NoiseKind::ForcesAndCurrent => return Vec::new(),
+        };
+        let guess = |noise: [f64; 3], [share, time]: [f64; 2]| match kind {
+            NoiseKind::White => Guess::new(kind, &[&noise[..], &[share * flow]].concat()),
+            NoiseKind::Current => Guess::new(kind, &[&noise[..], &[share * flow, time]].concat()),
+            _ => Guess::new(kind, &[&noise[..], &less(share), &[time]].concat()),
+        };
+        let of = |noise: [f64; 3]| shares.iter().map(move |other| guess(noise, *other)).collect::<Vec<_>>();
+        [self.rough, second].into_iter().flat_map(of).collect()
     }
-}
-
-fn each<T: Copy>(noises: &[[f64; 3]], others: &[T], guess: impl Fn([f64; 3], T) -> Guess) -> Vec<Guess> {
-    noises.iter().flat_map(|noise| others.iter().map(|other| guess(*noise, *other))).collect()
 }
 
 /// Starts of a kind that begins at others, which were found before it.

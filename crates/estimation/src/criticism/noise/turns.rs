@@ -7,17 +7,14 @@ use super::likelihood::{Likelihoods, Line};
 use super::search::{Best, LikelihoodSearch, STEPS, Seen, after};
 use super::{Guess, NoiseKind};
 
-/// Maximum number of alternations between noise and parameters.
 const TURNS: usize = 8;
 /// All kinds are compared before these turns.
 const COMPARED: [usize; 3] = [0, 1, 4];
-/// Maximum number of steps of a search continued in a later turn.
 const AGAIN: usize = 10;
 /// Parameters have converged if they change by less than this many standard errors.
 const REST: f64 = 0.2;
 /// Penalty of a level in twice the log-likelihood.
 const A_LEVEL: f64 = 2.0;
-/// Maximum number of halvings of a step.
 const SHORTER: i32 = 6;
 /// Share of the motion that is the least noise.
 const FLOOR: f64 = 1e-6;
@@ -66,7 +63,6 @@ impl Noise {
     }
 }
 
-/// Runs with their paths, and the result under each kind.
 struct State<'a> {
     theta: Vec<f64>,
     lines: Vec<Line<'a>>,
@@ -111,7 +107,6 @@ impl<'a> Turns<'a> {
         self.search(&lines, (usize::MAX, RISE)).sums(&[guess; LANES], None).likelihood[0]
     }
 
-    /// A search over the first samples of the runs.
     fn search<'l>(&self, lines: &'l [Line<'l>], (most, rise): (usize, f64)) -> LikelihoodSearch<'l> {
         let mut left = most;
         let mut chosen = Vec::new();
@@ -133,8 +128,8 @@ impl<'a> Turns<'a> {
         }
     }
 
-    /// The most likely levels of every kind, and those of the best. Kinds found `before` continue from there; if they
-    /// were far less likely, they keep their distance.
+    /// The most likely levels of every kind, and of the best. Kinds `before` continue; far less likely ones keep their
+    /// distance.
     fn compared(&self, lines: &[Line], before: &[(Guess, f64)]) -> Option<(Vec<Best>, Best)> {
         let search = self.search(lines, if before.is_empty() { FIRST } else { (ENOUGH, RISE) });
         let seen = Seen::of(lines);
@@ -165,8 +160,7 @@ impl<'a> Turns<'a> {
     /// The change of the parameters to the least white errors of all runs, and its maximum in standard errors.
     fn step(&self, state: &State) -> Option<(Vec<f64>, f64)> {
         let (change, errors) = self.all(state, &state.best.guess).change()?;
-        let moved =
-            change.iter().zip(&errors).map(|(change, error)| (change / error).abs()).fold(0.0, f64::max);
+        let moved = change.iter().zip(&errors).map(|(c, e)| (c / e).abs()).fold(0.0, f64::max);
         moved.is_finite().then_some((change, moved))
     }
 
@@ -174,8 +168,7 @@ impl<'a> Turns<'a> {
         self.search(&state.lines, (usize::MAX, RISE)).sums(&[*guess; LANES], None)
     }
 
-    /// Changes the parameters and filters the runs with them; shortens the change if the filter's numbers are not
-    /// finite.
+    /// Changes the parameters and filters the runs with them; by less if the filter's numbers are not finite.
     fn follow(&self, state: &mut State<'a>, change: &[f64], rests: bool) -> Option<()> {
         let bounds = self.model.bounds().unwrap_or_default();
         for share in (0..SHORTER).map(|halved| 0.5_f64.powi(halved)) {

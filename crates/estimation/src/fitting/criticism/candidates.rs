@@ -129,8 +129,7 @@ impl Pass<'_> {
                 vectorized!(simulated(self, group, &body, begin, input, &mut slopes));
             }
             CandidateBlock::Late(inputs) => {
-                let numbers: Vec<Dual<Lane, AT_ONCE>> =
-                    fitted.iter().map(|value| Dual::constant(*value)).collect();
+                let numbers: Vec<Dual<Lane, AT_ONCE>> = fitted.iter().map(|x| Dual::constant(*x)).collect();
                 let body = self.forces.body(&numbers);
                 let changes = self.changes(group, &acting, inputs);
                 let input = |at: usize| {
@@ -181,13 +180,10 @@ impl Pass<'_> {
     }
 }
 
-/// Sums over the windows of a group, side by side.
 struct ColumnSums {
     unknowns: usize,
-    /// Candidates × unknowns.
     across: Vec<Lane>,
     squares: Vec<Lane>,
-    /// Jᵀe of each piece.
     gradients: Vec<Vec<Lane>>,
 }
 
@@ -208,8 +204,7 @@ impl ColumnSums {
         }
     }
 
-    /// The columns of the window in `lane`, whose sums of `n` of θ and its start are `window`; `None` where the start is not
-    /// determined.
+    /// The columns of the window in `lane`, whose sums are `window`; `None` where its start is not determined.
     fn columns(&self, lane: usize, n: usize, window: &WindowSums) -> Option<Vec<Column>> {
         let (starts, count) = (self.unknowns - n, self.squares.len());
         let known = |i: usize, j: usize| window.products[i * self.unknowns + j];
@@ -369,7 +364,7 @@ fn sorted(mut factors: Vec<Plain>) -> Vec<Plain> {
 fn library(channels: &[Channel], inputs: usize) -> Vec<Vec<Plain>> {
     let plain = STATES.map(|state| (state, false));
     let motion: Vec<Plain> =
-        plain.into_iter().chain(STATES.map(|state| (state, true))).chain([(SPEED, false)]).collect();
+        plain.into_iter().chain(STATES.map(|s| (s, true))).chain([(SPEED, false)]).collect();
     let mut all: Vec<Vec<Plain>> = vec![Vec::new()];
     all.extend(motion.iter().map(|factor| vec![*factor]));
     all.extend(pairs(&motion));
@@ -409,7 +404,6 @@ fn library(channels: &[Channel], inputs: usize) -> Vec<Vec<Plain>> {
     unique
 }
 
-/// Products of two, each pair once and squares.
 fn pairs(of: &[Plain]) -> Vec<Vec<Plain>> {
     let with = |i: usize| of[i..].iter().map(move |other| vec![of[i], *other]);
     (0..of.len()).flat_map(with).collect()

@@ -153,11 +153,10 @@ impl Problem<'_> {
         let (all, units, whole) = Pass::new(self, fit.first).scores(fit, &blocks)?;
         let testable: Vec<&Score> = all.iter().flatten().collect();
         let mut probabilities = probabilities(&testable).into_iter();
-        let judged =
-            all.iter().map(|score| score.as_ref().zip(score.as_ref().and_then(|_| probabilities.next())));
+        let judged = all.iter().map(|s| s.as_ref().zip(s.as_ref().and_then(|_| probabilities.next())));
         let (late, others): (Vec<_>, Vec<_>) = judged.enumerate().partition(|(i, _)| *i < inputs.len());
         criticism.p_value =
-            late.iter().chain(&others).filter_map(|(_, judged)| judged.map(|(_, p)| p)).reduce(f64::min);
+            late.iter().chain(&others).filter_map(|(_, j)| j.map(|(_, p)| p)).reduce(f64::min);
         let late = late.into_iter().filter_map(|(i, judged)| Some((&channels.all[inputs[i]], judged?)));
         let late_input = |(channel, (score, p_value)): (&Channel, (&Score, f64))| {
             let ((late_s, standard_error), share) = (score.value(), fit.share(score.gain()));
@@ -206,7 +205,6 @@ impl Problem<'_> {
         Ok((blocks, measures))
     }
 
-    /// Lag and dead time of the inputs that act late beyond chance.
     fn compare_late(&self, fit: &Fit, channels: &[Channel], late: &mut [LateInput]) {
         late.sort_by(|one, other| other.share.total_cmp(&one.share));
         let certain = late.iter_mut().filter(|input| input.p_value < LEVEL && input.late_s > 0.0);
@@ -258,7 +256,6 @@ pub(crate) struct Score {
     pub gradient: f64,
     /// H: half its second derivative.
     pub curvature: f64,
-    /// Its part in each independent unit.
     pub units: Vec<f64>,
 }
 
@@ -386,8 +383,7 @@ const DRAWS: usize = 2000;
 /// independent units are drawn, the same ones for all scores, so that candidates that resemble each other count as one.
 fn probabilities(scores: &[&Score]) -> Vec<f64> {
     let rows = scores.first().map_or(0, |score| score.units.len());
-    let deviations: Vec<f64> =
-        scores.iter().map(|score| score.variance().sqrt().max(f64::MIN_POSITIVE)).collect();
+    let deviations: Vec<f64> = scores.iter().map(|s| s.variance().sqrt().max(f64::MIN_POSITIVE)).collect();
     let standardised: Vec<Vec<f64>> = (0..rows)
         .map(|row| {
             scores.iter().zip(&deviations).map(|(score, deviation)| score.units[row] / deviation).collect()

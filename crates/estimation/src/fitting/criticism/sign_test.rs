@@ -7,7 +7,6 @@ use ship::forces::{Channel, Description, Forces, Number, NumberSpec};
 
 use crate::fitting::{Fit, Pass, Prior, Problem, RecordingView};
 
-/// Most steps of a fit that is only to be compared.
 const STEPS: usize = 10;
 /// A sign is wrong where the cost is lower by at least this share with it turned …
 const SHARE: f64 = 0.05;
@@ -32,7 +31,6 @@ pub struct TurnedSign {
 }
 
 impl Problem<'_> {
-    /// The sign of `own` turned, one of `count` signs.
     pub(crate) fn sign_test(&self, fit: &Fit, alternative: &Alternative, count: usize) -> TurnedSign {
         let as_written = Pass::new(self, fit.first).window_costs(fit);
         let none = TurnedSign {
@@ -56,7 +54,7 @@ impl Problem<'_> {
         }
     }
 
-    /// The fit of the ship `own`, from the numbers of `fit` or those before it, whichever cost less, and the costs of its windows.
+    /// The fit of the ship `alternative`, from the numbers of `fit` or those before it, whichever cost less, and the costs of its windows.
     fn fitted_as(&self, fit: &Fit, alternative: &Alternative) -> Option<(Fit, Vec<f64>)> {
         let inputs = match alternative.negated {
             Some(channel) => changed(self, channel, |all| all.iter().map(|value| -value).collect()),
@@ -74,7 +72,6 @@ impl Problem<'_> {
         Some((best, windows))
     }
 
-    /// The recordings with these rows of inputs, for a ship with as many channels.
     pub(crate) fn with_inputs<'b>(
         &'b self,
         forces: &'b Forces,
@@ -85,7 +82,7 @@ impl Problem<'_> {
         Problem::new(forces, recordings, self.width, self.settings).ok()
     }
 
-    /// Numbers of the ship as written for that of `own`; both have the same parameters.
+    /// Numbers of the ship as written for that of `alternative`; both have the same parameters.
     fn theta_of(&self, alternative: &Alternative, theta: &[f64]) -> Vec<f64> {
         let value = |parameter: &ship::forces::Parameter| {
             let at = self.forces.parameters().iter().position(|old| old.name == parameter.name);
@@ -111,7 +108,6 @@ impl Pass<'_> {
     }
 }
 
-/// The rows of inputs of all recordings with the column `channel` changed.
 fn changed(problem: &Problem, channel: usize, by: impl Fn(&[f64]) -> Vec<f64>) -> Vec<Vec<f64>> {
     let width = problem.width;
     let one = |recording: &RecordingView| {
@@ -164,11 +160,9 @@ impl fmt::Display for Turn {
     }
 }
 
-/// A ship with something turned over.
 pub(crate) struct Alternative {
     pub turn: Turn,
     pub forces: Forces,
-    /// A column of the inputs that is negated.
     pub negated: Option<usize>,
     /// The number that changes with it, and how.
     changed: Option<(String, Change)>,
@@ -239,7 +233,6 @@ impl Turns<'_> {
         Some(Alternative { turn, forces, negated: None, changed: Some(changed) })
     }
 
-    /// The ship as written, with this column negated.
     fn negated(&self, turn: Turn, channel: usize) -> Alternative {
         Alternative { turn, forces: self.forces.clone(), negated: Some(channel), changed: None }
     }
@@ -356,7 +349,6 @@ fn other_side(place: Option<&Number>) -> Option<Number> {
     Change::Negated.number(place)
 }
 
-/// Most steps of a fit that is only to be compared.
 const DELAY_STEPS: usize = 6;
 /// Times that are tried, in those of the score.
 const TIMES: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
@@ -411,8 +403,7 @@ impl Problem<'_> {
     ) -> Option<(f64, f64)> {
         let tried = TIMES.iter().filter_map(|times| {
             let seconds = times * late_s;
-            let cost =
-                self.late_cost(fit, channel, |input| kind.of(input, seconds, self.settings.sample_s))?;
+            let cost = self.late_cost(fit, channel, |all| kind.of(all, seconds, self.settings.sample_s))?;
             Some((seconds, fit.share(fit.cost - cost)))
         });
         tried.max_by(|one, other| one.1.total_cmp(&other.1))
