@@ -7,7 +7,7 @@ use ship::model::Model;
 use super::library::{Lifted, with_effects};
 use super::noise::{Guess, Noise, NoiseKind, Turns, side_by_side};
 use crate::predictor::{Linear, linearize_each, scaled_inverse};
-use crate::sensitivity::{Flow, ForceNoise, Gain, NoiseModel, Recordings, filter_each, groups, with_states};
+use crate::sensitivity::{Flow, ForceNoise, Gain, NoiseModel, Recordings, filter_along, groups, with_states};
 
 /// A model, and runs to test it on.
 #[derive(Clone, Copy, Debug)]
@@ -182,7 +182,7 @@ fn white<const N: usize>(
     let (subject, levels) = (problems.subject, problems.levels(group, states));
     let recordings = Recordings::of(subject.model, runs);
     let unknowns = with_start(problems.parameters(group, states));
-    let (gains, _) = filter_each::<N>(&recordings, &unknowns, &levels, subject.known_start);
+    let (gains, _) = filter_along::<N>(&recordings, &unknowns, &levels, subject.known_start, |_| ());
     linearize_each(&recordings, &unknowns, free, Some(&levels), &gains, false)
 }
 
@@ -196,8 +196,13 @@ fn look_at<const N: usize>(
     let (subject, levels) = (problems.subject, problems.levels(group, states));
     let parameters = problems.parameters(group, states);
     let own_recordings = Recordings::of(subject.model, runs);
-    let (gains, innovations) =
-        filter_each::<N>(&own_recordings, &with_start(parameters.clone()), &levels, subject.known_start);
+    let (gains, innovations) = filter_along::<N>(
+        &own_recordings,
+        &with_start(parameters.clone()),
+        &levels,
+        subject.known_start,
+        |_| (),
+    );
     let predicted: Vec<Lane> = runs.measured.iter().zip(&innovations).map(|(y, e)| *y - *e).collect();
     let exogenous = with_effects(subject.model, &parameters, &predicted, &runs.exogenous, subject.rate_hz);
     let wider = SideBySide { exogenous, instrument_exogenous: Vec::new(), ..runs.clone() };

@@ -344,7 +344,7 @@ impl Dealt<'_> {
         let both = [Laid::SideBySide, Laid::Overlapping].map(|laid| {
             let std = varying(recordings.iter(), laid);
             let [mean, second] = [&kinds[..], &kinds[1..]].map(|members| self.laid(members, laid));
-            (whole_of(&mean, std), whole_of(&second, std), mean, std)
+            (whole(mean.iter().copied(), std), whole(second.iter().copied(), std), mean, std)
         });
         let [(errors, alone, mean, std), (overlapping, alone_overlapping, ..)] = both;
         for (nested_recording, (score, recording)) in
@@ -378,9 +378,4 @@ pub struct Alone {
     pub errors: Option<FreeRunErrors>,
     /// Over windows of which one begins at every quarter of another.
     pub overlapping: Option<FreeRunErrors>,
-}
-
-fn whole_of(scores: &[Option<Score>], std: [f64; 3]) -> Option<FreeRunErrors> {
-    let all: Vec<Score> = scores.iter().copied().collect::<Option<_>>()?;
-    together(all.iter()).errors(std)
 }

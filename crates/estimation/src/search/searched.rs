@@ -364,28 +364,21 @@ fn statements(
 
 /// How the whole search and the base structure follow recordings that were left out, in words.
 pub fn left_out(nested: &NestedScore) -> Vec<String> {
+    let whole = "the whole search with recordings left out: fit";
     let mut out = vec![match (&nested.search, &nested.base) {
-        (Some(search), Some(base)) => format!(
-            "the whole search with recordings left out: fit {}; the base structure: fit {}",
-            fits(search),
-            fits(base)
-        ),
-        (Some(search), None) => {
-            format!(
-                "the whole search with recordings left out: fit {}; the base structure diverges",
-                fits(search)
-            )
+        (Some(search), Some(base)) => {
+            format!("{whole} {}; the base structure: fit {}", fits(search), fits(base))
         }
+        (Some(search), None) => format!("{whole} {}; the base structure diverges", fits(search)),
         (None, _) => format!(
             "not validated: without some fold there is no model, or it diverges ({} windows) on what was left out",
             nested.diverged
         ),
     }];
     if let (Some(search), Some(base)) = (&nested.search_overlapping, &nested.base_overlapping) {
+        let (search, base) = (fits(search), fits(base));
         out.push(format!(
-            "the same over windows that begin at every quarter of one: fit {}; the base structure: fit {}",
-            fits(search),
-            fits(base)
+            "the same over windows that begin at every quarter of one: fit {search}; the base structure: fit {base}"
         ));
     }
     out.extend(nested.margin.as_ref().map(|margin| against(margin, "the base structure")));

@@ -51,19 +51,10 @@ pub(crate) fn filter<const N: usize>(
     levels: &NoiseModel,
     known_start: bool,
 ) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
-    filter_each(recordings, unknowns, &levels.spread(), known_start)
+    filter_along(recordings, unknowns, &levels.spread(), known_start, |_| ())
 }
 
-pub(crate) fn filter_each<const N: usize>(
-    recordings: &Recordings,
-    unknowns: &[Lane],
-    levels: &NoiseModel<Lane>,
-    known_start: bool,
-) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
-    filter_along(recordings, unknowns, levels, known_start, |_| ())
-}
-
-/// The same; `each` is called with the states at every sample, corrected by the measurement there.
+/// The same with separate levels for every recording; `each` is called with the states at every sample, corrected by the measurement there.
 pub(crate) fn filter_along<const N: usize>(
     recordings: &Recordings,
     unknowns: &[Lane],

@@ -24,7 +24,7 @@ pub use information::{
     OutputInformation, Simulated, output_information, output_informations, prediction_weights,
 };
 pub(crate) use information::{RunInformation, channels};
-pub(crate) use kalman::{Gain, add_noise, filter, filter_along, filter_each, gain, moved, shrink, start};
+pub(crate) use kalman::{Gain, add_noise, filter, filter_along, gain, moved, shrink, start};
 pub(crate) use products::Products;
 pub use sweep::{Sensitivities, Slopes, Step, free_sweep, slopes};
 pub(crate) use sweep::{add_draws, add_start, backward, sweep};

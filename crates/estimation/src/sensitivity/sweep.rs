@@ -1,5 +1,4 @@
 use numerics::{LANES, Lane};
-use ship::model::Model;
 
 use super::dynamics::{Dynamics, Flow, Local, NoiseModel};
 use super::kalman::Gain;
@@ -63,11 +62,10 @@ fn go_along<X: Unknowns, const N: usize>(
         z[d] = if d < 3 { recordings.initial[d] + *offset } else { *offset };
     }
     let mut sensitivities = vec![[Lane::ZERO; N]; free.len().div_ceil(X::PER_COLUMN)];
-    let effects: Vec<Effect> = free.iter().map(|i| Effect::of(*i, model)).collect();
-    for (i, effect) in effects.iter().enumerate() {
-        if let Effect::Initial(d) = effect {
-            X::ONE.add_to(&mut sensitivities[i / X::PER_COLUMN][*d], i);
-        }
+    // The state that the term of a parameter moves; none of a shift of the initial state.
+    let moves: Vec<Option<usize>> = free.iter().map(|i| model.layout().degrees().nth(*i)).collect();
+    for (i, unknown) in free.iter().enumerate().filter(|(i, _)| moves[*i].is_none()) {
+        X::ONE.add_to(&mut sensitivities[i / X::PER_COLUMN][unknown - model.parameters()], i);
     }
     let last = recordings.longest();
     for k in 0..=last {
@@ -88,26 +86,10 @@ fn go_along<X: Unknowns, const N: usize>(
             }
             *s = dynamics.motion.forward(&local, s);
         }
-        for (i, effect) in effects.iter().enumerate() {
-            if let Effect::Term(parameter, d) = effect {
-                dynamics.model.term(*parameter).add_to(&mut sensitivities[i / X::PER_COLUMN][*d], i);
+        for (i, (unknown, d)) in free.iter().zip(&moves).enumerate() {
+            if let Some(d) = d {
+                dynamics.model.term(*unknown).add_to(&mut sensitivities[i / X::PER_COLUMN][*d], i);
             }
-        }
-    }
-}
-
-enum Effect {
-    /// Multiplies its term in this degree of freedom.
-    Term(usize, usize),
-    /// Shifts this state once, at the start.
-    Initial(usize),
-}
-
-impl Effect {
-    fn of(unknown: usize, model: &Model) -> Self {
-        match model.layout().degrees().nth(unknown) {
-            Some(d) => Self::Term(unknown, d),
-            None => Self::Initial(unknown - model.parameters()),
         }
     }
 }

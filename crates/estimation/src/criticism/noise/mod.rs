@@ -61,34 +61,18 @@ impl NoiseKind {
 
     /// Number of levels to find, three of them those of white noise.
     pub fn levels(self) -> usize {
-        match self {
-            Self::White => 4,
-            Self::Current => 5,
-            Self::Forces | Self::Sensors => 7,
-            Self::ForcesEach | Self::ForcesAndCurrent => 9,
-        }
+        [4, 5, 7, 9, 9, 7][self as usize]
     }
 
     /// Number of states of a filter, see [`NoiseModel::states`].
     pub(crate) fn states(self) -> usize {
-        match self {
-            Self::White => 3,
-            Self::Current => 5,
-            Self::Forces | Self::ForcesEach => 6,
-            Self::Sensors => 7,
-            Self::ForcesAndCurrent => 8,
-        }
+        [3, 5, 6, 6, 8, 7][self as usize]
     }
 
     /// Whether a level is a time: the others are standard deviations.
     fn is_time(self, level: usize) -> bool {
-        match self {
-            Self::White => false,
-            Self::Current => level == 4,
-            Self::Forces | Self::Sensors => level == 6,
-            Self::ForcesEach => level >= 6,
-            Self::ForcesAndCurrent => level == 6 || level == 8,
-        }
+        let times: &[usize] = [&[][..], &[4], &[6], &[6, 7, 8], &[6, 8], &[6]][self as usize];
+        times.contains(&level)
     }
 }
 
