@@ -3,10 +3,8 @@
 use numerics::{Lane, congruence, scaled_inverse, symmetric};
 use rayon::prelude::*;
 
-use super::sums::{Reduced, reduced};
-use super::{Pass, Window, at_bound, block, clamped_step, distance, prior_gradient};
-use crate::fitting::sums::{WindowErrors, WindowSums};
-use crate::fitting::{Problem, Starts, Unfit};
+use super::sums::{Reduced, WindowErrors, WindowSums, reduced};
+use super::{Pass, Problem, Starts, Unfit, Window, at_bound, block, clamped_step, distance, prior_gradient};
 
 /// A step that lowers the cost by a smaller share, and was to, ends the search.
 const ENOUGH: f64 = 1e-6;

@@ -8,8 +8,7 @@ use numerics::{add_outer, congruence, scaled_inverse};
 use ship::forces::{Body, Dual, Forces};
 
 use super::fit::conditioned;
-use super::{at_bound, block, clamped_step, distance, prior_gradient};
-use crate::fitting::{Inputs, Prior, Unfit};
+use super::{Inputs, Prior, Unfit, at_bound, block, clamped_step, distance, prior_gradient};
 
 /// Parameters by which derivatives are computed at once.
 const AT_ONCE: usize = 13;

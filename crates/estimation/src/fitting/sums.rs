@@ -3,8 +3,7 @@
 use numerics::{LANES, Lane, vectorized};
 use ship::forces::{Body, Dual, Real};
 
-use super::{Pass, Window, WindowGroup};
-use crate::fitting::Inputs;
+use super::{Inputs, Pass, Window, WindowGroup};
 
 /// Unknowns by which derivatives are computed at once.
 pub(crate) const AT_ONCE: usize = 13;

@@ -1,6 +1,7 @@
+use numerics::{dot, times};
+
 use super::linear::Linear;
 use crate::sensitivity::Slopes;
-use numerics::{dot, times};
 
 pub(crate) trait Residuals {
     type Error;

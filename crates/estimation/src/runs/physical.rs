@@ -1,6 +1,5 @@
 //! Output error of single runs of a ship with forces.
 
-use crate::fitting::{MeasuredRun, PredictedErrors, Prior, SimulatedRun, Unfit, WhiteNoise};
 use rayon::prelude::*;
 use refusal::Invalid;
 use ship::engine::Run;
@@ -9,6 +8,7 @@ use ship::model::{ForceModel, Vessel};
 use super::RunEstimators;
 use super::outcome::RunError;
 use crate::estimator::AdditionalUnknowns;
+use crate::fitting::{MeasuredRun, PredictedErrors, Prior, SimulatedRun, Unfit, WhiteNoise};
 use crate::predictor::{Flow, InitialState, NoiseModel};
 use crate::{EstimateCovariance, EstimateStatus, Estimator, RunEstimate};
 

@@ -8,11 +8,9 @@ use ship::model::Model;
 
 use super::compact::{delivered, without_intercepts};
 use super::judged::ships;
-use super::{Laid, Recording};
-use super::{folds, scores_of_mean, together, varying};
+use super::nested::{Fitted, Nested, Study};
+use super::{Laid, Recording, folds, limit, scores_of_mean, together, varying};
 use crate::pooled::Delivered;
-use crate::search::limit;
-use crate::search::nested::{Fitted, Nested, Study};
 
 /// How many models are averaged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -206,16 +204,12 @@ impl Study<'_> {
     fn searched_again(&self, drawn: &[usize]) -> Option<Fitted> {
         let recordings: Vec<Recording> = drawn.iter().map(|i| self.recordings[*i].clone()).collect();
         let again = Study {
-            base: self.base,
-            library: self.library,
             recordings: &recordings,
             folds: &folds_of_drawn(self.recordings, drawn, self.all_folds().end),
-            ridges: self.ridges,
-            rate_hz: self.rate_hz,
             std: varying(recordings.iter(), Laid::SideBySide),
             overlapping_std: varying(recordings.iter(), Laid::Overlapping),
             choosing_std: varying(recordings.iter(), Laid::Choosing),
-            whole_runs: self.whole_runs,
+            ..*self
         };
         let choice = again.choice();
         let ridge = choice.candidates[choice.best()?].ridge;

@@ -6,12 +6,10 @@ use serde::{Deserialize, Serialize};
 use ship::engine::Compiled;
 use ship::model::Model;
 
-use super::nested::{Ending, minimum};
-use super::{Laid, Recording, scores, together};
+use super::nested::{Ending, Fitted, Study, minimum, widened};
+use super::problem::{LossSlopes, WindowProblem};
+use super::{Laid, Recording, limit, scores, together};
 use crate::pooled::{Delivered, RecordingConstant, covered};
-use crate::search::limit;
-use crate::search::nested::{Fitted, Study, widened};
-use crate::search::problem::{LossSlopes, WindowProblem};
 
 const REFIT: Ending = Ending { steps: 2, enough: 1e-3 };
 const JUDGED: Ending = Ending { steps: 12, enough: 1e-4 };

@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 use ship::engine::{check_diverged, replay};
 use ship::model::Model;
 
+use super::nested::{Fitted, Study};
 use super::{Laid, Recording, mean_of, scores, scores_of_mean, together, varying};
 use crate::pooled::{FreeRunErrors, Score};
-use crate::search::nested::{Fitted, Study};
 
 /// The whole algorithm judged by recordings that it has not seen, beside the base structure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

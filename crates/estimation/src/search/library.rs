@@ -2,7 +2,7 @@ use refusal::Invalid;
 use ship::model::terms::{add, listed};
 use ship::model::{Degree, DegreeOfFreedom, DerivedSpec, Factor, Formula, Model, Term};
 
-use crate::search::roles::Roles;
+use super::roles::Roles;
 
 /// Terms of surge: even under reflection between port and starboard.
 const SURGE: &str = "u; u |u|; u^3; v r; v^2; r^2; |v|; |r|; u |v|; u |r|; u v^2; u r^2; u v r; |u| v r; |v| |r|; |v|^3; \
@@ -18,13 +18,7 @@ const SIDEWAYS: &str = "v; r; u v; u r; |u| v; |u| r; v |v|; r |r|; v |r|; |v| r
 
 /// The symbols in the lists above for channels by role.
 const SYMBOLS: [&str; 10] = ["u", "v", "r", "n", "na", "nr", "de", "even", "odd", "df"];
-const PROPELLER: usize = 3;
 const AHEAD: usize = 4;
-const ASTERN: usize = 5;
-const RUDDER: usize = 6;
-const EVEN: usize = 7;
-const ODD: usize = 8;
-const DIFFERENCE: usize = 9;
 
 /// Adds to `model` the channels that the library derives from pairs of thrusters and from the wind, and their roles
 /// to `roles`.
@@ -89,16 +83,11 @@ fn meant(symbolic: &[Factor], roles: &Roles) -> Vec<Vec<Factor>> {
 
 impl Roles {
     fn playing(&self, symbol: usize) -> Vec<usize> {
-        match symbol {
-            PROPELLER => self.propellers.clone(),
-            AHEAD => self.ahead.clone(),
-            ASTERN => self.astern.clone(),
-            RUDDER => self.rudders.clone(),
-            EVEN => self.even.clone(),
-            ODD => self.odd.clone(),
-            DIFFERENCE => self.differences.clone(),
-            state => vec![state],
-        }
+        let (rudders, differences) = (&self.rudders, &self.differences);
+        let of_propellers = [&self.propellers, &self.ahead, &self.astern];
+        let others = [rudders, &self.even, &self.odd, differences];
+        let channels = symbol.checked_sub(3).and_then(|i| of_propellers.into_iter().chain(others).nth(i));
+        channels.map_or_else(|| vec![symbol], Clone::clone)
     }
 }
 

@@ -7,10 +7,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::model::Model;
 
-use super::{Laid, Recording, mean_fit, scores, standard_error, together};
+use super::problem::{Looked, LossSlopes, WindowProblem};
+use super::{Laid, Recording, limit, mean_fit, scores, standard_error, together};
 use crate::pooled::Score;
-use crate::search::limit;
-use crate::search::problem::{Looked, LossSlopes, WindowProblem};
 
 const ALONG: Ending = Ending { steps: 2, enough: 1e-3 };
 const BASE: Ending = Ending { steps: 20, enough: 1e-5 };

@@ -7,16 +7,12 @@ use regression::pooled::{Part, PooledRuns};
 use ship::model::Model;
 use thiserror::Error;
 
-use super::average::{BootstrapOptions, Resampled};
-use super::compact::{combined, delivered, without_intercepts, without_zeros};
-use super::judged::{FittedShip, Judged};
-use super::{Cut, Laid, Recording};
-use super::{folds, mean_of, scores, varying};
+use super::average::{AverageOptions, Averaged, BootstrapOptions, Resampled, share};
+use super::compact::{Compact, SizeScore, combined, delivered, without_intercepts, without_zeros};
+use super::judged::{FittedShip, Judged, Margin, NestedAverage, NestedRecording, NestedScore};
+use super::nested::{Candidate, Choice, Fitted, Nested, Study};
+use super::{Cut, Laid, Recording, folds, mean_of, scores, varying};
 use crate::pooled::{Delivered, FreeRunErrors};
-use crate::search::average::{AverageOptions, Averaged, share};
-use crate::search::compact::{Compact, SizeScore};
-use crate::search::judged::{Margin, NestedAverage, NestedRecording, NestedScore};
-use crate::search::nested::{Candidate, Choice, Fitted, Nested, Study};
 
 /// Options of a search for a model.
 #[derive(Clone, Debug, PartialEq)]

@@ -343,25 +343,31 @@ impl NoiseModel {
 
     /// The same in other numbers, without constant forces, which are left to the intercepts.
     pub(crate) fn spread<X: From<f64>>(&self) -> NoiseModel<X> {
-        let current = match self.current {
-            Flow::Still => Flow::Still,
-            Flow::White { std } => Flow::White { std: std.into() },
-            Flow::Markov { std, factor, turning } => {
-                Flow::Markov { std: std.into(), factor: factor.into(), turning: turning.into() }
-            }
-        };
-        let gusts = |g: ForceNoise| ForceNoise { std: g.std.map(X::from), factor: g.factor.map(X::from) };
-        let drift = |d: Drift| Drift { std: d.std.map(X::from), factor: d.factor.into() };
-        NoiseModel {
-            measurement: self.measurement.map(X::from),
-            current,
-            force: self.gusts().map(gusts),
-            drift: self.drift.map(drift),
-        }
+        NoiseModel { force: self.gusts(), ..*self }.map(X::from)
     }
 }
 
 impl<X: Copy> NoiseModel<X> {
+    /// The same in other numbers.
+    pub(crate) fn map<Y>(self, of: impl Fn(X) -> Y) -> NoiseModel<Y> {
+        let current = match self.current {
+            Flow::Still => Flow::Still,
+            Flow::White { std } => Flow::White { std: of(std) },
+            Flow::Markov { std, factor, turning } => {
+                Flow::Markov { std: of(std), factor: of(factor), turning: of(turning) }
+            }
+        };
+        let force =
+            |force: ForceNoise<X>| ForceNoise { std: force.std.map(&of), factor: force.factor.map(&of) };
+        let drift = |drift: Drift<X>| Drift { std: drift.std.map(&of), factor: of(drift.factor) };
+        NoiseModel {
+            measurement: self.measurement.map(&of),
+            current,
+            force: self.force.map(force),
+            drift: self.drift.map(drift),
+        }
+    }
+
     /// The Gauss–Markov processes among N [`NoiseModel::spread`] states: state, standard deviation, correlation.
     #[inline(always)]
     pub(crate) fn processes<const N: usize>(self) -> impl Iterator<Item = (usize, X, X)> {

@@ -142,21 +142,7 @@ impl Guess {
 
     /// The disturbances of runs.
     pub fn levels(&self, rate_hz: f64) -> NoiseModel {
-        let all = side_by_side(&[*self; LANES], rate_hz);
-        let first = |all: [Lane; 3]| all.map(|x| x[0]);
-        let current = match all.current {
-            Flow::Still => Flow::Still,
-            Flow::White { std } => Flow::White { std: std[0] },
-            Flow::Markov { std, factor, turning } => {
-                Flow::Markov { std: std[0], factor: factor[0], turning: turning[0] }
-            }
-        };
-        NoiseModel {
-            measurement: first(all.measurement),
-            current,
-            force: all.force.map(|force| ForceNoise { std: first(force.std), factor: first(force.factor) }),
-            drift: all.drift.map(|drift| Drift { std: first(drift.std), factor: drift.factor[0] }),
-        }
+        side_by_side(&[*self; LANES], rate_hz).map(|lane| lane[0])
     }
 }
 

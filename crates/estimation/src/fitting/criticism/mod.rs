@@ -16,9 +16,8 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use ship::forces::{Channel, Forces};
 
-use super::{Pass, at_bound, block};
-use crate::fitting::sums::{AT_ONCE, Reduced, WindowSums};
-use crate::fitting::{Fit, Problem, Unfit};
+use super::sums::{AT_ONCE, Reduced, WindowSums};
+use super::{Fit, Pass, Problem, Unfit, at_bound, block};
 use candidates::{CandidateBlock, Column, ForceProduct, Measure, listed, products};
 use sign_test::Alternative;
 

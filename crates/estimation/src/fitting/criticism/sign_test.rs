@@ -1,5 +1,6 @@
 //! Fits of a ship with a sign turned, beside the one as written.
 
+use std::collections::BTreeSet;
 use std::fmt;
 
 use numerics::distributions::normal_tails;
@@ -237,35 +238,35 @@ impl Turns<'_> {
         Alternative { turn, forces: self.forces.clone(), negated: Some(channel), changed: None }
     }
 
+    fn on_other_side(&self, all: &Description, name: &str) -> Option<Alternative> {
+        self.with(Turn::Side(name.to_owned()), all, (format!("{name}.y_m"), Change::Negated))
+    }
+
     fn sides(&self) -> impl Iterator<Item = Alternative> {
         let written = self.written();
         let thrusters = (0..written.thruster.len()).filter_map(move |i| {
             let mut all = written.clone();
-            let thruster = &mut all.thruster[i];
-            let (name, y) = (thruster.name.clone(), other_side(thruster.y_m.as_ref())?);
-            thruster.y_m = Some(y);
-            self.with(Turn::Side(name.clone()), &all, (format!("{name}.y_m"), Change::Negated))
+            let y = &mut all.thruster[i].y_m;
+            *y = Some(other_side(y.as_ref())?);
+            self.on_other_side(&all, &written.thruster[i].name)
         });
         let propellers = (0..written.propeller.len()).filter_map(move |i| {
             let mut all = written.clone();
-            let propeller = &mut all.propeller[i];
-            let (name, y) = (propeller.name.clone(), other_side(propeller.y_m.as_ref())?);
-            propeller.y_m = Some(y);
-            self.with(Turn::Side(name.clone()), &all, (format!("{name}.y_m"), Change::Negated))
+            let y = &mut all.propeller[i].y_m;
+            *y = Some(other_side(y.as_ref())?);
+            self.on_other_side(&all, &written.propeller[i].name)
         });
         thrusters.chain(propellers)
     }
 
     fn pushes(&self) -> impl Iterator<Item = Alternative> {
         let written = self.written();
-        (0..written.thruster.len()).filter_map(move |i| {
+        let fixed = (0..written.thruster.len()).filter(|i| written.thruster[*i].angle.is_none());
+        fixed.filter_map(move |i| {
             let mut all = written.clone();
             let thruster = &mut all.thruster[i];
-            if thruster.angle.is_some() {
-                return None;
-            }
-            let (name, angle) =
-                (thruster.name.clone(), thruster.angle_deg.clone().unwrap_or(Number::Plain(0.0)));
+            let name = thruster.name.clone();
+            let angle = thruster.angle_deg.clone().unwrap_or(Number::Plain(0.0));
             thruster.angle_deg = Some(Change::HalfTurn.number(&angle)?);
             self.with(Turn::Push(name.clone()), &all, (format!("{name}.angle_deg"), Change::HalfTurn))
         })
@@ -275,17 +276,14 @@ impl Turns<'_> {
     fn angles(&self) -> impl Iterator<Item = Alternative> {
         let written = self.written();
         let rudders = written.rudder.iter().enumerate();
-        let rudders = rudders.map(|(i, rudder)| (rudder.name.clone(), self.forces.rudder_input(i).0.channel));
+        let rudders = rudders.map(|(i, it)| (&it.name, self.forces.rudder_input(i).0.channel));
         let azimuths = written.thruster.iter().enumerate();
-        let azimuths = azimuths.filter_map(|(i, thruster)| {
-            Some((thruster.name.clone(), self.forces.thruster_inputs(i).1?.channel))
-        });
-        let all: Vec<(String, usize)> = rudders.chain(azimuths).collect();
-        let first = |i: usize| all[..i].iter().all(|(_, channel)| *channel != all[i].1);
-        let firsts: Vec<(String, usize)> =
-            (0..all.len()).filter(|i| first(*i)).map(|i| all[i].clone()).collect();
-        firsts.into_iter().map(|(name, channel)| {
-            self.negated(Turn::Angle(name, self.channels[channel].name.clone()), channel)
+        let azimuths =
+            azimuths.filter_map(|(i, it)| Some((&it.name, self.forces.thruster_inputs(i).1?.channel)));
+        let mut turned = BTreeSet::new();
+        rudders.chain(azimuths).filter(move |(_, channel)| turned.insert(*channel)).map(|(name, channel)| {
+            let input = self.channels[channel].name.clone();
+            self.negated(Turn::Angle(name.clone(), input), channel)
         })
     }
 
