@@ -133,7 +133,7 @@ fn judged(
         apart: Vec::new(),
         feedback: feedback(subject.model, subject.runs, series),
         waves_s: None,
-        absent: absent,
+        absent,
         hidden,
         statements: Vec::new(),
     }
