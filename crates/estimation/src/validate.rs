@@ -41,16 +41,11 @@ pub fn free_runs(
     exogenous: &[impl Number],
     reference: &[f64],
 ) -> [FreeRun; LANES] {
-    free_runs_over(model, parameters, Number::numbers(exogenous), reference)
+    runs_over(model, parameters, Number::numbers(exogenous), reference)
 }
 
 /// The same, compiled here and not in every crate that calls it.
-fn free_runs_over(
-    model: &Model,
-    parameters: &[Lane],
-    exogenous: Numbers,
-    reference: &[f64],
-) -> [FreeRun; LANES] {
+fn runs_over(model: &Model, parameters: &[Lane], exogenous: Numbers, reference: &[f64]) -> [FreeRun; LANES] {
     let parameters: Vec<Wide<1>> = parameters.iter().copied().map(Wide::from).collect();
     let [runs] = match exogenous {
         Numbers::Lanes(lanes) => free_runs_of(model, &parameters, lanes, reference),

@@ -445,13 +445,8 @@ fn at_bound(forces: &Forces, theta: &[f64], gradient: &[f64]) -> Vec<bool> {
 }
 
 /// θ after `steps` of those at the places `free`, within their bounds.
-fn clamped_step(
-    forces: &Forces,
-    theta: &[f64],
-    free: &[usize],
-    steps: impl Iterator<Item = f64>,
-) -> Vec<f64> {
-    let mut next = theta.to_vec();
+fn clamped_step(forces: &Forces, at: &[f64], free: &[usize], steps: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut next = at.to_vec();
     for (i, step) in free.iter().zip(steps) {
         let [low, high] = forces.parameters()[*i].bounds;
         next[*i] = (next[*i] + step).clamp(low, high);

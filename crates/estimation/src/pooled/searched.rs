@@ -387,7 +387,7 @@ impl<'a> Ambient<'a> {
         let each = points.into_iter().zip(linears).enumerate();
         each.map(|(lane, (ambient, linear))| {
             let block_sums = blocks.iter().flatten().map(|block| &block[lane]).collect::<Vec<_>>();
-            projected(&linear, ambient, self.weights, spread.then_some(&block_sums))
+            projected(&linear, ambient, self.weights, spread.then_some(block_sums.as_slice()))
         })
         .collect()
     }
@@ -409,12 +409,7 @@ impl<'a> Ambient<'a> {
 /// The errors of a part by its parameters alone, with its own unknowns projected out: with A B; Bᵀ N the weighted
 /// normal matrix of both and g, h the gradients, A − B N⁻¹ Bᵀ and g − B N⁻¹ h. `blocks`: sums over blocks of samples
 /// by these unknowns, if their covariance is requested, see [`jackknife`].
-fn projected(
-    linear: &Linear,
-    ambient: Vec<f64>,
-    weights: [f64; 3],
-    blocks: Option<&Vec<&Linear>>,
-) -> Settled {
+fn projected(linear: &Linear, ambient: Vec<f64>, weights: [f64; 3], blocks: Option<&[&Linear]>) -> Settled {
     let (normal, gradient) = linear.weighted(weights);
     let (n, q) = (gradient.len(), ambient.len());
     let p = n - q;

@@ -316,16 +316,11 @@ impl Unknown {
         slopes(recordings, unknowns, free, self.start_counts(), weights, path)
     }
 
-    pub(crate) fn blocks(
-        self,
-        recordings: &Recordings,
-        unknowns: &[Lane],
-        free: &[usize],
-    ) -> Vec<Vec<Linear>> {
+    pub(crate) fn blocks(self, recordings: &Recordings, at: &[Lane], free: &[usize]) -> Vec<Vec<Linear>> {
         let counts = self.start_counts();
         match self.levels() {
-            None => blocks::<3>(recordings, unknowns, free, None, &[], counts),
-            levels => blocks::<5>(recordings, unknowns, free, levels.as_ref(), &[], counts),
+            None => blocks::<3>(recordings, at, free, None, &[], counts),
+            levels => blocks::<5>(recordings, at, free, levels.as_ref(), &[], counts),
         }
     }
 }

@@ -142,15 +142,10 @@ pub struct Fitted {
     pub approximate: bool,
 }
 
-fn fit(
-    recordings: &Recordings,
-    minimum: &Minimum,
-    errors: Option<EstimateErrors>,
-    unknown: Unknown,
-) -> RunFit {
-    let layout = recordings.model.layout();
+fn fit(runs: &Recordings, minimum: &Minimum, errors: Option<EstimateErrors>, unknown: Unknown) -> RunFit {
+    let layout = runs.model.layout();
     let (point, all) = (&minimum.point, layout.parameters());
-    let free = unknown.free(recordings.model);
+    let free = unknown.free(runs.model);
     let entry = |of: &[f64], i: usize| {
         free.iter().position(|unknown| *unknown == all + i).map_or(0.0, |place| of[place])
     };

@@ -114,9 +114,16 @@ impl Searches<'_> {
         let mut by_try = BTreeMap::new();
         for together in of_one_length(&runs, 0..runs.len(), TOGETHER) {
             let workspace = std::mem::take(&mut self.workspace);
-            let mut search =
-                LaneSearch::new(self.model, together.iter().map(|i| runs[*i]), self.unknown, workspace);
-            search.exactly = self.exactly;
+            let mut search = LaneSearch {
+                model: self.model,
+                runs: together.iter().map(|i| runs[*i]).collect(),
+                free: self.unknown.free(self.model),
+                unknown: self.unknown,
+                all: 0,
+                some: 0,
+                workspace,
+                exactly: self.exactly,
+            };
             let from = |i: &usize| {
                 let mut point = tries[*i].point.clone();
                 point.resize(search.free.len(), 0.0);
@@ -250,25 +257,7 @@ struct Packed {
     data: SideBySide,
 }
 
-impl<'a> LaneSearch<'a> {
-    fn new(
-        model: &'a Model,
-        runs: impl Iterator<Item = RunView<'a>>,
-        unknown: Unknown,
-        workspace: Workspace,
-    ) -> Self {
-        Self {
-            model,
-            runs: runs.collect(),
-            free: unknown.free(model),
-            unknown,
-            all: 0,
-            some: 0,
-            workspace,
-            exactly: true,
-        }
-    }
-
+impl LaneSearch<'_> {
     /// All groups, or, if these would leave many lanes empty, groups of the last requested runs.
     fn packed(&mut self, asked: &[Linearization]) -> &[Packed] {
         let wanted = asked.len().div_ceil(LANES);

@@ -62,7 +62,7 @@ impl EstimatorResults {
     ) -> Vec<(RunEstimate, Option<&'f [f64]>)> {
         let (outcomes, excited) = self.by(estimator);
         let row = |((outcome, excited), run): ((&'f RunOutcome, &Regressed), &Run)| {
-            let row = all.estimate(estimator, run, outcome, excited);
+            let row = all.row(estimator, run, outcome, excited);
             let covariance = outcome.covariance.as_deref().filter(|_| row.estimate.is_some());
             (row, covariance)
         };
@@ -202,13 +202,7 @@ impl RunEstimators<'_> {
         instrumented.then(|| collinear_run(self.vessel, run, self.removal)).flatten()
     }
 
-    fn estimate(
-        &self,
-        estimator: Estimator,
-        run: &Run,
-        outcome: &RunOutcome,
-        excited: &Regressed,
-    ) -> RunEstimate {
+    fn row(&self, estimator: Estimator, run: &Run, outcome: &RunOutcome, excited: &Regressed) -> RunEstimate {
         let collinear = estimator.by_instruments().then(|| self.collinear(run)).flatten();
         match collinear {
             Some(at) => {

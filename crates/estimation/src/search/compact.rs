@@ -144,21 +144,15 @@ fn linearise(problem: &WindowProblem, beta: &[f64]) -> Option<Linearised> {
 }
 
 /// `places` with the term of the least loss on left-out folds; parameters `held` at a bound stay there.
-fn addition(
-    linearised: &[Linearised],
-    places: &[usize],
-    beta: &[f64],
-    held: &[bool],
-    ridge: f64,
-) -> Option<Size> {
+fn addition(folds: &[Linearised], places: &[usize], beta: &[f64], held: &[bool], ridge: f64) -> Option<Size> {
     let p = beta.len();
     let moving: Vec<usize> = places.iter().copied().filter(|i| !held[*i]).collect();
     let mut candidates: Vec<Size> = (0..p)
         .filter(|i| !places.contains(i))
-        .map(|added| Size { places: Vec::new(), added, losses: Vec::with_capacity(linearised.len()) })
+        .map(|added| Size { places: Vec::new(), added, losses: Vec::with_capacity(folds.len()) })
         .collect();
-    for (fold, linearised_fold) in linearised.iter().enumerate() {
-        let others = Others::new(linearised, fold, &moving, beta, ridge)?;
+    for (fold, linearised_fold) in folds.iter().enumerate() {
+        let others = Others::new(folds, fold, &moving, beta, ridge)?;
         for size in &mut candidates {
             size.losses.push(others.loss(linearised_fold, &moving, size.added));
         }
@@ -180,16 +174,10 @@ struct Others {
 }
 
 impl Others {
-    fn new(
-        linearised: &[Linearised],
-        fold: usize,
-        places: &[usize],
-        beta: &[f64],
-        ridge: f64,
-    ) -> Option<Self> {
+    fn new(folds: &[Linearised], fold: usize, places: &[usize], beta: &[f64], ridge: f64) -> Option<Self> {
         let (p, m) = (beta.len(), places.len());
         let (mut curvature, mut descent) = (vec![0.0; p * p], vec![0.0; p]);
-        for (_, other) in linearised.iter().enumerate().filter(|(i, _)| *i != fold) {
+        for (_, other) in folds.iter().enumerate().filter(|(i, _)| *i != fold) {
             let Linearised { errors, slopes, .. } = other;
             curvature.iter_mut().zip(&slopes.curvature).for_each(|(sum, entry)| *sum += errors * entry);
             descent.iter_mut().zip(&slopes.descent).for_each(|(sum, entry)| *sum += errors * entry);

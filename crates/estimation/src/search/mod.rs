@@ -153,6 +153,12 @@ pub fn folds(recordings: &[&Recording], count: usize) -> Vec<usize> {
     folds
 }
 
+/// Squared errors of u, v, r over a window; `None` for one that exceeds the limits.
+type Squares = Option<[f64; 3]>;
+
+/// A structure with its parameters.
+pub(crate) type Ship<'a> = (&'a Model, &'a [f64]);
+
 /// Standard deviations of u, v, r over the windows of `recordings` that models are scored on.
 fn varying<'r>(recordings: impl Iterator<Item = &'r Recording> + Clone, laid: Laid) -> [f64; 3] {
     deviations(recordings.flat_map(move |r| r.scored(laid)).map(|window| window.measured))
@@ -170,12 +176,7 @@ fn scores(
     scored(recordings, laid, |windows| squares(model, &theta, windows, limit))
 }
 
-fn scores_of_mean(
-    models: &[(&Model, &[f64])],
-    recordings: &[&Recording],
-    laid: Laid,
-    limit: [f64; 3],
-) -> Vec<Score> {
+fn scores_of_mean(models: &[Ship], recordings: &[&Recording], laid: Laid, limit: [f64; 3]) -> Vec<Score> {
     let models: Vec<(&Model, Vec<Lane>)> =
         models.iter().map(|(model, theta)| (*model, lanes(theta))).collect();
     scored(recordings, laid, |windows| squares_of_mean(&models, windows, limit))
@@ -188,7 +189,7 @@ fn lanes(theta: &[f64]) -> Vec<Lane> {
 fn scored(
     recordings: &[&Recording],
     laid: Laid,
-    squares: impl Fn(&[RunView]) -> Vec<Option<[f64; 3]>> + Sync,
+    squares: impl Fn(&[RunView]) -> Vec<Squares> + Sync,
 ) -> Vec<Score> {
     let of = |recording: &&Recording| {
         let windows: Vec<RunView> = recording.scored(laid).collect();
@@ -237,12 +238,7 @@ fn standard_error(scores: &[Score], std: [f64; 3]) -> Option<f64> {
 const BEYOND: f64 = 5.0;
 
 /// Squared errors of u, v, r of up to [`LANES`] windows; `None` for one that exceeds `limit`.
-pub(crate) fn squares(
-    model: &Model,
-    theta: &[Lane],
-    windows: &[RunView],
-    limit: [f64; 3],
-) -> Vec<Option<[f64; 3]>> {
+pub(crate) fn squares(model: &Model, theta: &[Lane], windows: &[RunView], limit: [f64; 3]) -> Vec<Squares> {
     let runs = SideBySide::of(windows);
     errors(&states(model, theta, &runs), &runs, limit)
 }
@@ -252,7 +248,7 @@ pub(crate) fn squares_of_mean(
     models: &[(&Model, Vec<Lane>)],
     windows: &[RunView],
     limit: [f64; 3],
-) -> Vec<Option<[f64; 3]>> {
+) -> Vec<Squares> {
     let runs = SideBySide::of(windows);
     let mut within = vec![true; windows.len()];
     let mut mean = MeanTrajectory::default();
@@ -272,7 +268,7 @@ fn states(model: &Model, theta: &[Lane], runs: &SideBySide) -> Vec<Lane> {
     states
 }
 
-fn errors(states: &[Lane], runs: &SideBySide, limit: [f64; 3]) -> Vec<Option<[f64; 3]>> {
+fn errors(states: &[Lane], runs: &SideBySide, limit: [f64; 3]) -> Vec<Squares> {
     let mut sums = vec![Some([0.0; 3]); runs.runs];
     for (i, (state, measured)) in states.iter().zip(&runs.measured).enumerate().skip(3) {
         let (k, d) = (i / 3, i % 3);

@@ -295,17 +295,12 @@ pub(crate) struct Ending {
 }
 
 /// Minimises loss(β) + ridge |β|² within bounds by Levenberg and Marquardt's method; `None` from beyond limits.
-pub(crate) fn minimum(
-    problem: &WindowProblem,
-    start: Vec<f64>,
-    ridge: f64,
-    ending: Ending,
-) -> Option<Vec<f64>> {
+pub(crate) fn minimum(problem: &WindowProblem, start: Vec<f64>, ridge: f64, end: Ending) -> Option<Vec<f64>> {
     let cost = |beta: &[f64], looked: &Looked| cost(beta, looked, ridge);
     let mut beta = problem.within(start);
     let mut looked = problem.look(&beta)?;
     let mut damping = DAMPING[0];
-    iterate("Levenberg–Marquardt", ending.steps, &Watch::default(), || {
+    iterate("Levenberg–Marquardt", end.steps, &Watch::default(), || {
         let slopes = problem.slopes(&beta, &looked)?;
         let before = cost(&beta, &looked);
         let taken = loop {
@@ -321,7 +316,7 @@ pub(crate) fn minimum(
         let gained = before - cost(&trial, &at);
         (beta, looked) = (trial, at);
         damping = (0.1 * damping).max(DAMPING[0]);
-        let enough = gained <= ending.enough * before;
+        let enough = gained <= end.enough * before;
         (!enough).then_some(())
     });
     Some(beta)

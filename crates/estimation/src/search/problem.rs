@@ -288,12 +288,8 @@ struct Gram {
 impl Gram {
     pub fn new(signals: usize) -> Self {
         let columns = signals.next_multiple_of(TILE);
-        Self {
-            signals,
-            rows: vec![0.0; columns * ROWS * LANES],
-            filled: 0,
-            sums: vec![0.0; columns * columns],
-        }
+        let [rows, sums] = [columns * ROWS * LANES, columns * columns].map(|count| vec![0.0; count]);
+        Self { signals, rows, filled: 0, sums }
     }
 
     /// Signal `i` in this row.

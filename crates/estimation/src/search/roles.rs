@@ -120,20 +120,10 @@ impl Roles {
     }
 
     fn all(&self) -> Vec<usize> {
-        let lists = [
-            &self.rudders,
-            &self.propellers,
-            &self.ahead,
-            &self.astern,
-            &self.thrusts,
-            &self.even,
-            &self.odd,
-        ];
+        let inputs = [&self.rudders, &self.propellers, &self.ahead, &self.astern, &self.thrusts];
+        let lists = inputs.into_iter().chain([&self.even, &self.odd]);
         let single = [self.wind, self.wind_from].into_iter().flatten();
-        single
-            .chain(self.pairs.iter().flatten().copied())
-            .chain(lists.into_iter().flatten().copied())
-            .collect()
+        single.chain(self.pairs.iter().flatten().copied()).chain(lists.flatten().copied()).collect()
     }
 
     fn pair(&mut self, model: &Model) {

@@ -94,15 +94,10 @@ pub fn output_informations(
 
 /// Mean over the samples of Sᵀ S, n × n, rows and columns of intercepts zero: the variance of a free run due to
 /// errors of the parameters, summed over the states, is tr(cov G). `None` if the simulation is not finite.
-pub fn prediction_weights(
-    model: &Model,
-    theta: &[f64],
-    initial: [f64; 3],
-    exogenous: &[f64],
-) -> Option<Vec<f64>> {
+pub fn prediction_weights(model: &Model, theta: &[f64], initial: [f64; 3], rows: &[f64]) -> Option<Vec<f64>> {
     let model = model.with_intercepts();
     let layout = model.layout();
-    let run = Recordings::simulated(&model, initial, exogenous);
+    let run = Recordings::simulated(&model, initial, rows);
     let mut path = Sensitivities::default();
     let [squares] = followed(&run, &layout.woven(theta, [0.0; 3]), [[1.0; 3]], &mut path);
     let (n, share) = (layout.parameters(), 1.0 / run.longest().max(1) as f64);

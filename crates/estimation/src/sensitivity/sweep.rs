@@ -121,13 +121,7 @@ impl<X: Unknowns> Sensitivities<X> {
     }
 
     /// Simulates other recordings, overwriting the previous ones, see [`Self::of`].
-    pub(crate) fn follow(
-        &mut self,
-        recordings: &Recordings<X>,
-        unknowns: &[X],
-        free: &[usize],
-        from_start: bool,
-    ) {
+    pub(crate) fn follow(&mut self, recordings: &Recordings<X>, unknowns: &[X], free: &[usize], start: bool) {
         self.clear(free.len(), recordings.longest());
         sweep(
             recordings,
@@ -137,10 +131,7 @@ impl<X: Unknowns> Sensitivities<X> {
             &[],
             #[inline(always)]
             |step: Step<'_, X, 3>| {
-                self.keep(
-                    &step,
-                    if step.k == 0 && !from_start { X::ZERO } else { recordings.lasting(step.k) },
-                );
+                self.keep(&step, if step.k == 0 && !start { X::ZERO } else { recordings.lasting(step.k) });
             },
         );
     }

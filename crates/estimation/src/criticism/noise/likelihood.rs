@@ -50,12 +50,8 @@ impl LikelihoodSums {
         let likelihood = self.logs + self.logs + explained - entry(p, p) - volume - volume;
         let first = |i: usize, j: usize| entry(i, j)[0];
         let normal = (0..p * p).map(|k| first(k / p, k % p)).collect();
-        Likelihoods {
-            likelihood,
-            normal,
-            gradient: (0..p).map(|i| first(i, p)).collect(),
-            squares: entry(p, p)[0],
-        }
+        let gradient = (0..p).map(|i| first(i, p)).collect();
+        Likelihoods { likelihood, normal, gradient, squares: entry(p, p)[0] }
     }
 }
 
