@@ -201,17 +201,13 @@ impl<'a> ValidationRuns<'a> {
     /// [`Self::score`] of candidates.
     pub fn scores(&self, candidates: &[EstimateView], truth: Option<&[f64]>) -> Vec<RunScore> {
         let some = |chunk: &[EstimateView]| match chunk.len() {
-            0..=LANES => self.score_groups::<1>(chunk, truth),
-            _ => self.score_groups::<GROUPS>(chunk, truth),
+            0..=LANES => self.score_all::<1>(chunk, truth),
+            _ => self.score_all::<GROUPS>(chunk, truth),
         };
         candidates.chunks(GROUPS * LANES).flat_map(some).collect()
     }
 
-    fn score_groups<const G: usize>(
-        &self,
-        candidates: &[EstimateView],
-        truth: Option<&[f64]>,
-    ) -> Vec<RunScore> {
+    fn score_all<const G: usize>(&self, candidates: &[EstimateView], truth: Option<&[f64]>) -> Vec<RunScore> {
         let model = &self.vessel.model;
         let zero = vec![0.0; model.parameters()];
         let of = |i: usize| candidates[i.min(candidates.len() - 1)].parameters.unwrap_or(&zero);

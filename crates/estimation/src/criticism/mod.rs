@@ -42,12 +42,8 @@ pub fn criticise(subject: &Subject, parameters: &[f64]) -> Option<Criticism> {
 }
 
 /// The same, given kinds of noise that were found before for these runs.
-pub(crate) fn criticise_after(
-    subject: &Subject,
-    parameters: &[f64],
-    before: &[(Guess, f64)],
-) -> Option<Criticism> {
-    judge(subject, &Problems::new(subject, true), &[parameters.to_vec()], before).pop().flatten()
+pub(crate) fn criticise_after(subject: &Subject, theta: &[f64], known: &[(Guess, f64)]) -> Option<Criticism> {
+    judge(subject, &Problems::new(subject, true), &[theta.to_vec()], known).pop().flatten()
 }
 
 /// The same for every run by itself, each with its own estimate.

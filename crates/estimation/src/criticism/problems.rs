@@ -218,13 +218,9 @@ fn with_start(parameters: Vec<Lane>) -> Vec<Lane> {
 }
 
 /// Innovations made white at each sample after the first, by lane: u, v, r.
-fn errors<const N: usize>(
-    run: &SideBySide,
-    gains: &[Gain<Lane, N>],
-    innovations: &[Lane],
-) -> Vec<[Vec<f64>; 3]> {
+fn errors<const N: usize>(run: &SideBySide, gains: &[Gain<Lane, N>], raw: &[Lane]) -> Vec<[Vec<f64>; 3]> {
     let all: Vec<[Lane; 3]> =
-        gains.iter().zip(innovations.as_chunks().0).map(|(gain, error)| gain.white(error)).collect();
+        gains.iter().zip(raw.as_chunks().0).map(|(gain, error)| gain.white(error)).collect();
     let by_lane = |lane: usize| {
         let rows = &all[1..=run.samples[lane].min(all.len() - 1)];
         [0, 1, 2].map(|d: usize| rows.iter().map(|white| white[d][lane]).collect())

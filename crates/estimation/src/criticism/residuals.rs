@@ -55,17 +55,13 @@ pub(super) fn feedback(model: &Model, runs: &[RunView], series: &Series) -> Opti
 }
 
 /// Innovations of an input per run, from sample 2 on: what its last two values do not predict; `None` without any.
-fn innovations(
-    series: &Series,
-    value: impl Fn(usize, usize) -> f64,
-    runs: &[RunView],
-) -> Option<Vec<Vec<f64>>> {
-    let row = |run: usize, k: usize| [value(run, k - 1), value(run, k - 2), 1.0];
+fn innovations(series: &Series, at: impl Fn(usize, usize) -> f64, runs: &[RunView]) -> Option<Vec<Vec<f64>>> {
+    let row = |run: usize, k: usize| [at(run, k - 1), at(run, k - 2), 1.0];
     let (mut normal, mut gradient) = ([0.0; 9], [0.0; 3]);
     let mut squares = 0.0;
     for (run, _) in series {
         for k in 2..runs[*run].samples() {
-            let (row, y) = (row(*run, k), value(*run, k));
+            let (row, y) = (row(*run, k), at(*run, k));
             numerics::add_outer(&mut normal, &row, &row);
             gradient.iter_mut().zip(row).for_each(|(sum, x)| *sum += x * y);
             squares += y * y;
@@ -75,7 +71,7 @@ fn innovations(
     // Inputs that hardly vary are predicted well enough by one of the two.
     (0..3).for_each(|i| normal[4 * i] *= 1.0 + 1e-9);
     numerics::solve(3, &mut normal, &mut foretold)?;
-    let of = |run: usize, k: usize| value(run, k) - numerics::dot(&foretold, &row(run, k));
+    let of = |run: usize, k: usize| at(run, k) - numerics::dot(&foretold, &row(run, k));
     let all: Vec<Vec<f64>> =
         series.iter().map(|(run, _)| (2..runs[*run].samples()).map(|k| of(*run, k)).collect()).collect();
     let left: f64 = all.iter().flatten().map(|x| x * x).sum();

@@ -125,10 +125,7 @@ pub(super) fn tested(lifted: &Lifted, draws: &Draws, projected: &Projected) -> (
     let all = testable.iter().zip(&probabilities);
     let mut all_absent: Vec<Absent> = all.map(|((c, score), p)| absent(c, score, *p, most)).collect();
     all_absent.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
-    (
-        all_absent,
-        hidden.into_iter().map(|(candidate, _)| called(&candidate.name, candidate.place())).collect(),
-    )
+    (all_absent, hidden.into_iter().map(|(c, _)| called(&c.name, c.place())).collect())
 }
 
 /// The test of `candidate`, where `most` is the evidence of the likeliest.

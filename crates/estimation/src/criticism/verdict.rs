@@ -291,7 +291,7 @@ fn contradictions(apart: &[Apart]) -> Option<String> {
 /// The noise that was found, its size, and the distance of the next kind.
 fn noise_found(criticism: &Criticism, noise: &FoundNoise) -> String {
     let [u, v, r] = [criticism.noise_u, criticism.noise_v, criticism.noise_r].map(number);
-    let mut parts = vec![format!("white noise of u {u}, v {v} m/s, r {r} rad/s")];
+    let mut all = vec![format!("white noise of u {u}, v {v} m/s, r {r} rad/s")];
     for (of, name) in [("force", "forces, in a sample"), ("sensor", "sensors that drift by")] {
         let each = noise.drifts.iter().filter(|drift| drift.of == of);
         let each: Vec<String> = each
@@ -300,25 +300,20 @@ fn noise_found(criticism: &Criticism, noise: &FoundNoise) -> String {
             })
             .collect();
         if !each.is_empty() {
-            parts.push(format!("{name} {}", each.join(", ")));
+            all.push(format!("{name} {}", each.join(", ")));
         }
     }
     if criticism.current_std > 0.0 {
         let drifting = |time| format!("drifting over {} s", number(time));
         let time = criticism.current_time_s.map_or("new at every sample".to_owned(), drifting);
-        parts.push(format!("a current of {} m/s, {time}", number(criticism.current_std)));
+        all.push(format!("a current of {} m/s, {time}", number(criticism.current_std)));
     }
     let turns = if noise.turns == 1 { "turn" } else { "turns" };
     let rest = if noise.at_rest { "" } else { ", without coming to rest" };
     let next = noise.others.first().map_or(String::new(), |next| {
         format!("; next likely: {}, {:.1} below in twice the log-likelihood", next.kind.words(), next.below)
     });
-    format!(
-        "noise found in {} {turns}{rest}: {}: {}{next}",
-        noise.turns,
-        noise.kind.words(),
-        parts.join("; ")
-    )
+    format!("noise found in {} {turns}{rest}: {}: {}{next}", noise.turns, noise.kind.words(), all.join("; "))
 }
 
 impl Criticism {

@@ -188,19 +188,15 @@ impl<'a> Account<'a> {
     }
 
     /// The model with what its data tell, and the estimate by least squares.
-    fn delivered(
-        self,
-        least_squares: Option<(Vec<f64>, [f64; 3])>,
-        output_rmse: Option<[f64; 3]>,
-    ) -> Delivered {
+    fn delivered(self, simple: Option<(Vec<f64>, [f64; 3])>, rmse: Option<[f64; 3]>) -> Delivered {
         let model = self.model;
         Delivered {
             theta: self.theta.to_vec(),
             constant: beyond(model, self.intercepts),
             covariance: None,
-            least_squares: least_squares.map(|(theta, intercepts)| (theta, beyond(model, intercepts))),
+            least_squares: simple.map(|(theta, intercepts)| (theta, beyond(model, intercepts))),
             increment_std: self.squares.map(|sum| (sum / f64::max(self.samples, 1.0)).sqrt()),
-            output_rmse,
+            output_rmse: rmse,
             surroundings: Vec::new(),
             covered: self.ranges.covered(),
             recordings: self.recordings(),
@@ -275,13 +271,8 @@ impl Covariance {
 }
 
 /// A search has a joint covariance of all unknowns; else each degree of freedom has its own.
-fn covariance(
-    model: &Model,
-    estimated: &Estimated,
-    degrees: &[DegreeTrust],
-    parts: usize,
-) -> Option<Covariance> {
-    let searched = estimated.searched.as_ref().filter(|_| estimated.used.iter().all(|used| used.searches()));
+fn covariance(model: &Model, of: &Estimated, degrees: &[DegreeTrust], parts: usize) -> Option<Covariance> {
+    let searched = of.searched.as_ref().filter(|_| of.used.iter().all(|used| used.searches()));
     if let Some((whole, _)) = searched {
         return (parts > 1).then(|| Covariance::joint(model, whole.covariance.clone(), parts));
     }

@@ -214,13 +214,9 @@ impl Pool<'_> {
     ///
     /// # Errors
     /// The nominal simulation diverges; parts that cannot be read.
-    pub fn estimate<P: Parts>(
-        &self,
-        parts: &P,
-        estimator: Estimator,
-    ) -> Result<Estimated, NoEstimate<P::Error>> {
+    pub fn estimate<P: Parts>(&self, parts: &P, by: Estimator) -> Result<Estimated, NoEstimate<P::Error>> {
         let faults = Faults::default();
-        self.estimate_any(&faults.erased(parts), estimator).map_err(|e| e.restored(&faults))
+        self.estimate_any(&faults.erased(parts), by).map_err(|e| e.restored(&faults))
     }
 
     fn estimate_any(&self, parts: &AnyParts, estimator: Estimator) -> Result<Estimated, NoEstimate<Unread>> {

@@ -208,9 +208,7 @@ impl Judge<'_> {
     pub(super) fn sources(&self, runs: &dyn AnyRuns) -> Result<Vec<SourceErrors>, Unread> {
         let model = self.estimated.parameters(&self.pool.model);
         let mut sources = Vec::with_capacity(runs.sources());
-        runs.each_source(&mut |source, windows| {
-            sources.push(self.source(source, &windows, model.as_deref()))
-        })?;
+        runs.each_source(&mut |name, parts| sources.push(self.source(name, &parts, model.as_deref())))?;
         Ok(sources)
     }
 

@@ -192,12 +192,8 @@ impl Study<'_> {
         };
         let all: Vec<Option<Fitted>> = (0..wanted.resamples).into_par_iter().map(one).collect();
         let failed = all.iter().filter(|fitted| fitted.is_none()).count() as u64;
-        let models: Vec<Fitted> = all.into_iter().flatten().collect();
-        (models.len() > 1).then(|| Resampled {
-            parameters: summed_up(&models),
-            searches: models.len() as u64,
-            failed,
-        })
+        let all: Vec<Fitted> = all.into_iter().flatten().collect();
+        (all.len() > 1).then(|| Resampled { parameters: summed_up(&all), searches: all.len() as u64, failed })
     }
 
     /// The model of few terms that a search over the recordings at `drawn` finds.

@@ -287,7 +287,7 @@ pub(crate) fn without_intercepts(lifted: &Model) -> Model {
 
 /// The model of `fitted`, whose structure without intercepts is `structure`.
 pub(crate) fn delivered(
-    structure: &Model,
+    bare: &Model,
     fitted: &Fitted,
     recordings: &[Recording],
     parts: &[Part],
@@ -295,12 +295,12 @@ pub(crate) fn delivered(
     let Fitted { model: lifted, theta: parameters } = fitted;
     let layout = lifted.layout();
     let (theta, intercepts) = (layout.theta(parameters), layout.intercepts(parameters));
-    let (increment_std, constants) = gained(structure, recordings, &theta);
+    let (increment_std, constants) = gained(bare, recordings, &theta);
     let all: Vec<&Recording> = recordings.iter().collect();
     let followed = scores(lifted, parameters, &all, Laid::SideBySide, limit(&all));
     Delivered {
         theta,
-        constant: [0, 1, 2].map(|d| structure.constant[d] + intercepts[d]),
+        constant: [0, 1, 2].map(|d| bare.constant[d] + intercepts[d]),
         // After a ridge or a selection of terms no standard errors are valid.
         covariance: None,
         least_squares: None,
@@ -308,7 +308,7 @@ pub(crate) fn delivered(
         output_rmse: together(followed.iter()).rmse(),
         recordings: constants,
         surroundings: Vec::new(),
-        covered: covered(structure, parts),
+        covered: covered(bare, parts),
     }
 }
 

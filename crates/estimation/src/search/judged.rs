@@ -155,9 +155,7 @@ impl Study<'_> {
                 all.push(LeftOut { recording, fold, search, base, average });
             }
         }
-        all.sort_by_key(|one| {
-            self.recordings.iter().position(|recording| recording.name == one.recording.name)
-        });
+        all.sort_by_key(|one| self.recordings.iter().position(|r| r.name == one.recording.name));
         all
     }
 }

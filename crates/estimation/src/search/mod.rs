@@ -165,15 +165,9 @@ fn varying<'r>(recordings: impl Iterator<Item = &'r Recording> + Clone, laid: La
 }
 
 /// Scores `model` with `theta` on each of `recordings`; a window in which it exceeds `limit` counts as diverged.
-fn scores(
-    model: &Model,
-    theta: &[f64],
-    recordings: &[&Recording],
-    laid: Laid,
-    limit: [f64; 3],
-) -> Vec<Score> {
+fn scores(model: &Model, theta: &[f64], runs: &[&Recording], laid: Laid, limit: [f64; 3]) -> Vec<Score> {
     let theta = lanes(theta);
-    scored(recordings, laid, |windows| squares(model, &theta, windows, limit))
+    scored(runs, laid, |windows| squares(model, &theta, windows, limit))
 }
 
 fn scores_of_mean(models: &[Ship], recordings: &[&Recording], laid: Laid, limit: [f64; 3]) -> Vec<Score> {
@@ -187,7 +181,7 @@ fn lanes(theta: &[f64]) -> Vec<Lane> {
 }
 
 fn scored(
-    recordings: &[&Recording],
+    runs: &[&Recording],
     laid: Laid,
     squares: impl Fn(&[RunView]) -> Vec<Squares> + Sync,
 ) -> Vec<Score> {
@@ -207,7 +201,7 @@ fn scored(
         }
         score
     };
-    recordings.par_iter().map(of).collect()
+    runs.par_iter().map(of).collect()
 }
 
 fn together<'s>(scores: impl Iterator<Item = &'s Score>) -> Score {

@@ -97,14 +97,10 @@ impl<'a> Recordings<'a> {
 }
 
 /// Groups the runs at `chosen` by length, with a maximum number per group.
-pub(crate) fn of_one_length(
-    all: &[RunView],
-    chosen: impl Iterator<Item = usize>,
-    most: usize,
-) -> Vec<Vec<usize>> {
+pub(crate) fn of_one_length(all: &[RunView], at: impl Iterator<Item = usize>, max: usize) -> Vec<Vec<usize>> {
     let mut by_length: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    chosen.for_each(|run| by_length.entry(all[run].samples()).or_default().push(run));
-    by_length.values().flat_map(|runs| runs.chunks(most).map(<[usize]>::to_vec)).collect()
+    at.for_each(|run| by_length.entry(all[run].samples()).or_default().push(run));
+    by_length.values().flat_map(|runs| runs.chunks(max).map(<[usize]>::to_vec)).collect()
 }
 
 /// The runs at `chosen` in groups of up to [`LANES`] of equal length, each in lanes.

@@ -316,19 +316,15 @@ pub(crate) fn listed(
 }
 
 /// The factors of a term in this equation, in order.
-fn parsed(
-    forces: &Forces,
-    channels: &[Channel],
-    (degree, text): (usize, &str),
-) -> Result<Vec<Factor>, Invalid> {
+fn parsed(forces: &Forces, channels: &[Channel], (d, text): (usize, &str)) -> Result<Vec<Factor>, Invalid> {
     let mut description = forces.description().clone();
-    let name = ["surge", "sway", "yaw"][degree];
+    let name = ["surge", "sway", "yaw"][d];
     let parameter = "candidate to be tried".to_owned();
     let spec = TermSpec { parameter, term: text.to_owned(), nominal: Some(0.0), ..TermSpec::default() };
-    description.terms_mut()[degree].push(spec);
+    description.terms_mut()[d].push(spec);
     let with = Forces::new(&description, channels)
         .map_err(|e| Invalid { thing: format!("`{name}`: term `{text}`"), ..e })?;
-    Ok(in_order(with.factors(degree, own_terms(forces, degree)).to_vec()))
+    Ok(in_order(with.factors(d, own_terms(forces, d)).to_vec()))
 }
 
 fn own_terms(forces: &Forces, degree: usize) -> usize {

@@ -384,9 +384,7 @@ fn probabilities(scores: &[&Score]) -> Vec<f64> {
     let rows = scores.first().map_or(0, |score| score.units.len());
     let deviations: Vec<f64> = scores.iter().map(|s| s.variance().sqrt().max(f64::MIN_POSITIVE)).collect();
     let standardised: Vec<Vec<f64>> = (0..rows)
-        .map(|row| {
-            scores.iter().zip(&deviations).map(|(score, deviation)| score.units[row] / deviation).collect()
-        })
+        .map(|row| scores.iter().zip(&deviations).map(|(score, std)| score.units[row] / std).collect())
         .collect();
     let draws: Vec<f64> =
         (0..DRAWS as u64).into_par_iter().map(|seed| largest(&standardised, seed)).collect();

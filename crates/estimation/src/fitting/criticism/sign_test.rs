@@ -73,11 +73,7 @@ impl Problem<'_> {
         Some((best, windows))
     }
 
-    pub(crate) fn with_inputs<'b>(
-        &'b self,
-        forces: &'b Forces,
-        inputs: &'b [Vec<f64>],
-    ) -> Option<Problem<'b>> {
+    fn with_inputs<'b>(&'b self, forces: &'b Forces, inputs: &'b [Vec<f64>]) -> Option<Problem<'b>> {
         let with = |(old, inputs): (&RecordingView<'b>, &'b Vec<f64>)| RecordingView { inputs, ..*old };
         let recordings = self.recordings.iter().zip(inputs).map(with).collect();
         Problem::new(forces, recordings, self.width, self.settings).ok()
