@@ -50,11 +50,8 @@ impl Recommendation {
             contenders.iter().filter(|c| c.admitted()).filter_map(|c| Some((c, median(&c)?))).collect();
         let &(least, median) = admitted.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
         let others = admitted.iter().filter(|(c, _)| c.estimator != least.estimator);
-        Some(Self {
-            least: least.estimator,
-            median,
-            others: others.filter_map(|(c, _)| Other::new(least, c)).collect(),
-        })
+        let others = others.filter_map(|(c, _)| Other::new(least, c)).collect();
+        Some(Self { least: least.estimator, median, others })
     }
 
     /// The recommended estimator: that of least median error, if the runs distinguish it from each of the others.
@@ -103,11 +100,8 @@ pub struct PairedDifference {
 impl From<&Other> for PairedDifference {
     fn from(other: &Other) -> Self {
         let finite = |value: f64| Some(value).filter(|v| v.is_finite());
-        Self {
-            estimator: other.estimator,
-            median: finite(other.difference),
-            interval: other.interval.map(finite),
-        }
+        let Other { estimator, difference, interval } = other;
+        Self { estimator: *estimator, median: finite(*difference), interval: interval.map(finite) }
     }
 }
 

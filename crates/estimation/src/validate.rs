@@ -44,7 +44,6 @@ pub fn free_runs(
     runs_over(model, parameters, Number::numbers(exogenous), reference)
 }
 
-/// The same, compiled here and not in every crate that calls it.
 fn runs_over(model: &Model, parameters: &[Lane], exogenous: Numbers, reference: &[f64]) -> [FreeRun; LANES] {
     let parameters: Vec<Wide<1>> = parameters.iter().copied().map(Wide::from).collect();
     let [runs] = match exogenous {
@@ -409,7 +408,6 @@ impl StateMeans {
         }
     }
 
-    /// Starts a second pass over the same states.
     pub(crate) fn deviations(&self) -> StateDeviations {
         let means = self.sums.map(|sum| sum / self.rows as f64);
         StateDeviations { rows: self.rows, means, squares: Self::default().sums }

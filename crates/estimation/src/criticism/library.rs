@@ -21,7 +21,6 @@ enum Effect {
 impl Effect {
     pub const ALL: [Self; 4] = [Self::Lag, Self::Delay, Self::Current(0), Self::Current(1)];
 
-    /// A plain name for its channel in degree of freedom `d`.
     fn channel(self, d: usize) -> String {
         let name = match self {
             Self::Lag => "lag",
@@ -32,7 +31,6 @@ impl Effect {
     }
 }
 
-/// Something that a model may lack.
 #[derive(Clone, Debug)]
 pub(super) struct CandidateEffect {
     /// The degree of freedom of a term.
@@ -80,12 +78,8 @@ impl Lifted {
             known.extend(place..place + lifted_degree.terms.len());
             place += lifted_degree.terms.len();
             for (name, term) in absent(model, degree, &names) {
-                candidates.push(CandidateEffect {
-                    degree: Some(degree),
-                    unit: model.unit(degree, &term),
-                    name,
-                    unknowns: vec![vec![others.len()]],
-                });
+                let (unit, unknowns) = (model.unit(degree, &term), vec![vec![others.len()]]);
+                candidates.push(CandidateEffect { degree: Some(degree), unit, name, unknowns });
                 push(lifted_degree, term, &mut others, &mut place);
             }
             for (effect, columns) in Effect::ALL.into_iter().zip(&mut effects) {

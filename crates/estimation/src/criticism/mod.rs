@@ -22,7 +22,7 @@ use ship::model::Model;
 
 use crate::sensitivity::{Flow, NoiseModel, Recordings, filter, with_states};
 use library::{CandidateEffect, Lifted, with_effects};
-use noise::{Guess, LASTING};
+use noise::{Earlier, LASTING};
 use problems::{Problems, Refinement, Series, TestedEstimate, each_with_noise, with_noise};
 use residuals::{apart, feedback, waves};
 use score::{Draws, Projected, reject_under_white, tested, under_white};
@@ -42,7 +42,7 @@ pub fn criticise(subject: &Subject, parameters: &[f64]) -> Option<Criticism> {
 }
 
 /// The same, given kinds of noise that were found before for these runs.
-pub(crate) fn criticise_after(subject: &Subject, theta: &[f64], known: &[(Guess, f64)]) -> Option<Criticism> {
+pub(crate) fn criticise_after(subject: &Subject, theta: &[f64], known: &Earlier) -> Option<Criticism> {
     judge(subject, &Problems::new(subject, true), &[theta.to_vec()], known).pop().flatten()
 }
 
@@ -51,17 +51,12 @@ pub fn criticise_each(subject: &Subject, parameters: &[Vec<f64>]) -> Vec<Option<
     judge(subject, &Problems::new(subject, false), parameters, &[])
 }
 
-fn judge(
-    subject: &Subject,
-    problems: &Problems,
-    starts: &[Vec<f64>],
-    before: &[(Guess, f64)],
-) -> Vec<Option<Criticism>> {
+fn judge(subject: &Subject, all: &Problems, from: &[Vec<f64>], before: &Earlier) -> Vec<Option<Criticism>> {
     let states = match subject.levels {
-        Some(_) => Refinement::new(problems, starts).run(),
-        None => each_with_noise(problems, starts, before),
+        Some(_) => Refinement::run(all, from),
+        None => each_with_noise(all, from, before),
     };
-    verdicts(subject, problems, states)
+    verdicts(subject, all, states)
 }
 
 fn verdicts(subject: &Subject, problems: &Problems, states: Vec<TestedEstimate>) -> Vec<Option<Criticism>> {
@@ -274,7 +269,6 @@ fn student(samples: usize) -> f64 {
     student_half_width((samples as f64 / FREEDOM[0]).max(FREEDOM[1])) / 1.959_964
 }
 
-/// Noise of runs, found alternately with parameters of a model.
 #[derive(Clone, Debug)]
 pub(crate) struct Calibrated {
     pub levels: NoiseModel,

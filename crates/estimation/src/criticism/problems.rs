@@ -5,7 +5,7 @@ use ship::engine::{RunView, SideBySide};
 use ship::model::Model;
 
 use super::library::{Lifted, with_effects};
-use super::noise::{Guess, Noise, NoiseKind, Turns, side_by_side};
+use super::noise::{Earlier, Guess, Noise, NoiseKind, Turns, side_by_side};
 use crate::predictor::{Linear, linearize_each, scaled_inverse};
 use crate::sensitivity::{Flow, ForceNoise, Gain, NoiseModel, Recordings, filter_along, groups, with_states};
 
@@ -26,7 +26,6 @@ pub struct Subject<'a> {
     pub names: &'a [&'a str],
 }
 
-/// An estimate to be tested, with the noise to test it under.
 #[derive(Clone, Debug)]
 pub(super) struct TestedEstimate {
     pub parameters: Vec<f64>,
@@ -251,15 +250,14 @@ pub(super) struct Refinement<'a> {
 }
 
 impl<'a> Refinement<'a> {
-    pub fn new(problems: &'a Problems<'a>, starts: &[Vec<f64>]) -> Self {
+    /// The estimates that are reached from `starts`.
+    pub fn run(problems: &'a Problems<'a>, starts: &[Vec<f64>]) -> Vec<TestedEstimate> {
         let state = |start: &Vec<f64>| TestedEstimate { parameters: start.clone(), noise: None };
-        Self { problems, states: starts.iter().map(state).collect(), errors: Vec::new() }
-    }
-
-    pub fn run(mut self) -> Vec<TestedEstimate> {
-        self.settle((0..self.states.len()).collect());
-        self.elsewhere();
-        self.states
+        let states = starts.iter().map(state).collect();
+        let mut refinement = Self { problems, states, errors: Vec::new() };
+        refinement.settle((0..starts.len()).collect());
+        refinement.elsewhere();
+        refinement.states
     }
 
     /// If errors are far above the noise, restarts from least squares and keeps the better result.
@@ -348,13 +346,9 @@ fn squares(sums: &Linear) -> f64 {
 }
 
 /// Estimates alternating with the noise of each: from `starts`, else from least squares; see [`with_noise`].
-pub(super) fn each_with_noise(
-    problems: &Problems,
-    starts: &[Vec<f64>],
-    before: &[(Guess, f64)],
-) -> Vec<TestedEstimate> {
+pub(super) fn each_with_noise(all: &Problems, starts: &[Vec<f64>], before: &Earlier) -> Vec<TestedEstimate> {
     let each = starts.par_iter().enumerate().map(|(problem, start)| {
-        let state = with_noise(problems, problem, std::slice::from_ref(start), before);
+        let state = with_noise(all, problem, std::slice::from_ref(start), before);
         state.unwrap_or(TestedEstimate { parameters: start.clone(), noise: None })
     });
     each.collect()
@@ -366,7 +360,7 @@ pub(super) fn with_noise(
     problems: &Problems,
     problem: usize,
     starts: &[Vec<f64>],
-    before: &[(Guess, f64)],
+    before: &Earlier,
 ) -> Option<TestedEstimate> {
     let turns = problems.turns(problem);
     let elsewhere = || {

@@ -144,7 +144,6 @@ fn spectrum(covariances: &[f64], period: f64) -> f64 {
     if power > 0.0 { 1.0 + (1..last as usize).map(term).sum::<f64>() / power } else { 0.0 }
 }
 
-/// What is left after the autocorrelation of neighbours.
 fn without_trend(errors: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let [power, next] = [0, 1].map(|lag| covariance(errors, lag));
     let keep = if power > 0.0 { next / power } else { 0.0 };

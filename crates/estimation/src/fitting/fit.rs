@@ -104,11 +104,8 @@ impl Pass<'_> {
                     Some((next, expected)) if next.cost <= at.cost => {
                         // A step that gains much less than the equations promise overshoots: the next one is held back.
                         let gained = (at.cost - next.cost) / expected;
-                        damping *= match gained {
-                            gained if gained > 0.75 => 0.1,
-                            gained if gained < 0.25 => 10.0,
-                            _ => 1.0,
-                        };
+                        let held_back = if gained < 0.25 { 10.0 } else { 1.0 };
+                        damping *= if gained > 0.75 { 0.1 } else { held_back };
                         at = next;
                         break expected;
                     }
@@ -221,7 +218,6 @@ impl Pass<'_> {
         Ok(next.cost.is_finite().then_some((next, expected.max(f64::MIN_POSITIVE))))
     }
 
-    /// Every window reduced to θ at a minimum.
     pub(crate) fn determined(&self, sums: &[Vec<WindowSums>]) -> Result<Vec<Vec<Reduced>>, Unfit> {
         let n = self.forces.parameters().len();
         let reduce = |(window, sums)| reduced(sums, n, 0.0).ok_or_else(|| self.without_start(window));

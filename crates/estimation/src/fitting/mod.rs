@@ -201,7 +201,6 @@ impl Settings {
         }
     }
 
-    /// The number of samples in `seconds`, at least one.
     pub(crate) fn samples(&self, seconds: f64) -> usize {
         (seconds / self.sample_s).round().max(1.0) as usize
     }

@@ -252,6 +252,9 @@ pub struct MeasuredRun<'a> {
     pub noise: [f64; 3],
 }
 
+/// Second and first derivatives of half the cost.
+type Normal = (Vec<f64>, Vec<f64>);
+
 struct Search<'a> {
     of: &'a MeasuredRun<'a>,
     forces: &'a Forces,
@@ -325,7 +328,7 @@ impl Search<'_> {
         errors.map(square).sum::<f64>() + distance(theta, self.priors)
     }
 
-    fn normal(&self, theta: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
+    fn normal(&self, theta: &[f64]) -> Option<Normal> {
         let MeasuredRun { run, measured, noise } = self.of;
         let (n, slopes) = (theta.len(), run.slopes(self.forces, theta)?);
         let weights = noise.map(|std| 1.0 / (std * std));
@@ -343,12 +346,7 @@ impl Search<'_> {
     }
 
     /// The step of the `free` parameters, with this share of the diagonal added to it.
-    fn step(
-        &self,
-        (products, gradient): &(Vec<f64>, Vec<f64>),
-        free: &[usize],
-        damping: f64,
-    ) -> Result<Vec<f64>, Unfit> {
+    fn step(&self, (products, gradient): &Normal, free: &[usize], damping: f64) -> Result<Vec<f64>, Unfit> {
         let (n, m) = (gradient.len(), free.len());
         let entry = |i: usize, j: usize| products[free[i] * n + free[j]];
         if let Some(i) = (0..m).find(|i| entry(*i, *i) <= 0.0) {

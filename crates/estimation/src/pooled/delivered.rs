@@ -131,7 +131,6 @@ impl Delivered {
     }
 }
 
-/// The known constants, and intercepts.
 pub(super) fn beyond(model: &Model, intercepts: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|d| model.constant[d] + intercepts[d])
 }
@@ -203,7 +202,6 @@ impl<'a> Account<'a> {
         }
     }
 
-    /// Means instead of sums, with the known constant.
     fn recordings(mut self) -> Vec<RecordingConstant> {
         for recording in &mut self.recordings {
             let samples = recording.samples.max(1) as f64;

@@ -223,14 +223,11 @@ fn stalled(estimated: &Estimated) -> Option<&'static str> {
 fn diverging(sources: &[SourceErrors]) -> Option<String> {
     let diverging = sources.iter().filter(|source| source.diverged > 0);
     let names: Vec<String> = diverging.map(|source| format!("`{}`", source.source)).collect();
-    (!names.is_empty()).then(|| {
-        format!(
-            "no model is delivered: free simulations of {} of {} recordings diverge: {}",
-            names.len(),
-            sources.len(),
-            listed(&names)
-        )
-    })
+    let (count, all) = (names.len(), sources.len());
+    let diverge = |names| {
+        format!("no model is delivered: free simulations of {count} of {all} recordings diverge: {names}")
+    };
+    (!names.is_empty()).then(|| diverge(listed(&names)))
 }
 
 /// The remark that a model was found with starts, currents or a filter that free simulations do not use.

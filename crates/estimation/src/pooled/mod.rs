@@ -120,7 +120,6 @@ impl Estimated {
         self.used[d] == Estimator::Iv
     }
 
-    /// The sums with the regressors as instruments.
     fn least_squares_sums(&self) -> &PooledSums {
         &self.ls
     }

@@ -104,7 +104,6 @@ impl<'a> Resampler<'a> {
         fit(sums, &options).map(|degree| degree.solution.map(|solution| solution.theta))
     }
 
-    /// For a search: simulates or predicts the parts and fits again.
     fn searched_again(&self, places: &[usize]) -> Result<[Option<Vec<f64>>; 3], Unread> {
         let thetas = self.pool.searched_again(self.parts, places, self.estimated)?;
         Ok(thetas.map_or_else(Default::default, |thetas| thetas.map(Some)))

@@ -15,30 +15,28 @@ use crate::validate::Score;
 /// Starts are estimated if noise has at least this share of the squared errors.
 const NOISY: f64 = 0.25;
 
+/// What a search ends with: none without a minimum.
+type Outcome = Result<Option<Searched>, Unread>;
+
 impl Pool<'_> {
     /// Continues to the least errors of free simulations, then of predictions if requested; without success there is no
     /// estimate. A model without an estimate of a degree of freedom is left unchanged.
-    pub(super) fn searched(
-        &self,
-        parts: &AnyParts,
-        estimator: Estimator,
-        estimated: &mut Estimated,
-    ) -> Result<(), Unread> {
-        let Some((theta, intercepts)) = estimated.theta() else { return Ok(()) };
+    pub(super) fn searched(&self, parts: &AnyParts, by: Estimator, to: &mut Estimated) -> Result<(), Unread> {
+        let Some((theta, intercepts)) = to.theta() else { return Ok(()) };
         let intercepts = if self.additional.intercepts == Intercepts::None { [0.0; 3] } else { intercepts };
         let start = self.model.layout().woven(&theta, intercepts);
-        let mut deviations = estimated.means().deviations();
+        let mut deviations = to.means().deviations();
         parts.each(&mut |part| deviations.add(part.run.measured))?;
         let std = deviations.std();
-        let sizes = self.sizes(estimated.least_squares_sums(), std);
+        let sizes = self.sizes(to.least_squares_sums(), std);
         let mut scales = Scales { std, sizes, follow: Follow::Simulated(self.unknown()) };
         let simulated = self.continued(parts, &start, &scales)?;
-        let best = if estimator == Estimator::PredictionError {
+        let best = if by == Estimator::PredictionError {
             // A filter can follow motion that a simulation cannot.
             let from = simulated.as_ref().map_or(&start, |searched| &searched.parameters);
             let predicted = self.predicted(parts, from, &scales)?;
             predicted.map(|(follow, best, noises)| {
-                (scales.follow, estimated.noises) = (follow, noises);
+                (scales.follow, to.noises) = (follow, noises);
                 best
             })
         } else {
@@ -53,22 +51,22 @@ impl Pool<'_> {
         };
         let Some(best) = best else {
             let recordings = self.diverging(parts, &start)?;
-            estimated.unfound = Some(Unfound { estimator, recordings });
+            to.unfound = Some(Unfound { estimator: by, recordings });
             let none = || DegreeFit { status: Status::Unfound, solution: None };
-            estimated.degrees = [none(), none(), none()];
+            to.degrees = [none(), none(), none()];
             return Ok(());
         };
         for (d, (theta, intercept)) in self.split(&best.parameters).into_iter().enumerate() {
             let model = &self.vessel.model.degrees[d];
             if theta.iter().enumerate().all(|(i, value)| model.at_bound(i, *value)) {
-                estimated.degrees[d] = DegreeFit { status: Status::Bounded, solution: None };
+                to.degrees[d] = DegreeFit { status: Status::Bounded, solution: None };
             }
-            if let Some(solution) = &mut estimated.degrees[d].solution {
+            if let Some(solution) = &mut to.degrees[d].solution {
                 (solution.theta, solution.intercept) = (theta, intercept);
             }
-            estimated.used[d] = estimator;
+            to.used[d] = by;
         }
-        estimated.searched = Some((best, scales));
+        to.searched = Some((best, scales));
         Ok(())
     }
 
@@ -160,12 +158,7 @@ impl Pool<'_> {
     /// Minimises the errors of free simulations of `parts`, from `start`. If these diverge, it fits short windows of
     /// them first, each from its first measured state, then longer ones from the result of the shorter ones; if need
     /// be from smaller multiples of `start`. `None` if none of this ends at a minimum.
-    pub(super) fn continued(
-        &self,
-        parts: &AnyParts,
-        start: &[f64],
-        scales: &Scales,
-    ) -> Result<Option<Searched>, Unread> {
+    pub(super) fn continued(&self, parts: &AnyParts, start: &[f64], scales: &Scales) -> Outcome {
         if let Some(searched) = self.least_errors(parts, start, scales)? {
             return Ok(Some(searched));
         }
@@ -180,12 +173,7 @@ impl Pool<'_> {
         Ok(None)
     }
 
-    fn through_windows(
-        &self,
-        parts: &AnyParts,
-        mut at: Vec<f64>,
-        scales: &Scales,
-    ) -> Result<Option<Searched>, Unread> {
+    fn through_windows(&self, parts: &AnyParts, mut at: Vec<f64>, scales: &Scales) -> Outcome {
         let longest = (0..parts.count()).map(|i| parts.samples(i)).max().unwrap_or(0);
         let lengths = std::iter::successors(Some(SHORTEST), |length| Some(2 * length));
         for length in lengths.take_while(|length| *length < longest) {
@@ -197,12 +185,8 @@ impl Pool<'_> {
         self.least_errors(parts, &at, scales)
     }
 
-    pub(super) fn least_errors(
-        &self,
-        parts: &AnyParts,
-        start: &[f64],
-        Scales { std, sizes, follow }: &Scales,
-    ) -> Result<Option<Searched>, Unread> {
+    pub(super) fn least_errors(&self, parts: &AnyParts, start: &[f64], scales: &Scales) -> Outcome {
+        let Scales { std, sizes, follow } = scales;
         least_errors_any(&self.model, parts, start, *std, sizes, follow)
     }
 

@@ -174,7 +174,9 @@ impl Question<'_> {
                 None => self.linears(&recordings, whole).into_iter().map(Settled::from).collect(),
                 Some(unknown) => {
                     let starts = &ambient[i * LANES..][..parts.len()];
-                    let ambient = Ambient::new(&recordings, unknown, whole, self.weights);
+                    let (recordings, parameters, weights) = (&recordings, whole, self.weights);
+                    let places = unknown.further().map(|i| whole.len() + i).collect();
+                    let ambient = Ambient { recordings, unknown, places, parameters, weights };
                     ambient.settled(&self.free, starts, spread)
                 }
             };
@@ -300,7 +302,6 @@ impl Residuals for PooledProblem<'_> {
 }
 
 // The start of each part and its current: minimised out for any parameters, so that the errors depend on the parameters
-/// A part with its own unknowns minimised out.
 struct Settled {
     /// Its errors by the parameters alone: its own unknowns follow them.
     pub linear: Linear,
@@ -318,7 +319,6 @@ impl From<Linear> for Settled {
 }
 
 impl Settled {
-    /// The same without the sums, which take most of the memory.
     fn without_sums(self) -> Self {
         Self { linear: Linear::default(), ..self }
     }
@@ -357,17 +357,7 @@ impl Residuals for Ambient<'_> {
     }
 }
 
-impl<'a> Ambient<'a> {
-    pub(super) fn new(
-        recordings: &'a Recordings<'a>,
-        unknown: Unknown,
-        parameters: &'a [f64],
-        weights: [f64; 3],
-    ) -> Self {
-        let places = unknown.further().map(|i| parameters.len() + i).collect();
-        Self { recordings, unknown, places, parameters, weights }
-    }
-
+impl Ambient<'_> {
     /// Minimises the errors of the parts over their own unknowns, and linearises them by the `free` parameters.
     /// Searches begin at `starts`, one per part, which are empty at first. Unknowns without effect, or of a diverging
     /// simulation, stay. Computes their `spread` if requested.

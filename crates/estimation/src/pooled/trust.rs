@@ -53,7 +53,6 @@ pub struct DegreeTrust {
 }
 
 impl DegreeTrust {
-    /// Takes away what says how far estimates scatter.
     pub(super) fn without_errors(&mut self) {
         self.correlation = None;
         for parameter in &mut self.parameters {
@@ -104,7 +103,6 @@ pub struct ParameterTrust {
 }
 
 impl ParameterTrust {
-    /// Its standard error, 0 at a bound.
     pub(super) fn spread(&self) -> Option<f64> {
         self.standard_error.or(self.at_bound.then_some(0.0))
     }
@@ -327,7 +325,6 @@ impl<'a> Account<'a> {
     }
 }
 
-/// 0 with parameters that are `held` at a bound.
 fn correlation(covariance: &[f64], p: usize, held: impl Fn(usize) -> bool) -> Option<Vec<f64>> {
     let size = |i: usize| covariance[i * p + i].sqrt();
     let entry = |k: usize| match held(k / p) || held(k % p) {

@@ -268,7 +268,6 @@ impl Progress {
         self.ended.is_none() && (self.looks || self.steps < steps)
     }
 
-    /// Whether slopes suffice at the next point.
     fn is_near(&self) -> bool {
         !self.looks && self.decrement <= SLOPING && self.held.is_empty()
     }
@@ -387,7 +386,6 @@ impl Progress {
         self.bounds.iter().enumerate().filter_map(pulled).collect()
     }
 
-    /// Checks whether the point is a minimum, or cannot be one.
     fn settle(&mut self) {
         let weights = self.weighting.weights(self.linear.squares, self.linear.samples);
         (self.normal, self.gradient) = self.linear.weighted(weights);

@@ -133,7 +133,6 @@ pub(crate) fn linearize_and_keep(
     linears(products, recordings, from_start)
 }
 
-/// Per lane, from sums of sensitivities and, last, errors.
 fn linears(products: [Products<Lane>; 3], recordings: &Recordings, from_start: bool) -> Vec<Linear> {
     let sums = products.map(|products| products.finish().square());
     let first = usize::from(!from_start);

@@ -70,7 +70,6 @@ struct Try {
 }
 
 impl Try {
-    /// From the point of a minimum.
     fn likely(runs: &[RunView], run: usize, at: &Minimum) -> Option<Self> {
         Some(Self { run, weighting: likelihood(&runs[run]), point: at.point.clone() })
     }

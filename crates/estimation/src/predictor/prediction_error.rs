@@ -221,9 +221,6 @@ fn errors(minimum: &Minimum, p: usize) -> Option<EstimateErrors> {
     let variance = minimum.linear.squares.iter().sum::<f64>() / freedom;
     let each: Vec<f64> = (0..p).map(|i| (variance * inverse[i * p + i]).max(0.0).sqrt()).collect();
     inverse.iter_mut().for_each(|entry| *entry *= variance);
-    each.iter().all(|e| e.is_finite()).then_some(EstimateErrors {
-        each,
-        covariance: Some(inverse),
-        approximate: false,
-    })
+    let covariance = Some(inverse);
+    each.iter().all(|e| e.is_finite()).then_some(EstimateErrors { each, covariance, approximate: false })
 }

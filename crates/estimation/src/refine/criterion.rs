@@ -181,7 +181,6 @@ impl TraceCriterion<'_> {
         numerics::vectorized!(back.gradient())
     }
 
-    /// M and Q, n × n, divided by φ.
     fn weighing(&self, model: &Model, forward: &Forward) -> (Vec<f64>, Vec<f64>) {
         let (c, g) = (&forward.inverse, model.layout().woven(self.weights, [0.0; 3]));
         let (n, share) = (g.len(), forward.value.recip());

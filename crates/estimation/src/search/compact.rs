@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use ship::engine::Compiled;
 use ship::model::Model;
 
-use super::nested::{Ending, Fitted, Study, minimum, widened};
+use super::nested::{Ending, Fitted, Folds, Study, minimum, widened};
 use super::problem::{LossSlopes, WindowProblem};
 use super::{Laid, Recording, limit, scores, together};
 use crate::pooled::{Delivered, RecordingConstant, covered};
@@ -50,7 +50,6 @@ impl Size {
     }
 }
 
-/// The loss of one fold, linearised in all terms, per error.
 struct Linearised {
     errors: f64,
     loss: f64,
@@ -60,7 +59,7 @@ struct Linearised {
 impl Study<'_> {
     /// The fewest terms whose loss on left-out folds is within a standard error of the least; base terms stay. Only
     /// recordings of `folds` are used. `None` if nothing can be fitted.
-    pub fn compact(&self, base: &[f64], folds: &[Vec<&Recording>], ridge: f64) -> Option<Compact> {
+    pub fn compact(&self, base: &[f64], folds: &Folds, ridge: f64) -> Option<Compact> {
         let wide = widened(self.base, self.library, base);
         let sizes = self.forward(folds, self.base_places(), &wide, ridge);
         let best = sizes.iter().min_by(|a, b| a.total().total_cmp(&b.total()))?;
@@ -85,13 +84,7 @@ impl Study<'_> {
     }
 
     /// The model of the terms at `places`, fitted to all of `folds`.
-    pub fn fitted(
-        &self,
-        places: &[usize],
-        base: &[f64],
-        folds: &[Vec<&Recording>],
-        ridge: f64,
-    ) -> Option<Fitted> {
+    pub fn fitted(&self, places: &[usize], base: &[f64], folds: &Folds, ridge: f64) -> Option<Fitted> {
         let recordings: Vec<&Recording> = folds.iter().flatten().copied().collect();
         let model = subset(self.library, places);
         let wide = widened(self.base, self.library, base);
@@ -106,7 +99,7 @@ impl Study<'_> {
 
     /// Forward selection: adds terms to those at `start` one by one, each time the one with the least loss of the
     /// left-out folds, by a quadratic model of the errors that is renewed every few terms. It starts at `theta`.
-    fn forward(&self, folds: &[Vec<&Recording>], start: Vec<usize>, theta: &[f64], ridge: f64) -> Vec<Size> {
+    fn forward(&self, folds: &Folds, start: Vec<usize>, theta: &[f64], ridge: f64) -> Vec<Size> {
         let all: Vec<&Recording> = folds.iter().flatten().copied().collect();
         let whole = WindowProblem::new(self.library, &all, self.rate_hz).by_effect(theta, &self.known());
         let (mut places, mut beta) = (start, whole.beta(theta));
@@ -286,13 +279,8 @@ pub(crate) fn without_intercepts(lifted: &Model) -> Model {
 }
 
 /// The model of `fitted`, whose structure without intercepts is `structure`.
-pub(crate) fn delivered(
-    bare: &Model,
-    fitted: &Fitted,
-    recordings: &[Recording],
-    parts: &[Part],
-) -> Delivered {
-    let Fitted { model: lifted, theta: parameters } = fitted;
+pub(crate) fn delivered(bare: &Model, fit: &Fitted, recordings: &[Recording], parts: &[Part]) -> Delivered {
+    let Fitted { model: lifted, theta: parameters } = fit;
     let layout = lifted.layout();
     let (theta, intercepts) = (layout.theta(parameters), layout.intercepts(parameters));
     let (increment_std, constants) = gained(bare, recordings, &theta);

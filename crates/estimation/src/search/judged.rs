@@ -102,7 +102,6 @@ impl Margin {
         self.interval[0].is_some_and(|low| low > 0.0)
     }
 
-    /// From pairs of norms: the own one and the other.
     pub(crate) fn of(pairs: &[[Option<f64>; 2]]) -> Option<Self> {
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
         let [low, median, high] = paired_median(pairs.iter().copied())?;
@@ -118,6 +117,9 @@ pub(crate) struct Judged {
     pub limit: [f64; 3],
 }
 
+/// Several models found without each fold.
+type Several = [Option<Vec<Fitted>>];
+
 struct LeftOut<'a> {
     pub recording: &'a Recording,
     pub fold: usize,
@@ -128,19 +130,14 @@ struct LeftOut<'a> {
 
 impl Study<'_> {
     /// Scores the models found without each fold on that fold; likewise the means of several, with `averages`.
-    pub fn judged(&self, by_folds: &[Judged], averages: Option<&[Option<Vec<Fitted>>]>) -> NestedScore {
+    pub fn judged(&self, by_folds: &[Judged], averages: Option<&Several>) -> NestedScore {
         let laid = |laid| self.left_out(by_folds, averages, laid);
         let all = [laid(Laid::SideBySide), laid(Laid::Overlapping)];
         let ridges = by_folds.iter().map(|judged| judged.ridge).collect();
         nested_score(&all, [self.std, self.overlapping_std], averages.is_some(), ridges)
     }
 
-    fn left_out(
-        &self,
-        by_folds: &[Judged],
-        averages: Option<&[Option<Vec<Fitted>>]>,
-        laid: Laid,
-    ) -> Vec<LeftOut<'_>> {
+    fn left_out(&self, by_folds: &[Judged], averages: Option<&Several>, laid: Laid) -> Vec<LeftOut<'_>> {
         let mut all = Vec::new();
         for (fold, Judged { model, base, limit, .. }) in by_folds.iter().enumerate() {
             let recordings = self.within(fold);

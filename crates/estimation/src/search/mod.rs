@@ -180,16 +180,12 @@ fn lanes(theta: &[f64]) -> Vec<Lane> {
     theta.iter().copied().map(Lane::splat).collect()
 }
 
-fn scored(
-    runs: &[&Recording],
-    laid: Laid,
-    squares: impl Fn(&[RunView]) -> Vec<Squares> + Sync,
-) -> Vec<Score> {
+fn scored(runs: &[&Recording], laid: Laid, square: impl Fn(&[RunView]) -> Vec<Squares> + Sync) -> Vec<Score> {
     let of = |recording: &&Recording| {
         let windows: Vec<RunView> = recording.scored(laid).collect();
         let mut score = Score::default();
         for group in windows.chunks(LANES) {
-            for (window, errors) in group.iter().zip(squares(group)) {
+            for (window, errors) in group.iter().zip(square(group)) {
                 match errors {
                     Some(squares) => {
                         (0..3).for_each(|d| score.squares[d] += squares[d]);

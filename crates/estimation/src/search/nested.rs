@@ -21,7 +21,9 @@ const WORSE: usize = 3;
 /// and on the KVLCC2 the fits with 0.05 and 0 were better than with 0.2, by 0.1 to 0.3.
 const TIE: f64 = 0.05;
 
-/// The models and recordings of a search.
+/// Recordings by fold.
+pub(crate) type Folds<'r> = [Vec<&'r Recording>];
+
 pub(crate) struct Study<'a> {
     /// Both with intercepts; the base's terms come first in each degree of freedom of the library.
     pub base: &'a Model,

@@ -205,7 +205,6 @@ impl<X: Unknowns> Turn<X> {
         [self.cos * along + self.sin * across, self.cos * across - self.sin * along]
     }
 
-    /// The same for columns of sensitivities, to r too.
     #[inline(always)]
     fn forward(&self, [along, across]: [Lane; 2], r: Lane) -> [Lane; 2] {
         let [cos, sin, by_along, by_across] = self.lanes();
@@ -348,7 +347,6 @@ impl NoiseModel {
 }
 
 impl<X: Copy> NoiseModel<X> {
-    /// The same in other numbers.
     pub(crate) fn map<Y>(self, of: impl Fn(X) -> Y) -> NoiseModel<Y> {
         let current = match self.current {
             Flow::Still => Flow::Still,
@@ -360,12 +358,8 @@ impl<X: Copy> NoiseModel<X> {
         let force =
             |force: ForceNoise<X>| ForceNoise { std: force.std.map(&of), factor: force.factor.map(&of) };
         let drift = |drift: Drift<X>| Drift { std: drift.std.map(&of), factor: of(drift.factor) };
-        NoiseModel {
-            measurement: self.measurement.map(&of),
-            current,
-            force: self.force.map(force),
-            drift: self.drift.map(drift),
-        }
+        let (force, drift) = (self.force.map(force), self.drift.map(drift));
+        NoiseModel { measurement: self.measurement.map(&of), current, force, drift }
     }
 
     /// The Gauss–Markov processes among N [`NoiseModel::spread`] states: state, standard deviation, correlation.

@@ -41,6 +41,9 @@ impl<const N: usize> Gain<Lane, N> {
     }
 }
 
+/// The covariance of the states.
+type P<const N: usize> = [[Lane; N]; N];
+
 /// Variance of an unknown initial state over that of its measurement.
 const UNKNOWN: f64 = 1e6;
 
@@ -103,7 +106,7 @@ fn filtered<const N: usize>(
     (gains, innovations)
 }
 
-pub(crate) fn start<const N: usize>(levels: &NoiseModel<Lane>, known: bool) -> [[Lane; N]; N] {
+pub(crate) fn start<const N: usize>(levels: &NoiseModel<Lane>, known: bool) -> P<N> {
     let mut p = [[Lane::ZERO; N]; N];
     if !known {
         for (d, std) in levels.measurement.into_iter().enumerate() {
@@ -116,7 +119,7 @@ pub(crate) fn start<const N: usize>(levels: &NoiseModel<Lane>, known: bool) -> [
 
 /// K = P Hᵀ Λ⁻¹ by the Cholesky factor of Λ = H P Hᵀ + R.
 #[inline(always)]
-pub(crate) fn gain<const N: usize>(p: &[[Lane; N]; N], noise: &[Lane; 3]) -> Gain<Lane, N> {
+pub(crate) fn gain<const N: usize>(p: &P<N>, noise: &[Lane; 3]) -> Gain<Lane, N> {
     let l00 = (p[0][0] + noise[0]).sqrt().recip();
     let l10 = p[1][0] * l00;
     let l20 = p[2][0] * l00;
@@ -142,7 +145,7 @@ pub(crate) fn gain<const N: usize>(p: &[[Lane; N]; N], noise: &[Lane; 3]) -> Gai
 /// P − K H P, symmetric.
 #[inline(always)]
 #[allow(clippy::needless_range_loop)] // Both triangles at once.
-pub(crate) fn shrink<const N: usize>(p: &mut [[Lane; N]; N], gain: &Gain<Lane, N>) {
+pub(crate) fn shrink<const N: usize>(p: &mut P<N>, gain: &Gain<Lane, N>) {
     let known = [p[0], p[1], p[2]];
     for i in 0..N {
         for j in 0..=i {
@@ -156,11 +159,7 @@ pub(crate) fn shrink<const N: usize>(p: &mut [[Lane; N]; N], gain: &Gain<Lane, N
 
 /// A P Aᵀ.
 #[inline(always)]
-pub(crate) fn moved<const N: usize>(
-    motion: &Motion<Lane, N>,
-    local: &Local<Lane>,
-    p: &[[Lane; N]; N],
-) -> [[Lane; N]; N] {
+pub(crate) fn moved<const N: usize>(motion: &Motion<Lane, N>, local: &Local<Lane>, p: &P<N>) -> P<N> {
     // P is symmetric: its rows are its columns.
     let (mut half, mut whole) = ([[Lane::ZERO; N]; N], [[Lane::ZERO; N]; N]);
     for j in 0..N {
@@ -176,11 +175,7 @@ pub(crate) fn moved<const N: usize>(
 }
 
 #[inline(always)]
-pub(crate) fn add_noise<const N: usize>(
-    p: &mut [[Lane; N]; N],
-    local: &Local<Lane>,
-    levels: &NoiseModel<Lane>,
-) {
+pub(crate) fn add_noise<const N: usize>(p: &mut P<N>, local: &Local<Lane>, levels: &NoiseModel<Lane>) {
     if let Flow::White { std } = levels.current {
         let variance = std * std;
         for (row, a) in p.iter_mut().zip(&local.slopes) {
@@ -196,7 +191,7 @@ pub(crate) fn add_noise<const N: usize>(
 
 /// Adds a draw of this variance of the process in state `i`; that of a sensor is measured at once.
 #[inline(always)]
-fn add_draw<const N: usize>(p: &mut [[Lane; N]; N], i: usize, variance: Lane, measured: bool) {
+fn add_draw<const N: usize>(p: &mut P<N>, i: usize, variance: Lane, measured: bool) {
     p[i][i] += variance;
     if measured {
         let d = i + 3 - N;

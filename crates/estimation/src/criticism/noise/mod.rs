@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::sensitivity::{Drift, Flow, ForceNoise, NoiseModel};
 
-pub(crate) use turns::{ENOUGH, Kinds};
+pub(crate) use turns::{ENOUGH, Earlier, Kinds};
 pub(super) use turns::{Noise, Turns};
 
 const MOST: usize = 9;
@@ -69,7 +69,6 @@ impl NoiseKind {
         [3, 5, 6, 6, 8, 7][self as usize]
     }
 
-    /// Whether a level is a time: the others are standard deviations.
     fn is_time(self, level: usize) -> bool {
         let times: &[usize] = [&[][..], &[4], &[6], &[6, 7, 8], &[6, 8], &[6]][self as usize];
         times.contains(&level)

@@ -151,7 +151,6 @@ fn slope(scale: &Lane, squares: &Lane, lane: usize) -> f64 {
 }
 
 impl ClimbPoint {
-    /// A damped ascent step; levels without effect stay.
     fn step(&self, damping: f64) -> [f64; MOST] {
         let (mut matrix, mut step) = (self.curvature, self.slopes);
         for i in 0..MOST {
@@ -165,7 +164,6 @@ impl ClimbPoint {
     }
 }
 
-/// Statistics of runs before any search.
 pub(super) struct Seen {
     /// Differences of neighbouring samples beyond steady change: u, v, r.
     pub rough: [f64; 3],

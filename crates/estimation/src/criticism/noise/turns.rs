@@ -28,7 +28,6 @@ const NEAR: f64 = 6.0;
 /// Kinds that were less likely by more than this are not searched again.
 const FAR: f64 = 15.0;
 
-/// Finds noise and parameters of runs whose noise is not stated.
 pub(crate) struct Turns<'a> {
     pub model: &'a Model,
     pub runs: Vec<RunView<'a>>,
@@ -38,6 +37,8 @@ pub(crate) struct Turns<'a> {
 
 /// Kinds of noise, the likeliest first, with twice their restricted log-likelihood less the penalty of their levels.
 pub(crate) type Kinds = Vec<(Guess, f64)>;
+/// Kinds that were found for nearly the same model.
+pub(crate) type Earlier = [(Guess, f64)];
 
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Noise {
@@ -74,7 +75,7 @@ impl<'a> Turns<'a> {
     /// Noise and parameters, found alternately from `theta` until the parameters converge. `before`: the kinds that
     /// were found for nearly the same model, the likeliest first. `None` if the filter's numbers are not finite, or
     /// the parameters cannot be distinguished.
-    pub fn alternate(&self, theta: &[f64], before: &[(Guess, f64)]) -> Option<(Vec<f64>, Noise)> {
+    pub fn alternate(&self, theta: &[f64], before: &Earlier) -> Option<(Vec<f64>, Noise)> {
         let lines: Vec<Line> = self.runs.iter().map(|run| Line::free(self.model, theta, *run)).collect();
         let (kinds, best) = self.compared(&lines, before)?;
         let mut state = State { theta: theta.to_vec(), lines, kinds, best };
@@ -130,7 +131,7 @@ impl<'a> Turns<'a> {
 
     /// The most likely levels of every kind, and of the best. Kinds `before` continue; far less likely ones keep their
     /// distance.
-    fn compared(&self, lines: &[Line], before: &[(Guess, f64)]) -> Option<(Vec<Best>, Best)> {
+    fn compared(&self, lines: &[Line], before: &Earlier) -> Option<(Vec<Best>, Best)> {
         let search = self.search(lines, if before.is_empty() { FIRST } else { (ENOUGH, RISE) });
         let seen = Seen::of(lines);
         let earlier = |kind: NoiseKind| before.iter().filter(move |(guess, _)| guess.kind == kind);

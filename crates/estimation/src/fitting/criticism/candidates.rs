@@ -47,12 +47,8 @@ impl CandidateBlock {
         let mut description = forces.description().clone();
         let name = |i: usize| format!("candidate {i}");
         for (i, product) in products.iter().enumerate() {
-            let spec = TermSpec {
-                parameter: name(i),
-                term: product.text.clone(),
-                nominal: Some(0.0),
-                ..TermSpec::default()
-            };
+            let (parameter, term) = (name(i), product.text.clone());
+            let spec = TermSpec { parameter, term, nominal: Some(0.0), ..TermSpec::default() };
             description.terms_mut()[product.degree].push(spec);
         }
         let more = Forces::new(&description, channels).map_err(|e| Unfit::Candidate(e.to_string()))?;

@@ -291,7 +291,6 @@ impl Turns<'_> {
         })
     }
 
-    /// Pairs of thrusters, and of propellers, on different sides.
     fn exchanged(&self) -> Vec<Alternative> {
         let written = self.written();
         let thrusters = written.thruster.iter().map(|it| (&it.name, &it.input, it.y_m.as_ref()));
@@ -388,16 +387,16 @@ impl Lateness {
 impl Problem<'_> {
     /// The best time \[s\] of this kind for the input in column `channel`, about `late_s`, and by which share of the cost of
     /// `fit` it falls then.
-    pub(crate) fn delay_test(
+    pub(super) fn delay_test(
         &self,
         fit: &Fit,
-        channel: usize,
+        input: usize,
         kind: Lateness,
-        late_s: f64,
+        late: f64,
     ) -> Option<(f64, f64)> {
         let tried = TIMES.iter().filter_map(|times| {
-            let seconds = times * late_s;
-            let cost = self.late_cost(fit, channel, |all| kind.of(all, seconds, self.settings.sample_s))?;
+            let seconds = times * late;
+            let cost = self.late_cost(fit, input, |all| kind.of(all, seconds, self.settings.sample_s))?;
             Some((seconds, fit.share(fit.cost - cost)))
         });
         tried.max_by(|one, other| one.1.total_cmp(&other.1))
