@@ -33,15 +33,10 @@ pub fn rmse_norm(rmse: [f64; 3]) -> f64 {
 
 /// Simulates [`LANES`] models freely over the inputs of a validation run and compares with its states.
 ///
-/// `parameters`: one lane per parameter. `exogenous`: N × exogenous. `reference`: (N+1) × 3 states; the simulation starts
+/// `theta`: one lane per parameter. `rows`: N × exogenous. `truth`: (N+1) × 3 states; the simulation starts
 /// at the first.
-pub fn free_runs(
-    model: &Model,
-    parameters: &[Lane],
-    exogenous: &[impl Number],
-    reference: &[f64],
-) -> [FreeRun; LANES] {
-    runs_over(model, parameters, Number::numbers(exogenous), reference)
+pub fn free_runs(model: &Model, theta: &[Lane], rows: &[impl Number], truth: &[f64]) -> [FreeRun; LANES] {
+    runs_over(model, theta, Number::numbers(rows), truth)
 }
 
 fn runs_over(model: &Model, parameters: &[Lane], exogenous: Numbers, reference: &[f64]) -> [FreeRun; LANES] {

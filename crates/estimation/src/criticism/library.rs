@@ -33,7 +33,6 @@ impl Effect {
 
 #[derive(Clone, Debug)]
 pub(super) struct CandidateEffect {
-    /// The degree of freedom of a term.
     pub degree: Option<DegreeOfFreedom>,
     /// Its name: `r |r|`, `lag`, `current`.
     pub name: String,
@@ -57,7 +56,6 @@ pub(super) struct Lifted {
     /// Indices of the parameters of the original among those of `model`.
     pub known: Vec<usize>,
     pub others: Vec<usize>,
-    /// The candidates, with columns among `others`.
     pub candidates: Vec<CandidateEffect>,
 }
 

@@ -354,8 +354,7 @@ pub(super) fn each_with_noise(all: &Problems, starts: &[Vec<f64>], before: &Earl
     each.collect()
 }
 
-/// The same for one of them, from the first of `starts` that succeeds, else from least squares. `before`: the kinds
-/// of noise that were found for nearly the same model, the likeliest first.
+/// The same for one, from the first of `starts` that succeeds, else from least squares.
 pub(super) fn with_noise(
     problems: &Problems,
     problem: usize,

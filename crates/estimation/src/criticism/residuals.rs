@@ -18,10 +18,8 @@ const WEAK: f64 = 0.1;
 /// Innovations of an input are clipped at this many times their median: few steps of a course must not dominate.
 const MOST: f64 = 3.0;
 
-/// The input that responds most to the white errors of `series`, if any does. Only its innovations, which its last
-/// two values do not predict, are used: white errors can correlate with them only if something responds within the
-/// sample. An autopilot with its own sensor responds to the ship's true motion alone, so only to the part of an error
-/// that is not noise.
+/// The input whose innovations go most with the white errors, if any does: then something answers within the sample. An
+/// autopilot with a sensor of its own responds to the true motion alone, which is no noise.
 pub(super) fn feedback(model: &Model, runs: &[RunView], series: &Series) -> Option<Feedback> {
     let width = model.exogenous();
     let tests = 3 * model.inputs;

@@ -113,7 +113,6 @@ const SEEN: f64 = 3.9;
 /// Candidates within this distance in −2 log p of the first may be what is missing too.
 const CLOSE: f64 = 6.0;
 
-/// The tests of all candidates, the likeliest first, and the names of those that cannot be tested.
 pub(super) fn tested(lifted: &Lifted, draws: &Draws, projected: &Projected) -> (Vec<Absent>, Vec<String>) {
     let scored = lifted.candidates.iter().map(|candidate| (candidate, projected.score(&candidate.unknowns)));
     let (testable, hidden): (Vec<_>, Vec<_>) = scored.partition(|(_, score)| score.is_some());

@@ -30,8 +30,7 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// What share of the cost `gain` is. Less cost than no step need lower counts as that, as of a ship that follows simulated
-    /// runs exactly.
+    /// What share of the cost `gain` is; an exact fit counts as one that no step need lower.
     pub(crate) fn share(&self, gain: f64) -> f64 {
         gain / self.cost.max(LEAST)
     }

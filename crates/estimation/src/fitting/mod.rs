@@ -98,8 +98,7 @@ impl<'a> Problem<'a> {
         self.groups.iter().map(|group| group.windows.len()).sum()
     }
 
-    /// How many samples the first one of u, v and r counts as, where errors of the simulation are `rms` of the standard
-    /// deviations: as often as noise is smaller than they are. Noise is what changes of the third order tell of it.
+    /// As how many samples the first one counts: as often as noise, by third differences, is below errors of `rms`.
     pub(crate) fn first(&self, rms: [f64; 3]) -> [f64; 3] {
         let third = |rows: &[[f64; 3]], d: usize| rows[3][d] - rows[0][d] - 3.0 * (rows[2][d] - rows[1][d]);
         [0, 1, 2].map(|d: usize| {

@@ -51,7 +51,6 @@ pub(crate) struct WindowSums {
 
 /// Errors of a group of windows, and their derivatives by θ and then by the start of each window.
 pub(crate) struct Derivatives {
-    /// A row for each error.
     pub slopes: Vec<Lane>,
     /// Three errors for each sample, 0 after the end of a window.
     pub left: Vec<Lane>,
@@ -294,8 +293,7 @@ impl WindowSums {
         self.pieces.first().map_or(0, |piece| piece.len() - n)
     }
 
-    /// What solves the products of the start for the right-hand `sides`, a row for each of its unknowns; `damping` is a share
-    /// that is added to the diagonal. `None` where the start is not determined.
+    /// What solves the products of the start, with `damping` on the diagonal, for `sides`; `None` if it is undetermined.
     pub fn solved_by_start(&self, n: usize, damping: f64, sides: &[f64]) -> Option<Vec<f64>> {
         let starts = self.starts(n);
         let all = n + starts;

@@ -112,8 +112,7 @@ impl Delivered {
         Ok(Some(Self { covariance, surroundings, ..delivered }))
     }
 
-    /// The model from an estimate of one run, θ̂ and intercepts, with those by least squares and its
-    /// current. Its covariance is not known: single runs only have standard errors.
+    /// The model from an estimate of one run, θ̂ and intercepts; single runs only have standard errors.
     pub(crate) fn of_run(
         model: &Model,
         part: &PartView,

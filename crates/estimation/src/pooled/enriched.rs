@@ -145,8 +145,7 @@ impl Added {
     }
 }
 
-/// `vessel` with the term that `pooled` says is most likely missing, and the index of its parameter; `None` if the
-/// model is not rejected or lacks something other than a term. Its nominal value is the estimate by the test.
+/// `vessel` with the term that is most likely missing, and its place; `None` if the model lacks no term.
 fn lacking(vessel: &Vessel, pooled: &Pooled) -> Option<(Vessel, usize, Added)> {
     let criticism = pooled.criticism.as_ref().filter(|criticism| criticism.rejected)?;
     let first: &Absent = criticism.absent.first()?;

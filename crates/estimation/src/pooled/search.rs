@@ -133,8 +133,7 @@ impl Pool<'_> {
         [0, 1, 2].map(|d| (parameters[layout.terms(d)].to_vec(), intercepts[d]))
     }
 
-    /// Per parameter, intercepts among them, the value with which its term alone would equal the state's deviation in
-    /// a sample; 0 for an intercept that is not estimated and a term that is always 0.
+    /// The value of each parameter with which its term alone would equal the state's deviation; 0 where it is fixed.
     fn sizes(&self, sums: &PooledSums, std: [f64; 3]) -> Vec<f64> {
         let whole = sums.total();
         let n = whole.samples.max(1) as f64;
@@ -155,9 +154,8 @@ const SHORTEST: usize = 8;
 const DAMPED: [f64; 4] = [1.0, 0.5, 0.1, 0.0];
 
 impl Pool<'_> {
-    /// Minimises the errors of free simulations of `parts`, from `start`. If these diverge, it fits short windows of
-    /// them first, each from its first measured state, then longer ones from the result of the shorter ones; if need
-    /// be from smaller multiples of `start`. `None` if none of this ends at a minimum.
+    /// Minimises the errors of free simulations of `parts`. If these diverge, it fits short windows first, then longer
+    /// ones; if need be from smaller multiples of `start`.
     pub(super) fn continued(&self, parts: &AnyParts, start: &[f64], scales: &Scales) -> Outcome {
         if let Some(searched) = self.least_errors(parts, start, scales)? {
             return Ok(Some(searched));

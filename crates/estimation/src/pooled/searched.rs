@@ -125,7 +125,6 @@ struct PooledProblem<'a> {
     parts: &'a AnyParts<'a>,
     /// Indices of the parts: those of similar length share lanes.
     order: Vec<usize>,
-    /// The parts' last own unknowns, in their order.
     ambient: Vec<Vec<f64>>,
 }
 
@@ -303,7 +302,6 @@ impl Residuals for PooledProblem<'_> {
 
 // The start of each part and its current: minimised out for any parameters, so that the errors depend on the parameters
 struct Settled {
-    /// Its errors by the parameters alone: its own unknowns follow them.
     pub linear: Linear,
     /// The offset of its start and the current, in the order of [`Unknown::further`].
     pub ambient: Vec<f64>,
@@ -358,9 +356,8 @@ impl Residuals for Ambient<'_> {
 }
 
 impl Ambient<'_> {
-    /// Minimises the errors of the parts over their own unknowns, and linearises them by the `free` parameters.
-    /// Searches begin at `starts`, one per part, which are empty at first. Unknowns without effect, or of a diverging
-    /// simulation, stay. Computes their `spread` if requested.
+    /// Minimises the errors of the parts over their own unknowns from `starts`, empty at first, and linearises them by
+    /// the `free` parameters; with their `spread` if requested.
     fn settled(mut self, free: &[usize], starts: &[Vec<f64>], spread: bool) -> Vec<Settled> {
         let start = |offsets: &Vec<f64>| match offsets.is_empty() {
             true => vec![0.0; self.places.len()],

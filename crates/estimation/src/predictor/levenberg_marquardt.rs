@@ -5,8 +5,7 @@ use crate::sensitivity::Slopes;
 
 pub(crate) trait Residuals {
     type Error;
-    /// Linearises problems at the requested points, at most one per problem and all of them in the first call; not
-    /// finite if the prediction diverges. Finished problems are not requested again.
+    /// Linearises problems at the requested points, all in the first call; not finite if the prediction diverges.
     fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<Linear>, Self::Error>;
     /// Whether [`Self::slopes`] is implemented and much faster.
     fn has_slopes(&self) -> bool {
@@ -98,8 +97,7 @@ impl Minimum {
         Ok(inverse)
     }
 
-    /// The change of the unknowns, to first order, if `part` of the problem is left out: H⁻¹g, H of the rest and g of
-    /// the part; or an unknown that the rest does not determine.
+    /// The change of the unknowns if `part` is left out: H⁻¹g, H of the rest; or an unknown that the rest leaves open.
     pub(crate) fn without(&self, part: &Linear, weights: [f64; 3]) -> Result<Vec<f64>, usize> {
         let (whole, _) = self.linear.weighted(weights);
         let (left_out, mut gradient) = part.weighted(weights);
@@ -162,7 +160,6 @@ struct Progress {
     /// At the point, as is the cost.
     gradient: Vec<f64>,
     exact: bool,
-    /// Whether to linearise at the point without a step.
     looks: bool,
     /// The second derivatives of the cost less the normal matrix; empty at first.
     second: Vec<f64>,

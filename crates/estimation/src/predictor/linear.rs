@@ -166,9 +166,8 @@ fn set<const N: usize>(
     }
 }
 
-/// Sums over each of ten blocks of samples, by block and lane, of recordings predicted with `unknowns`, by the `free`
-/// ones: free simulations, in a current of `levels` that is among the unknowns, or white innovations if there are
-/// gains. Sample 0 counts where `from_start`.
+/// Sums over each of ten blocks of samples, by block and lane: free simulations, in a current of `levels` that is among
+/// the unknowns, or white innovations if there are gains.
 pub(crate) fn blocks<const N: usize>(
     recordings: &Recordings,
     unknowns: &[Lane],
@@ -206,9 +205,8 @@ pub(crate) fn blocks<const N: usize>(
     blocks
 }
 
-/// The contribution of `levels` to the covariance of Σ sᵀWe in addition to measurement noise, to first order about
-/// the run's simulation: every draw enters the states and propagates with them; adjoints are the derivatives of the
-/// scores by the states. free × free lanes.
+/// The contribution of `levels` to the covariance of Σ sᵀWe, to first order: every draw enters the states, adjoints are
+/// the derivatives of the scores by the states. free × free lanes.
 pub(crate) fn disturbed_scores<const N: usize>(
     recordings: &Recordings,
     unknowns: &[Lane],

@@ -45,19 +45,13 @@ pub fn prediction_error(
     fits
 }
 
-/// Innovations of the extended Kalman filter for `levels` at `unknowns` (see [`Recordings::unknowns`]), (N+1) × 3.
-pub fn innovations(
-    recordings: &Recordings,
-    unknowns: &[Lane],
-    levels: &NoiseModel,
-    initial: InitialState,
-) -> Vec<Lane> {
+/// Innovations of the extended Kalman filter for `levels` at these unknowns (see [`Recordings::unknowns`]), (N+1) × 3.
+pub fn innovations(runs: &Recordings, at: &[Lane], levels: &NoiseModel, initial: InitialState) -> Vec<Lane> {
     let known = initial == InitialState::Known;
-    with_states!(levels.states(), filter(recordings, unknowns, levels, known).1)
+    with_states!(levels.states(), filter(runs, at, levels, known).1)
 }
 
-/// The covariance of the parameters `theta` of a run, intercepts among them, by leaving out each of ten blocks of samples of the
-/// predictions by a filter for `levels`: for any kind of errors, and approximate.
+/// The covariance of all parameters of a run by leaving out each of ten blocks of samples: for any kind of errors.
 pub(crate) fn errors_by_blocks(
     model: &Model,
     run: RunView,

@@ -214,7 +214,6 @@ struct Followed {
     followed: Vec<[Lane; 3]>,
 }
 
-/// The forward pass; `response`: 2 σ_c² M.
 #[inline(always)]
 fn follow(run: &Recordings<f64>, parameters: &[f64], forward: &Forward, response: &Rows) -> Followed {
     let mut all = Followed { forced: Vec::new(), followed: Vec::new() };

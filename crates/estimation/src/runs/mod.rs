@@ -35,6 +35,9 @@ pub struct RunEstimators<'a> {
     pub levels: Option<NoiseModel>,
 }
 
+/// Parameters near those of a run, if known.
+type Near = Option<Vec<f64>>;
+
 #[derive(Default)]
 struct EstimatorResults {
     ls: Vec<Regressed>,
@@ -83,11 +86,7 @@ impl RunEstimators<'_> {
     ///
     /// # Errors
     /// See [`RunEstimators::estimates`].
-    pub fn estimates_from(
-        &self,
-        runs: &[Run],
-        near: Option<&[Option<Vec<f64>>]>,
-    ) -> Result<Vec<RunEstimate>, RunError> {
+    pub fn estimates_from(&self, runs: &[Run], near: Option<&[Near]>) -> Result<Vec<RunEstimate>, RunError> {
         if let Some(moved) = &self.vessel.model.forces {
             return Ok(self.by_forces(moved, runs)?.into_iter().map(|(row, _)| row).collect());
         }
@@ -156,7 +155,7 @@ impl RunEstimators<'_> {
     }
 
     /// Everything that the requested estimators need, each computed once; searches begin at `near`, if known.
-    fn results(&self, runs: &[Run], near: Option<&[Option<Vec<f64>>]>) -> Result<EstimatorResults, RunError> {
+    fn results(&self, runs: &[Run], near: Option<&[Near]>) -> Result<EstimatorResults, RunError> {
         use Estimator::{Ls, OutputError, PredictionError};
         let wanted = |any: &[Estimator]| self.estimators.iter().any(|e| any.contains(e));
         let mut results = EstimatorResults::default();

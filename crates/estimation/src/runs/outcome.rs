@@ -156,9 +156,8 @@ const ROUNDS: usize = 2;
 /// Converged if a round changes no parameter by more than this share of its standard error.
 const ENOUGH: f64 = 0.01;
 
-/// Parameters near those of `runs`, from the estimates `iv`; none without such an estimate. If the simulation with the first one
-/// diverges, the nominal model's instruments and filter are used instead; if the second does, or its instruments identify nothing,
-/// the last good estimate is kept.
+/// Parameters near those of `runs`, from the estimates `iv`: with instruments and filter of the estimate, or of the
+/// nominal model where its simulation diverges.
 pub(super) fn refined(
     vessel: &Vessel,
     runs: &[Run],

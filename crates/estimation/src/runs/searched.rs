@@ -10,8 +10,8 @@ use regression::{InstrumentKind, Instruments};
 use ship::engine::{Run, RunView};
 use ship::model::Model;
 
-use super::RunEstimators;
 use super::outcome::{Regressed, RunError};
+use super::{Near, RunEstimators};
 use crate::EstimateStatus;
 use crate::criticism::{Calibrated, calibrated};
 use crate::estimator::Intercepts;
@@ -20,11 +20,9 @@ use crate::predictor::{
     output_error, prediction_error, roots, scaled,
 };
 
-type Near = Option<Vec<f64>>;
-
 impl RunEstimators<'_> {
-    /// Minimises the errors of free simulations of `runs`. Searches begin at the estimates `near`; if there is none
-    /// or it fails, at those of `iv`, then at the nominal model. Without standard errors no noise is needed.
+    /// Minimises the errors of free simulations, from `near`, `iv` or the nominal model. Without errors no noise is
+    /// needed.
     pub(super) fn output_error(
         &self,
         runs: &[Run],
@@ -174,10 +172,9 @@ fn views(runs: &[Run]) -> Vec<RunView<'_>> {
 }
 
 impl RunEstimators<'_> {
-    /// Estimates by instruments of the nominal model. Where it diverges over a run, they are those of the model of
-    /// least output error over this run: to the first order its errors are means over the run, so that its simulated
-    /// states know little of the noise at one sample. A run over which the search for that model does not converge has no
-    /// estimate.
+    /// Estimates by instruments of the nominal model. Where it diverges, they are those of the model of least output
+    /// error: to first order its errors are means over the run, so that its states know little of the noise at one
+    /// sample.
     pub(super) fn instrumented(&self, runs: &[Run]) -> Result<Vec<Regressed>, RunError> {
         match self.regressed(InstrumentKind::Nominal, runs) {
             Err(RunError::Diverged(_)) => runs.iter().map(|run| self.instrumented_alone(run)).collect(),

@@ -51,8 +51,7 @@ pub(crate) struct Averages {
 }
 
 impl Study<'_> {
-    /// Finds the `wanted` number of models, each structure on some of the recordings and fitted to all; again without
-    /// each fold. The ridge and the base structure's fit were found before. `None` if a model cannot be found.
+    /// Finds the `wanted` models, each structure on some recordings and fitted to all; again without each fold.
     pub fn averages(
         &self,
         nested: &Nested,
@@ -181,8 +180,7 @@ pub struct ResampledParameter {
 }
 
 impl Study<'_> {
-    /// Searches for few terms over recordings that are drawn with replacement, the same number of every kind: ridge,
-    /// terms and parameters are found again each time. `None` if fewer than two of these searches find a model.
+    /// Searches for few terms over recordings drawn with replacement; `None` if fewer than two of these find a model.
     pub fn resampled(&self, wanted: BootstrapOptions, done: &(dyn Fn(usize) + Sync)) -> Option<Resampled> {
         let streams = Streams::new(wanted.seed, "bootstrap over recordings");
         let one = |number: u32| {

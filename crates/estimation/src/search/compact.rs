@@ -97,8 +97,7 @@ impl Study<'_> {
         Some(Fitted { model, theta })
     }
 
-    /// Forward selection: adds terms to those at `start` one by one, each time the one with the least loss of the
-    /// left-out folds, by a quadratic model of the errors that is renewed every few terms. It starts at `theta`.
+    /// Forward selection: adds the terms of least loss on left-out folds, by quadratic models renewed every few terms.
     fn forward(&self, folds: &Folds, start: Vec<usize>, theta: &[f64], ridge: f64) -> Vec<Size> {
         let all: Vec<&Recording> = folds.iter().flatten().copied().collect();
         let whole = WindowProblem::new(self.library, &all, self.rate_hz).by_effect(theta, &self.known());
@@ -161,7 +160,6 @@ struct Others {
     p: usize,
     curvature: Vec<f64>,
     descent: Vec<f64>,
-    /// H⁻¹ of the present terms.
     inverse: Vec<f64>,
     step: Vec<f64>,
 }

@@ -21,7 +21,6 @@ const WORSE: usize = 3;
 /// and on the KVLCC2 the fits with 0.05 and 0 were better than with 0.2, by 0.1 to 0.3.
 const TIE: f64 = 0.05;
 
-/// Recordings by fold.
 pub(crate) type Folds<'r> = [Vec<&'r Recording>];
 
 pub(crate) struct Study<'a> {
@@ -96,7 +95,6 @@ pub(crate) struct Fitted {
     pub theta: Vec<f64>,
 }
 
-/// The choice by the whole algorithm, and its choices without each fold.
 pub(crate) struct Nested<'a> {
     pub all: Choice,
     pub without: Vec<Choice>,

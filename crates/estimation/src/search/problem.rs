@@ -80,9 +80,8 @@ impl<'a> WindowProblem<'a> {
         Self { sizes: self.sizes.clone(), std: self.std, limit: self.limit, thin: self.thin, ..errors }
     }
 
-    /// The same errors as a function of parameters scaled by their effect: at `theta` the curvature along each of
-    /// them alone is 1, so that a ridge Λ would shrink it by 1/(1 + Λ). For `known` ones it is larger, so that they
-    /// are hardly penalised. Unchanged if the simulation at `theta` fails.
+    /// The same errors by parameters scaled by their effect: at `theta` the curvature along each is 1, larger for
+    /// `known` ones, so that they are hardly penalised. Unchanged if the simulation fails.
     pub fn by_effect(mut self, theta: &[f64], known: &[bool]) -> Self {
         let beta = self.beta(theta);
         let Some(slopes) = self.look(&beta).and_then(|looked| self.slopes(&beta, &looked)) else {

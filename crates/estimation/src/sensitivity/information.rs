@@ -136,8 +136,7 @@ impl<X: Unknowns> RunInformation<X> {
         finite.then_some(OutputInformation { information, measurement, process })
     }
 
-    /// The information of `run`, simulated with `parameters`; its path overwrites `path`. `keep` is called with the
-    /// columns of λ(k), for k from N to 1, if there is a current.
+    /// The information of `run`; its path overwrites `path`. `keep` is called with λ(k), k from N to 1, in a current.
     pub(crate) fn by(
         run: &Recordings<X>,
         parameters: &[X],

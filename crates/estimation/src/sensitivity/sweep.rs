@@ -183,9 +183,8 @@ impl<X: Unknowns> Sensitivities<X> {
     }
 }
 
-/// The backward pass over `path`, the simulation of `recordings` with `unknowns`: adjoints λ(k) = Aᵀλ(k+1) + W s(k),
-/// a column each, are the derivatives of Σ sᵀWx by the states at k. `between` is called for k from N − 1 to 0 with
-/// the dynamics at k and λ(k+1); λ(0) is returned.
+/// The backward pass over `path`: adjoints λ(k) = Aᵀλ(k+1) + W s(k) are the derivatives of Σ sᵀWx by the states at k.
+/// `between` is called for k from N − 1 to 0 with λ(k+1); λ(0) is returned.
 pub(crate) fn backward<X: Unknowns, const N: usize>(
     recordings: &Recordings<X>,
     unknowns: &[X],
@@ -316,8 +315,7 @@ pub fn slopes(
     (0..LANES).map(lane_slopes).collect()
 }
 
-/// Squared errors and their gradient by every unknown, by a forward and a backward pass. Samples count from `first`
-/// on.
+/// Squared errors and their gradient by every unknown, of samples from `first` on.
 #[inline(always)]
 fn there_and_back(
     mut dynamics: Dynamics<Lane, 3>,

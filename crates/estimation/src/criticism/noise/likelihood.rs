@@ -215,7 +215,6 @@ pub(super) struct PathPoint {
     pub state: [f64; 3],
     pub current: [f64; 2],
     pub next: [f64; 3],
-    /// Derivatives by the state.
     pub slopes: [[f64; 3]; 3],
 }
 

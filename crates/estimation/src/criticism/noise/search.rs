@@ -29,9 +29,7 @@ pub(super) struct LikelihoodSearch<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct Best {
     pub guess: Guess,
-    /// Twice the restricted log-likelihood up to a constant.
     pub likelihood: f64,
-    /// The change of the parameters to the least white errors.
     pub change: Vec<f64>,
 }
 

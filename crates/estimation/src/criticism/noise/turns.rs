@@ -72,9 +72,8 @@ struct State<'a> {
 }
 
 impl<'a> Turns<'a> {
-    /// Noise and parameters, found alternately from `theta` until the parameters converge. `before`: the kinds that
-    /// were found for nearly the same model, the likeliest first. `None` if the filter's numbers are not finite, or
-    /// the parameters cannot be distinguished.
+    /// Noise and parameters, found alternately from `theta`; `None` if the filter's numbers are not finite, or the
+    /// parameters cannot be distinguished.
     pub fn alternate(&self, theta: &[f64], before: &Earlier) -> Option<(Vec<f64>, Noise)> {
         let lines: Vec<Line> = self.runs.iter().map(|run| Line::free(self.model, theta, *run)).collect();
         let (kinds, best) = self.compared(&lines, before)?;

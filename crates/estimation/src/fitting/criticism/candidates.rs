@@ -311,7 +311,6 @@ pub(crate) fn listed(
     Ok(all)
 }
 
-/// The factors of a term in this equation, in order.
 fn parsed(forces: &Forces, channels: &[Channel], (d, text): (usize, &str)) -> Result<Vec<Factor>, Invalid> {
     let mut description = forces.description().clone();
     let name = ["surge", "sway", "yaw"][d];

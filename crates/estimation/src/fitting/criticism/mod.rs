@@ -243,8 +243,7 @@ fn sort(terms: &mut [AbsentTerm]) {
 
 /// A candidate whose derivatives the fitted numbers explain but for this share cannot be told from them.
 const LEFT: f64 = 1e-6;
-/// Share of the weight of priors that is kept, so that what nothing determines stays. Priors weigh more than noise does:
-/// where they are kept, candidates would make up for them.
+/// Share of the weight of priors that is kept: more would let candidates make up for them.
 const KEPT: f64 = 1e-4;
 /// Windows are the independent units where there are so many for each number that they determine; else pieces are.
 const ENOUGH: f64 = 4.0;
@@ -285,7 +284,6 @@ struct Fitted {
     free: Vec<usize>,
     inverse: Vec<f64>,
     gradient: Vec<f64>,
-    /// Numbers that the recordings determine.
     used: f64,
 }
 
@@ -293,8 +291,8 @@ struct Fitted {
 type Windowed<'a> = (&'a WindowSums, &'a Reduced, &'a Vec<Column>);
 
 impl Pass<'_> {
-    /// The scores of the candidates of `blocks` after `fit`, none where the fitted numbers explain one; the number of
-    /// independent units, and whether these are whole windows; else pieces of them.
+    /// The scores of candidates, none where fitted numbers explain one; the number of units, and whether these are
+    /// windows.
     #[allow(clippy::type_complexity)]
     fn scores(
         &self,
@@ -378,8 +376,7 @@ impl Pass<'_> {
 
 const DRAWS: usize = 2000;
 
-/// For each score the probability that, if no candidate were missing, any of them had as large a score. Signs of the
-/// independent units are drawn, the same ones for all scores, so that candidates that resemble each other count as one.
+/// For each score the probability that any is as large by chance: signs of units are drawn, the same for all.
 fn probabilities(scores: &[&Score]) -> Vec<f64> {
     let rows = scores.first().map_or(0, |score| score.units.len());
     let deviations: Vec<f64> = scores.iter().map(|s| s.variance().sqrt().max(f64::MIN_POSITIVE)).collect();

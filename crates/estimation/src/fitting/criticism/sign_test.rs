@@ -116,7 +116,6 @@ fn changed(problem: &Problem, channel: usize, by: impl Fn(&[f64]) -> Vec<f64>) -
     problem.recordings.iter().map(one).collect()
 }
 
-/// How probable a mean of `gains` so far from 0 is by chance.
 fn chance(gains: &[f64]) -> f64 {
     let count = gains.len() as f64;
     let mean = gains.iter().sum::<f64>() / count;
@@ -320,7 +319,6 @@ impl Turns<'_> {
 /// Name, input and place to starboard of a thruster or propeller.
 type Placed<'a> = (&'a String, &'a String, Option<&'a Number>);
 
-/// Pairs on different sides, with inputs of their own.
 fn opposite(all: &[Placed]) -> Vec<(usize, usize)> {
     let side = |i: usize| all[i].2.and_then(value).filter(|side| *side != 0.0).map(|side| side > 0.0);
     let apart = |(i, j): &(usize, usize)| {
@@ -385,8 +383,7 @@ impl Lateness {
 }
 
 impl Problem<'_> {
-    /// The best time \[s\] of this kind for the input in column `channel`, about `late_s`, and by which share of the cost of
-    /// `fit` it falls then.
+    /// The best time \[s\] of this kind for an input, about `late`, and by which share of the cost it falls then.
     pub(super) fn delay_test(
         &self,
         fit: &Fit,
