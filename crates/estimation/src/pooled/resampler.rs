@@ -33,21 +33,14 @@ impl<'a> Resampler<'a> {
     ///
     /// # Errors
     /// Parts that cannot be read.
-    pub fn new(
-        pool: &'a Pool,
-        estimated: &'a Estimated,
-        parts: &'a AnyParts,
-        seed: u64,
-    ) -> Result<Self, Unread> {
+    pub fn new(pool: &'a Pool, of: &'a Estimated, parts: &'a AnyParts, seed: u64) -> Result<Self, Unread> {
         let mut sums = Vec::new();
         for used in Estimator::ALL {
-            let by = |d: &usize| estimated.used[*d] == used && estimated.degrees[*d].solution.is_some();
+            let by = |d: &usize| of.used[*d] == used && of.degrees[*d].solution.is_some();
             let Some(d) = [0, 1, 2].into_iter().find(by) else { continue };
             let mut part_sums = Vec::new();
             if !used.searches() {
-                match pool
-                    .sums_any(parts, estimated.simulated(d), &mut |_, sums| part_sums.push(sums.clone()))
-                {
+                match pool.sums_any(parts, of.simulated(d), &mut |_, sums| part_sums.push(sums.clone())) {
                     Err(NoEstimate::Unread(e)) => return Err(e),
                     // Parts that diverge were refused before.
                     Err(NoEstimate::Lost(_)) => continue,
@@ -57,7 +50,7 @@ impl<'a> Resampler<'a> {
             sums.push((used, part_sums));
         }
         let streams = Streams::new(seed, "bootstrap over sub-experiments");
-        Ok(Self { pool, estimated, parts, streams, sums })
+        Ok(Self { pool, estimated: of, parts, streams, sums })
     }
 
     /// Resample `number`.

@@ -232,11 +232,7 @@ impl RunEstimators<'_> {
             return false;
         }
         let stated = self.levels.is_some_and(|levels| levels.measurement.iter().all(|std| *std > 0.0));
-        match asked {
-            Asked::Stated => stated,
-            Asked::Always => true,
-            Asked::Never => false,
-        }
+        asked == Asked::Always || (stated && asked == Asked::Stated)
     }
 
     /// Seconds of a test per row and thread, order of magnitude; see [`crate::Estimator::seconds_per_row`].
