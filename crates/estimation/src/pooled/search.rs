@@ -16,7 +16,7 @@ use crate::validate::Score;
 const NOISY: f64 = 0.25;
 
 /// What a search ends with: none without a minimum.
-type Outcome = Result<Option<Searched>, Unread>;
+type Reached = Result<Option<Searched>, Unread>;
 
 impl Pool<'_> {
     /// Continues to the least errors of free simulations, then of predictions if requested; without success there is no
@@ -156,7 +156,7 @@ const DAMPED: [f64; 4] = [1.0, 0.5, 0.1, 0.0];
 impl Pool<'_> {
     /// Minimises the errors of free simulations of `parts`. If these diverge, it fits short windows first, then longer
     /// ones; if need be from smaller multiples of `start`.
-    pub(super) fn continued(&self, parts: &AnyParts, start: &[f64], scales: &Scales) -> Outcome {
+    pub(super) fn continued(&self, parts: &AnyParts, start: &[f64], scales: &Scales) -> Reached {
         if let Some(searched) = self.least_errors(parts, start, scales)? {
             return Ok(Some(searched));
         }
@@ -171,7 +171,7 @@ impl Pool<'_> {
         Ok(None)
     }
 
-    fn through_windows(&self, parts: &AnyParts, mut at: Vec<f64>, scales: &Scales) -> Outcome {
+    fn through_windows(&self, parts: &AnyParts, mut at: Vec<f64>, scales: &Scales) -> Reached {
         let longest = (0..parts.count()).map(|i| parts.samples(i)).max().unwrap_or(0);
         let lengths = std::iter::successors(Some(SHORTEST), |length| Some(2 * length));
         for length in lengths.take_while(|length| *length < longest) {
@@ -183,7 +183,7 @@ impl Pool<'_> {
         self.least_errors(parts, &at, scales)
     }
 
-    pub(super) fn least_errors(&self, parts: &AnyParts, start: &[f64], scales: &Scales) -> Outcome {
+    pub(super) fn least_errors(&self, parts: &AnyParts, start: &[f64], scales: &Scales) -> Reached {
         let Scales { std, sizes, follow } = scales;
         least_errors_any(&self.model, parts, start, *std, sizes, follow)
     }

@@ -157,7 +157,7 @@ pub fn folds(recordings: &[&Recording], count: usize) -> Vec<usize> {
 type Squares = Option<[f64; 3]>;
 
 /// A structure with its parameters.
-pub(crate) type Ship<'a> = (&'a Model, &'a [f64]);
+pub(crate) type Numbered<'a> = (&'a Model, &'a [f64]);
 
 /// Standard deviations of u, v, r over the windows of `recordings` that models are scored on.
 fn varying<'r>(recordings: impl Iterator<Item = &'r Recording> + Clone, laid: Laid) -> [f64; 3] {
@@ -170,7 +170,7 @@ fn scores(model: &Model, theta: &[f64], runs: &[&Recording], laid: Laid, limit: 
     scored(runs, laid, |windows| squares(model, &theta, windows, limit))
 }
 
-fn scores_of_mean(models: &[Ship], recordings: &[&Recording], laid: Laid, limit: [f64; 3]) -> Vec<Score> {
+fn scores_of_mean(models: &[Numbered], recordings: &[&Recording], laid: Laid, limit: [f64; 3]) -> Vec<Score> {
     let models: Vec<(&Model, Vec<Lane>)> =
         models.iter().map(|(model, theta)| (*model, lanes(theta))).collect();
     scored(recordings, laid, |windows| squares_of_mean(&models, windows, limit))
