@@ -3,7 +3,9 @@
 use std::ops::Range;
 
 use estimation::runs::{RunError, RunEstimators};
-use estimation::{EstimateStatus, EstimateView as Candidate, Estimator, RunEstimate, RunScore, ValidationRuns};
+use estimation::{
+    EstimateStatus, EstimateView as Candidate, Estimator, RunEstimate, RunScore, ValidationRuns,
+};
 use numerics::{GROUPS, LANES};
 use rayon::prelude::*;
 use regression::runs::{Doing, NominalDiverged, RunInstruments, SharedInputs};
