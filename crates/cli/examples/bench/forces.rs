@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use estimation::fitting::{Problem, Recording, Settings, SimulatedRun};
+use estimation::fitting::{Problem, RecordingView as Recording, Settings, SimulatedRun};
 use serde_json::{Value, json};
 use ship::forces::Forces;
 use ship::model::{Vessel, VesselFile};

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use estimation::predictor::{Fit, InitialState, Spread, output_error};
+use estimation::predictor::{InitialState, RunFit as Fit, Spread, output_error};
 use numerics::LANES;
 use numerics::lanes::lane_of;
 use regression::{Batch, Instruments, MeanRemoval, Outcome};

@@ -1,16 +1,15 @@
+use numerics::{LANES, Lane};
+use ship::engine::Compiled;
 use ship::model::{Degree, DegreeOfFreedom, Model, Term, Variable};
 
-use super::score::Group;
-
-/// Terms of surge to second order: even under exchange of port and starboard. Those of third order are so similar
-/// that a missing term would be misnamed.
+/// Terms of surge to second order: even under exchange of port and starboard. Those of third order are too similar.
 const EVEN: [&str; 5] = ["u", "u |u|", "v r", "v^2", "r^2"];
 /// Terms of sway and yaw: odd.
 const ODD: [&str; 8] = ["v", "r", "u v", "u r", "v |v|", "r |r|", "v |r|", "|v| r"];
 
 /// An effect on the states other than a term, with a column in each degree of freedom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Effect {
+enum Effect {
     /// Inputs act later by a first-order lag.
     Lag,
     /// Inputs act a sample later.
@@ -22,7 +21,6 @@ pub(super) enum Effect {
 impl Effect {
     pub const ALL: [Self; 4] = [Self::Lag, Self::Delay, Self::Current(0), Self::Current(1)];
 
-    /// A plain name for its channel in degree of freedom `d`.
     fn channel(self, d: usize) -> String {
         let name = match self {
             Self::Lag => "lag",
@@ -33,20 +31,17 @@ impl Effect {
     }
 }
 
-/// Something that a model may lack.
 #[derive(Clone, Debug)]
-pub(super) struct Candidate {
-    /// The degree of freedom of a term.
+pub(super) struct CandidateEffect {
     pub degree: Option<DegreeOfFreedom>,
     /// Its name: `r |r|`, `lag`, `current`.
     pub name: String,
-    /// Units of its values.
     pub unit: String,
-    /// Its columns.
-    pub group: Group,
+    /// What is zero in the model: per unknown the columns that act together.
+    pub unknowns: Vec<Vec<usize>>,
 }
 
-impl Candidate {
+impl CandidateEffect {
     /// The name of its degree of freedom.
     pub fn place(&self) -> Option<&'static str> {
         self.degree.map(DegreeOfFreedom::name)
@@ -60,10 +55,8 @@ pub(super) struct Lifted {
     pub model: Model,
     /// Indices of the parameters of the original among those of `model`.
     pub known: Vec<usize>,
-    /// Indices of the others.
     pub others: Vec<usize>,
-    /// The candidates, with columns among `others`.
-    pub candidates: Vec<Candidate>,
+    pub candidates: Vec<CandidateEffect>,
 }
 
 impl Lifted {
@@ -79,28 +72,24 @@ impl Lifted {
         let (mut known, mut others, mut candidates) = (Vec::new(), Vec::new(), Vec::new());
         let mut effects = Effect::ALL.map(|_| Vec::new());
         let mut place = 0;
-        for (degree, own) in DegreeOfFreedom::ALL.into_iter().zip(&mut lifted.degrees) {
-            known.extend(place..place + own.terms.len());
-            place += own.terms.len();
+        for (degree, lifted_degree) in DegreeOfFreedom::ALL.into_iter().zip(&mut lifted.degrees) {
+            known.extend(place..place + lifted_degree.terms.len());
+            place += lifted_degree.terms.len();
             for (name, term) in absent(model, degree, &names) {
-                candidates.push(Candidate {
-                    degree: Some(degree),
-                    unit: model.unit(degree, &term),
-                    name,
-                    group: Group { unknowns: vec![vec![others.len()]] },
-                });
-                push(own, term, &mut others, &mut place);
+                let (unit, unknowns) = (model.unit(degree, &term), vec![vec![others.len()]]);
+                candidates.push(CandidateEffect { degree: Some(degree), unit, name, unknowns });
+                push(lifted_degree, term, &mut others, &mut place);
             }
             for (effect, columns) in Effect::ALL.into_iter().zip(&mut effects) {
                 let Ok(term) = Term::parse(&effect.channel(degree as usize), &names) else { continue };
                 columns.push(others.len());
-                push(own, term, &mut others, &mut place);
+                push(lifted_degree, term, &mut others, &mut place);
             }
         }
         let [lag, delay, north, east] = effects;
         let mut add = |name: &str, unit: &str, unknowns: Vec<Vec<usize>>| {
-            let (name, unit, group) = (name.to_owned(), unit.to_owned(), Group { unknowns });
-            candidates.push(Candidate { degree: None, name, unit, group });
+            let (name, unit) = (name.to_owned(), unit.to_owned());
+            candidates.push(CandidateEffect { degree: None, name, unit, unknowns });
         };
         if model.inputs > 0 {
             add("lag of the inputs", "s", vec![lag]);
@@ -127,7 +116,7 @@ fn push(degree: &mut Degree, term: Term, others: &mut Vec<usize>, place: &mut us
 
 /// Terms of the library that `degree` of `model` lacks; the constant if it has none.
 fn absent(model: &Model, degree: DegreeOfFreedom, names: &[&str]) -> Vec<(String, Term)> {
-    let own = &model.degrees[degree as usize].terms;
+    let terms = &model.degrees[degree as usize].terms;
     let texts: &[&str] = if degree == DegreeOfFreedom::Surge { &EVEN } else { &ODD };
     let parsed = texts.iter().filter_map(|text| Some(((*text).to_owned(), Term::parse(text, names).ok()?)));
     let sorted = |term: &Term| {
@@ -136,6 +125,66 @@ fn absent(model: &Model, degree: DegreeOfFreedom, names: &[&str]) -> Vec<(String
         factors
     };
     // Fixed and tied terms are tested too: they may be fixed or tied wrongly.
-    let has = |term: &Term| own.iter().any(|known| known.tied.is_empty() && sorted(known) == sorted(term));
+    let has = |term: &Term| terms.iter().any(|known| known.tied.is_empty() && sorted(known) == sorted(term));
     parsed.filter(|(_, term)| !has(term)).collect()
+}
+
+/// The lag that is tested \[samples\]: the effects of shorter and longer ones are similar.
+const LAG: f64 = 4.0;
+
+/// Inputs and measured disturbances followed by the channels of [`Effect::ALL`], N × (exogenous + 12).
+///
+/// `states`: as predicted, (N+1) × 3. An effect on the states is their derivative by inputs or water, along them.
+pub(super) fn with_effects(
+    model: &Model,
+    parameters: &[Lane],
+    states: &[Lane],
+    exogenous: &[Lane],
+    rate_hz: f64,
+) -> Vec<Lane> {
+    let width = model.exogenous();
+    let mut compiled = Compiled::new(model, parameters);
+    let mut gradients = vec![[Lane::ZERO; 3]; model.variables.len()];
+    let mut heading = Lane::ZERO;
+    let mut lagged: Vec<Lane> = exogenous[..model.inputs].to_vec();
+    let keep = Lane::splat(libm::exp(-1.0 / LAG));
+    let per_second = Lane::splat(rate_hz / LAG);
+    let mut out = Vec::with_capacity(exogenous.len() / width.max(1) * (width + 3 * Effect::ALL.len()));
+    for (k, (row, state)) in exogenous.chunks_exact(width.max(1)).zip(states.as_chunks::<3>().0).enumerate() {
+        compiled.look(*state, row, None);
+        compiled.gradients(&mut gradients);
+        let before = if k > 0 { &exogenous[(k - 1) * width..k * width] } else { row };
+        let (cos, sin) = turned(&heading);
+        // Derivatives by the water's velocity are minus those by the vessel's.
+        let along = |d: usize| Lane::ZERO - gradients[0][d];
+        let across = |d: usize| Lane::ZERO - gradients[1][d];
+        out.extend_from_slice(row);
+        for effect in Effect::ALL {
+            out.extend((0..3).map(|d| match effect {
+                Effect::Lag => per_second * sum(model.inputs, |i| gradients[3 + i][d] * (lagged[i] - row[i])),
+                Effect::Delay => sum(model.inputs, |i| gradients[3 + i][d] * (before[i] - row[i])),
+                Effect::Current(0) => along(d) * cos - across(d) * sin,
+                Effect::Current(_) => along(d) * sin + across(d) * cos,
+            }));
+        }
+        for (lagged, input) in lagged.iter_mut().zip(row) {
+            *lagged = keep * *lagged + (Lane::ONE - keep) * *input;
+        }
+        heading += Lane::splat(1.0 / rate_hz) * state[2];
+    }
+    out
+}
+
+fn sum(count: usize, of: impl Fn(usize) -> Lane) -> Lane {
+    let mut sum = Lane::ZERO;
+    (0..count).for_each(|i| sum += of(i));
+    sum
+}
+
+fn turned(heading: &Lane) -> (Lane, Lane) {
+    let (mut cos, mut sin) = (Lane::ZERO, Lane::ZERO);
+    for lane in 0..LANES {
+        (sin[lane], cos[lane]) = libm::sincos(heading[lane]);
+    }
+    (cos, sin)
 }

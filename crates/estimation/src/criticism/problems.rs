@@ -1,13 +1,13 @@
 use numerics::lanes::{by_lane, lane};
 use numerics::{LANES, Lane, times};
+use rayon::prelude::*;
 use ship::engine::{RunView, SideBySide};
 use ship::model::Model;
 
-use super::channels::with_effects;
-use super::library::Lifted;
-use super::noise::{Noise, NoiseKind, Turns, side_by_side};
+use super::library::{Lifted, with_effects};
+use super::noise::{Earlier, Guess, Noise, NoiseKind, Turns, side_by_side};
 use crate::predictor::{Linear, linearize_each, scaled_inverse};
-use crate::sensitivity::{Flow, ForceNoise, Gain, NoiseModel, Recordings, filter_each, groups, with_states};
+use crate::sensitivity::{Flow, ForceNoise, Gain, NoiseModel, Recordings, filter_along, groups, with_states};
 
 /// A model, and runs to test it on.
 #[derive(Clone, Copy, Debug)]
@@ -26,11 +26,9 @@ pub struct Subject<'a> {
     pub names: &'a [&'a str],
 }
 
-/// An estimate to be tested, with the noise to test it under.
 #[derive(Clone, Debug)]
-pub(super) struct State {
+pub(super) struct TestedEstimate {
     pub parameters: Vec<f64>,
-    /// The noise that was found if none is stated.
     pub noise: Option<Noise>,
 }
 
@@ -44,7 +42,6 @@ pub(super) type Series = Vec<(usize, [Vec<f64>; 3])>;
 pub(super) struct Problems<'a> {
     pub subject: &'a Subject<'a>,
     groups: Vec<(Vec<usize>, SideBySide)>,
-    /// The index of each run's estimate.
     of_run: Vec<usize>,
 }
 
@@ -60,15 +57,14 @@ impl<'a> Problems<'a> {
         self.of_run.last().map_or(0, |last| last + 1)
     }
 
-    /// Number of states of the filter for the stated disturbances.
     fn states(&self) -> usize {
         self.subject.levels.map_or(3, |levels| levels.states())
     }
 
     /// The runs of one problem, with their indices.
     pub fn runs_of(&self, problem: usize) -> impl Iterator<Item = (usize, RunView<'a>)> + '_ {
-        let own = self.subject.runs.iter().copied().enumerate().zip(&self.of_run);
-        own.filter(move |(_, of)| **of == problem).map(|(run, _)| run)
+        let runs = self.subject.runs.iter().copied().enumerate().zip(&self.of_run);
+        runs.filter(move |(_, of)| **of == problem).map(|(run, _)| run)
     }
 
     /// The search for the noise of one problem.
@@ -81,33 +77,31 @@ impl<'a> Problems<'a> {
         group.iter().any(|run| wanted.contains(&self.of_run[*run]))
     }
 
-    /// White errors of the `wanted` problems at these states, and their derivatives by the model's parameters; `None`
-    /// if they are not finite.
-    pub fn white(&self, wanted: &[usize], states: &[State]) -> Vec<Option<Linear>> {
+    /// White errors of the `wanted` problems and their derivatives by the parameters; `None` if they are not finite.
+    pub fn white(&self, wanted: &[usize], states: &[TestedEstimate]) -> Vec<Option<Linear>> {
         let free: Vec<usize> = (0..self.subject.model.parameters()).collect();
-        let mut sums = Sums(vec![None; self.count()]);
+        let mut sums = vec![None; self.count()];
         for (group, runs) in self.groups.iter().filter(|(group, _)| self.any(group, wanted)) {
-            let found = with_states!(self, white(self, group, runs, states, &free));
-            sums.add(group, &self.of_run, found);
+            let linears = with_states!(self.states(), white(self, group, runs, states, &free));
+            self.add(&mut sums, group, linears);
         }
-        sums.finite()
+        finite(sums)
     }
 
     /// The same for every run by itself, for one estimate from all, under the stated or found noise.
-    pub fn by_run(&self, state: &State) -> Vec<(usize, Linear)> {
+    pub fn by_run(&self, state: &TestedEstimate) -> Vec<(usize, Linear)> {
         let free: Vec<usize> = (0..self.subject.model.parameters()).collect();
         let kind = state.noise.as_ref().map(|noise| noise.guess.kind);
-        let own = Levelled(kind.map_or(self.states(), NoiseKind::states));
+        let count = kind.map_or(self.states(), NoiseKind::states);
         let states = vec![state.clone(); self.count()];
         let each = self.groups.iter().flat_map(|(group, runs)| {
-            let found = with_states!(own, white(self, group, runs, &states, &free));
-            group.iter().copied().zip(found)
+            let linears = with_states!(count, white(self, group, runs, &states, &free));
+            group.iter().copied().zip(linears)
         });
         each.collect()
     }
 
-    /// Least squares of the `wanted` problems: one-sample predictions under forces far above the noise are linear in
-    /// the parameters.
+    /// Least squares of the `wanted` problems: under forces far above the noise predictions are linear in the parameters.
     pub fn least_squares(&self, wanted: &[usize]) -> Vec<(usize, Vec<f64>)> {
         let std = self.subject.levels.map_or([1.0; 3], |levels| levels.measurement).map(|std| FORCE * std);
         let gusts = ForceNoise { std, factor: [0.0; 3] };
@@ -115,47 +109,53 @@ impl<'a> Problems<'a> {
         let levels = NoiseModel { measurement, current: Flow::Still, force: Some(gusts), drift: None };
         let forced = Subject { levels: Some(levels), ..*self.subject };
         let same = Problems { subject: &forced, groups: self.groups.clone(), of_run: self.of_run.clone() };
-        let zero = State { parameters: vec![0.0; self.subject.model.parameters()], noise: None };
+        let zero = TestedEstimate { parameters: vec![0.0; self.subject.model.parameters()], noise: None };
         let sums = same.white(wanted, &vec![zero; self.count()]);
         let step = |problem: &usize| Some((*problem, newton_step(sums[*problem].as_ref()?)?.0));
         wanted.iter().filter_map(step).collect()
     }
 
     /// White errors and all sensitivities, those by the model's own parameters first, and the errors themselves.
-    pub fn look(&self, lifted: &Lifted, states: &[State]) -> (Vec<Option<Linear>>, Vec<Series>) {
-        let mut sums = Sums(vec![None; self.count()]);
+    pub fn look(&self, lifted: &Lifted, states: &[TestedEstimate]) -> (Vec<Option<Linear>>, Vec<Series>) {
+        let mut sums = vec![None; self.count()];
         let mut series: Vec<Series> = vec![Vec::new(); self.count()];
-        let mut look = |group: &[usize], runs: &SideBySide, own: &Levelled| {
-            let (found, white) = with_states!(own, look_at(self, lifted, group, runs, states));
-            sums.add(group, &self.of_run, found);
+        let mut look = |group: &[usize], runs: &SideBySide, count: usize| {
+            let (linears, white) = with_states!(count, look_at(self, lifted, group, runs, states));
+            self.add(&mut sums, group, linears);
             group.iter().zip(white).for_each(|(run, white)| series[self.of_run[*run]].push((*run, white)));
         };
         if self.subject.levels.is_some() {
-            let own = Levelled(self.states());
-            self.groups.iter().for_each(|(group, runs)| look(group, runs, &own));
+            self.groups.iter().for_each(|(group, runs)| look(group, runs, self.states()));
         } else {
             for kind in NoiseKind::ALL {
                 let of = |run: &usize| states[self.of_run[*run]].noise.as_ref().map(|noise| noise.guess.kind);
                 let chosen = (0..self.subject.runs.len()).filter(|run| of(run) == Some(kind));
-                let own = Levelled(kind.states());
-                groups(self.subject.runs, chosen).for_each(|(group, runs)| look(&group, &runs, &own));
+                groups(self.subject.runs, chosen)
+                    .for_each(|(group, runs)| look(&group, &runs, kind.states()));
             }
         }
-        (sums.finite(), series)
+        (finite(sums), series)
     }
 
-    /// Parameters by lane.
-    fn parameters(&self, group: &[usize], states: &[State]) -> Vec<Lane> {
+    fn add(&self, sums: &mut [Option<Linear>], group: &[usize], linears: Vec<Linear>) {
+        for (run, linear) in group.iter().zip(linears) {
+            match &mut sums[self.of_run[*run]] {
+                Some(total) => total.add(&linear),
+                none => *none = Some(linear),
+            }
+        }
+    }
+
+    fn parameters(&self, group: &[usize], states: &[TestedEstimate]) -> Vec<Lane> {
         let of = |run: usize| &states[self.of_run[group[run]]].parameters;
         (0..self.subject.model.parameters()).map(|i| lane(group.len(), |run| of(run)[i])).collect()
     }
 
-    /// The disturbances of every lane.
-    fn levels(&self, group: &[usize], states: &[State]) -> NoiseModel<Lane> {
-        let found = |run: usize| states[self.of_run[group[run]]].noise.as_ref().map(|noise| noise.guess);
-        match (self.subject.levels, found(0)) {
+    fn levels(&self, group: &[usize], states: &[TestedEstimate]) -> NoiseModel<Lane> {
+        let guess_of = |run: usize| states[self.of_run[group[run]]].noise.as_ref().map(|noise| noise.guess);
+        match (self.subject.levels, guess_of(0)) {
             (None, Some(first)) => {
-                let each = by_lane(group.len(), |run| found(run).unwrap_or(first));
+                let each = by_lane(group.len(), |run| guess_of(run).unwrap_or(first));
                 side_by_side(&each, self.subject.rate_hz)
             }
             (stated, _) => stated.unwrap_or(WHITE).spread(),
@@ -167,44 +167,21 @@ impl<'a> Problems<'a> {
 const WHITE: NoiseModel =
     NoiseModel { measurement: [1.0; 3], current: Flow::Still, force: None, drift: None };
 
-/// A number of filter states.
-struct Levelled(usize);
-
-impl Levelled {
-    fn states(&self) -> usize {
-        self.0
-    }
-}
-
-/// Sums of the runs of every estimate.
-struct Sums(Vec<Option<Linear>>);
-
-impl Sums {
-    fn add(&mut self, group: &[usize], of_run: &[usize], found: Vec<Linear>) {
-        for (run, own) in group.iter().zip(found) {
-            match &mut self.0[of_run[*run]] {
-                Some(total) => total.add(&own),
-                none => *none = Some(own),
-            }
-        }
-    }
-
-    fn finite(self) -> Vec<Option<Linear>> {
-        self.0.into_iter().map(|sum| sum.filter(Linear::finite)).collect()
-    }
+fn finite(sums: Vec<Option<Linear>>) -> Vec<Option<Linear>> {
+    sums.into_iter().map(|sum| sum.filter(Linear::finite)).collect()
 }
 
 fn white<const N: usize>(
     problems: &Problems,
     group: &[usize],
     runs: &SideBySide,
-    states: &[State],
+    states: &[TestedEstimate],
     free: &[usize],
 ) -> Vec<Linear> {
     let (subject, levels) = (problems.subject, problems.levels(group, states));
     let recordings = Recordings::of(subject.model, runs);
     let unknowns = with_start(problems.parameters(group, states));
-    let (gains, _) = filter_each::<N>(&recordings, &unknowns, &levels, subject.known_start);
+    let (gains, _) = filter_along::<N>(&recordings, &unknowns, &levels, subject.known_start, |_| ());
     linearize_each(&recordings, &unknowns, free, Some(&levels), &gains, false)
 }
 
@@ -213,13 +190,18 @@ fn look_at<const N: usize>(
     lifted: &Lifted,
     group: &[usize],
     runs: &SideBySide,
-    states: &[State],
+    states: &[TestedEstimate],
 ) -> (Vec<Linear>, Vec<[Vec<f64>; 3]>) {
     let (subject, levels) = (problems.subject, problems.levels(group, states));
     let parameters = problems.parameters(group, states);
-    let own = Recordings::of(subject.model, runs);
-    let (gains, innovations) =
-        filter_each::<N>(&own, &with_start(parameters.clone()), &levels, subject.known_start);
+    let own_recordings = Recordings::of(subject.model, runs);
+    let (gains, innovations) = filter_along::<N>(
+        &own_recordings,
+        &with_start(parameters.clone()),
+        &levels,
+        subject.known_start,
+        |_| (),
+    );
     let predicted: Vec<Lane> = runs.measured.iter().zip(&innovations).map(|(y, e)| *y - *e).collect();
     let exogenous = with_effects(subject.model, &parameters, &predicted, &runs.exogenous, subject.rate_hz);
     let wider = SideBySide { exogenous, instrument_exogenous: Vec::new(), ..runs.clone() };
@@ -230,31 +212,169 @@ fn look_at<const N: usize>(
     (sums, errors(runs, &gains, &innovations))
 }
 
-/// Parameters, and zero offsets of the initial states.
 fn with_start(parameters: Vec<Lane>) -> Vec<Lane> {
     parameters.into_iter().chain([Lane::ZERO; 3]).collect()
 }
 
 /// Innovations made white at each sample after the first, by lane: u, v, r.
-fn errors<const N: usize>(
-    run: &SideBySide,
-    gains: &[Gain<Lane, N>],
-    innovations: &[Lane],
-) -> Vec<[Vec<f64>; 3]> {
+fn errors<const N: usize>(run: &SideBySide, gains: &[Gain<Lane, N>], raw: &[Lane]) -> Vec<[Vec<f64>; 3]> {
     let all: Vec<[Lane; 3]> =
-        gains.iter().zip(innovations.as_chunks().0).map(|(gain, error)| gain.white(error)).collect();
-    let own = |lane: usize| {
+        gains.iter().zip(raw.as_chunks().0).map(|(gain, error)| gain.white(error)).collect();
+    let by_lane = |lane: usize| {
         let rows = &all[1..=run.samples[lane].min(all.len() - 1)];
         [0, 1, 2].map(|d: usize| rows.iter().map(|white| white[d][lane]).collect())
     };
-    (0..run.runs.min(LANES)).map(own).collect()
+    (0..run.runs.min(LANES)).map(by_lane).collect()
 }
 
 /// The change of the unknowns to the least errors of white `sums`, and the decrease of the errors.
-pub(super) fn newton_step(sums: &Linear) -> Option<(Vec<f64>, f64)> {
+fn newton_step(sums: &Linear) -> Option<(Vec<f64>, f64)> {
     let (normal, gradient) = sums.weighted([1.0; 3]);
     let inverse = scaled_inverse(&normal, gradient.len()).ok()?;
     let step = times(&inverse, &gradient);
     let decrement = step.iter().zip(&gradient).map(|(x, g)| x * g).sum();
     step.iter().all(|x| x.is_finite()).then_some((step, decrement))
+}
+
+const ROUNDS: usize = 12;
+/// Above this variance of the white errors another start is tried.
+const FAR: f64 = 1.3;
+const SETTLED: f64 = 1e-2;
+const SHORTER: i32 = 6;
+
+/// Estimates while they are refined to the least white errors under stated noise.
+pub(super) struct Refinement<'a> {
+    problems: &'a Problems<'a>,
+    states: Vec<TestedEstimate>,
+    errors: Vec<Option<Linear>>,
+}
+
+impl<'a> Refinement<'a> {
+    /// The estimates that are reached from `starts`.
+    pub fn run(problems: &'a Problems<'a>, starts: &[Vec<f64>]) -> Vec<TestedEstimate> {
+        let state = |start: &Vec<f64>| TestedEstimate { parameters: start.clone(), noise: None };
+        let states = starts.iter().map(state).collect();
+        let mut refinement = Self { problems, states, errors: Vec::new() };
+        refinement.settle((0..starts.len()).collect());
+        refinement.elsewhere();
+        refinement.states
+    }
+
+    /// If errors are far above the noise, restarts from least squares and keeps the better result.
+    fn elsewhere(&mut self) {
+        let far = |errors: &Option<Linear>| {
+            errors.as_ref().is_none_or(|errors| squares(errors) > FAR * 3.0 * errors.samples)
+        };
+        let open: Vec<usize> = (0..self.errors.len()).filter(|problem| far(&self.errors[*problem])).collect();
+        if open.is_empty() {
+            return;
+        }
+        let (states, errors) = (self.states.clone(), self.errors.clone());
+        for (problem, parameters) in self.problems.least_squares(&open) {
+            self.states[problem] = TestedEstimate { parameters, noise: None };
+        }
+        self.settle(open.clone());
+        let err = |errors: &Option<Linear>| errors.as_ref().map_or(f64::INFINITY, squares);
+        for problem in open {
+            if err(&self.errors[problem]) >= err(&errors[problem]) {
+                self.states[problem] = states[problem].clone();
+                self.errors[problem].clone_from(&errors[problem]);
+            }
+        }
+    }
+
+    fn settle(&mut self, mut open: Vec<usize>) {
+        let errors = self.problems.white(&open, &self.states);
+        self.errors.resize(errors.len(), None);
+        for (problem, linear) in errors.into_iter().enumerate().filter(|(problem, _)| open.contains(problem))
+        {
+            self.errors[problem] = linear;
+        }
+        for _ in 0..ROUNDS {
+            open = self.step(&open);
+            if open.is_empty() {
+                break;
+            }
+        }
+    }
+
+    /// Makes a step of each of the `open` ones; returns those that improved.
+    fn step(&mut self, open: &[usize]) -> Vec<usize> {
+        let newton = |problem: &usize| {
+            let (step, decrement) = newton_step(self.errors[*problem].as_ref()?)?;
+            (decrement >= SETTLED).then_some((*problem, step))
+        };
+        let mut left: Vec<(usize, Vec<f64>)> = open.iter().filter_map(newton).collect();
+        let mut helped = Vec::new();
+        // Halved steps if the whole one diverges.
+        for share in (0..SHORTER).map(|halved| 0.5_f64.powi(halved)) {
+            if left.is_empty() {
+                break;
+            }
+            let mut trials = self.states.clone();
+            for (problem, step) in &left {
+                let steps = trials[*problem].parameters.iter_mut().zip(step);
+                steps.for_each(|(p, s)| *p += share * s);
+            }
+            let tried: Vec<usize> = left.iter().map(|(problem, _)| *problem).collect();
+            let mut errors = self.problems.white(&tried, &trials);
+            left.retain(|(problem, _)| {
+                let better = errors[*problem].as_ref().is_some_and(|error| {
+                    self.errors[*problem].as_ref().is_none_or(|before| nearer(error, before))
+                });
+                if better {
+                    self.states[*problem] = trials[*problem].clone();
+                    self.errors[*problem] = errors[*problem].take();
+                    helped.push(*problem);
+                }
+                !better
+            });
+        }
+        helped.sort_unstable();
+        helped
+    }
+}
+
+/// Whether white errors are smaller, or closer to a stationary point: sums of squares may rise on the way.
+fn nearer(linear: &Linear, before: &Linear) -> bool {
+    let left = |sums: &Linear| newton_step(sums).map_or(f64::INFINITY, |(_, decrement)| decrement);
+    squares(linear) < squares(before) || left(linear) < left(before)
+}
+
+fn squares(sums: &Linear) -> f64 {
+    sums.squares.iter().sum()
+}
+
+/// Estimates alternating with the noise of each: from `starts`, else from least squares; see [`with_noise`].
+pub(super) fn each_with_noise(all: &Problems, starts: &[Vec<f64>], before: &Earlier) -> Vec<TestedEstimate> {
+    let each = starts.par_iter().enumerate().map(|(problem, start)| {
+        let state = with_noise(all, problem, std::slice::from_ref(start), before);
+        state.unwrap_or(TestedEstimate { parameters: start.clone(), noise: None })
+    });
+    each.collect()
+}
+
+/// The same for one, from the first of `starts` that succeeds, else from least squares.
+pub(super) fn with_noise(
+    problems: &Problems,
+    problem: usize,
+    starts: &[Vec<f64>],
+    before: &Earlier,
+) -> Option<TestedEstimate> {
+    let turns = problems.turns(problem);
+    let elsewhere = || {
+        let simple = problems.least_squares(&[problem]).pop();
+        simple.and_then(|(_, parameters)| turns.alternate(&parameters, before))
+    };
+    let noisy = starts.iter().find_map(|start| turns.alternate(start, before)).or_else(elsewhere);
+    noisy.map(|(parameters, noise)| TestedEstimate { parameters, noise: Some(noise) })
+}
+
+/// Twice the restricted log-likelihood of all runs of `subject`, up to a constant, by which kinds of noise are compared. The
+/// model is linearised about free simulations with `parameters`; what they explain counts for nothing.
+///
+/// `levels`, [`NoiseKind::levels`] of them: standard deviations of the noise of u, v \[m/s\], r \[rad/s\]; those of forces
+/// or sensors, and their times \[s\]; that of the current \[m/s\], and its time \[s\].
+pub fn restricted_likelihood(subject: &Subject, parameters: &[f64], kind: NoiseKind, levels: &[f64]) -> f64 {
+    Problems::new(subject, true).turns(0).likelihood(parameters, Guess::new(kind, levels))
 }

@@ -1,20 +1,15 @@
 //! The search for the minimum, by Levenberg's and Marquardt's method.
 
-use numerics::Lane;
+use numerics::{Lane, congruence, scaled_inverse, symmetric};
 use rayon::prelude::*;
 
-use crate::fitting::bounded::{distance, held, moved, pulls};
-use crate::fitting::normal::{Reduced, reduced};
-use crate::fitting::pass::Pass;
-use crate::fitting::sums::{Errors, Sums};
-use crate::fitting::window::Window;
-use crate::fitting::{Problem, Starts, Unfit};
+use super::sums::{Reduced, WindowErrors, WindowSums, reduced};
+use super::{Pass, Problem, Starts, Unfit, Window, at_bound, block, clamped_step, distance, prior_gradient};
 
 /// A step that lowers the cost by a smaller share, and was to, ends the search.
 const ENOUGH: f64 = 1e-6;
 /// What no step need lower: errors of a millionth of a standard deviation.
 const LEAST: f64 = 1e-12;
-/// Damping at the beginning, and where no step helps any more.
 const DAMPING: [f64; 2] = [1e-3, 1e12];
 
 /// The minimum.
@@ -35,20 +30,10 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// What share of the cost `gain` is. Less cost than no step need lower counts as that, as of a ship that follows simulated
-    /// runs exactly.
+    /// What share of the cost `gain` is; an exact fit counts as one that no step need lower.
     pub(crate) fn share(&self, gain: f64) -> f64 {
         gain / self.cost.max(LEAST)
     }
-}
-
-/// Where a search is.
-struct At {
-    theta: Vec<f64>,
-    /// By group.
-    starts: Vec<Vec<[f64; 3]>>,
-    cost: f64,
-    rms: [f64; 3],
 }
 
 impl Problem<'_> {
@@ -66,12 +51,12 @@ impl Problem<'_> {
     /// # Errors
     /// As [`Self::fit`].
     pub fn fit_from(&self, theta: &[f64]) -> Result<Fit, Unfit> {
-        let found = Pass::new(self, None).fit(theta)?;
+        let measured_fit = Pass::new(self, None).fit(theta)?;
         match self.settings.starts {
-            Starts::Measured => Ok(found),
+            Starts::Measured => Ok(measured_fit),
             Starts::Unknown => {
-                let fit = Pass::new(self, Some(self.first(found.rms))).fit(&found.theta)?;
-                Ok(Fit { steps: fit.steps + found.steps, ..fit })
+                let fit = Pass::new(self, Some(self.first(measured_fit.rms))).fit(&measured_fit.theta)?;
+                Ok(Fit { steps: fit.steps + measured_fit.steps, ..fit })
             }
         }
     }
@@ -104,9 +89,6 @@ impl Pass<'_> {
     }
 
     /// What at most `most` steps from `theta` lead to, and whether it is a minimum.
-    ///
-    /// # Errors
-    /// A simulation at the start that diverges, a parameter that nothing determines.
     pub(crate) fn search(&self, theta: &[f64], most: usize) -> Result<(Fit, bool), Unfit> {
         let mut at = self.at(theta.to_vec(), self.measured_starts());
         if !at.cost.is_finite() {
@@ -121,27 +103,22 @@ impl Pass<'_> {
                     Some((next, expected)) if next.cost <= at.cost => {
                         // A step that gains much less than the equations promise overshoots: the next one is held back.
                         let gained = (at.cost - next.cost) / expected;
-                        damping *= if gained > 0.75 {
-                            0.1
-                        } else if gained < 0.25 {
-                            10.0
-                        } else {
-                            1.0
-                        };
+                        let held_back = if gained < 0.25 { 10.0 } else { 1.0 };
+                        damping *= if gained > 0.75 { 0.1 } else { held_back };
                         at = next;
                         break expected;
                     }
                     _ => damping = 10.0 * damping.max(DAMPING[0]),
                 }
                 if damping > DAMPING[1] {
-                    return Ok((at.ended(self, step), true));
+                    return Ok((Fit { steps: step, ..at }, true));
                 }
             };
             if expected.max(before - at.cost) <= ENOUGH * before + LEAST {
-                return Ok((at.ended(self, step + 1), true));
+                return Ok((Fit { steps: step + 1, ..at }, true));
             }
         }
-        Ok((at.ended(self, most), false))
+        Ok((Fit { steps: most, ..at }, false))
     }
 
     /// The cost of θ with windows that start at their first measured sample; infinite where one diverges.
@@ -154,17 +131,16 @@ impl Pass<'_> {
         let at = self.at(theta.to_vec(), self.measured_starts());
         let sums = self.all_sums(&at.theta, &at.starts);
         let mut slopes = vec![0.0; theta.len()];
-        for own in sums.iter().flatten() {
-            let weight = 2.0 * self.weight(&own.errors);
-            for piece in &own.pieces {
-                slopes.iter_mut().zip(piece).for_each(|(sum, own)| *sum += weight * own);
+        for window in sums.iter().flatten() {
+            let weight = 2.0 * self.weight(&window.errors);
+            for piece in &window.pieces {
+                slopes.iter_mut().zip(piece).for_each(|(sum, slope)| *sum += weight * slope);
             }
         }
-        slopes.iter_mut().zip(self.pulls(theta)).for_each(|(sum, [_, own])| *sum += 2.0 * own);
+        slopes.iter_mut().zip(self.prior_gradient(theta)).for_each(|(sum, [_, slope])| *sum += 2.0 * slope);
         (at.cost, slopes)
     }
 
-    /// The first measured sample of each window.
     fn measured_starts(&self) -> Vec<Vec<[f64; 3]>> {
         let start = |window: &Window| {
             let measured = self.recordings[window.recording].measured;
@@ -173,39 +149,43 @@ impl Pass<'_> {
         self.groups.iter().map(|group| group.windows.iter().map(start).collect()).collect()
     }
 
-    /// Sums of all windows, group by group.
-    pub(crate) fn all_sums(&self, theta: &[f64], starts: &[Vec<[f64; 3]>]) -> Vec<Vec<Sums>> {
+    pub(crate) fn all_sums(&self, theta: &[f64], starts: &[Vec<[f64; 3]>]) -> Vec<Vec<WindowSums>> {
         let groups: Vec<_> = self.groups.iter().zip(starts).collect();
         groups.par_iter().map(|(group, starts)| self.sums(group, theta, starts)).collect()
     }
 
-    /// The cost at θ and these starts.
-    fn at(&self, theta: Vec<f64>, starts: Vec<Vec<[f64; 3]>>) -> At {
+    fn at(&self, theta: Vec<f64>, starts: Vec<Vec<[f64; 3]>>) -> Fit {
         let groups: Vec<_> = self.groups.iter().zip(&starts).collect();
-        let all: Vec<Vec<Errors>> =
+        let all: Vec<Vec<WindowErrors>> =
             groups.par_iter().map(|(group, starts)| self.errors(group, &theta, starts)).collect();
         let knee = self.settings.knee;
         let (mut cost, mut squares) = (0.0, [0.0; 3]);
-        for own in all.iter().flatten() {
-            cost += self.share(own) * own.cost(knee);
-            squares.iter_mut().zip(own.squares).for_each(|(sum, own)| *sum += own);
+        for window in all.iter().flatten() {
+            cost += self.share(window) * window.cost(knee);
+            squares.iter_mut().zip(window.squares).for_each(|(sum, square)| *sum += square);
         }
         cost += self.prior_cost() * distance(&theta, &self.priors);
-        At { theta, starts, cost, rms: squares.map(|own| (own / self.samples as f64).sqrt()) }
+        let rms = squares.map(|square| (square / self.samples as f64).sqrt());
+        Fit { theta, cost, rms, steps: 0, starts, first: self.first }
     }
 
-    /// A window's share in the mean over windows, by its samples.
-    pub(crate) fn share(&self, window: &Errors) -> f64 {
+    pub(crate) fn share(&self, window: &WindowErrors) -> f64 {
         window.samples as f64 / self.samples as f64
     }
 
-    /// Where a step with this damping leads, and by how much it is expected to lower the cost; `None` where it cannot be
-    /// computed.
-    fn tried(&self, at: &At, sums: &[Vec<Sums>], damping: f64) -> Result<Option<(At, f64)>, Unfit> {
+    /// Where a step with this damping leads, and how much it should lower the cost; `None` where it cannot be computed.
+    fn tried(&self, at: &Fit, sums: &[Vec<WindowSums>], damping: f64) -> Result<Option<(Fit, f64)>, Unfit> {
         let n = at.theta.len();
-        let Some(windows) = self.reduced(sums, damping) else { return Ok(None) };
-        let (products, gradient) = self.normal(&at.theta, sums, &windows);
-        let held = held(self.forces, &at.theta, &gradient);
+        let reduced = |group: &Vec<WindowSums>| group.iter().map(|sums| reduced(sums, n, damping)).collect();
+        let Some(windows) = sums.iter().map(reduced).collect::<Option<Vec<Vec<_>>>>() else {
+            return Ok(None);
+        };
+        let (mut products, mut gradient) = self.information(n, sums, &windows);
+        for (i, [pull, slope]) in self.prior_gradient(&at.theta).into_iter().enumerate() {
+            products[i * n + i] += pull;
+            gradient[i] += slope;
+        }
+        let held = at_bound(self.forces, &at.theta, &gradient);
         let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
         if let Some(i) = free.iter().find(|i| products[**i * n + **i] <= 0.0) {
             return Err(Unfit::Undetermined(self.forces.parameters()[*i].name.clone()));
@@ -223,10 +203,10 @@ impl Pass<'_> {
             return Ok(None);
         }
         let steps = step.iter().zip(&scale).map(|(step, scale)| step / scale);
-        let theta = moved(self.forces, &at.theta, &free, steps);
+        let theta = clamped_step(self.forces, &at.theta, &free, steps);
         let change: Vec<f64> = theta.iter().zip(&at.theta).map(|(new, old)| new - old).collect();
         let starts = at.starts.iter().zip(&windows).map(|(starts, windows)| {
-            starts.iter().zip(windows).map(|(own, window)| window.start(*own, &change)).collect()
+            starts.iter().zip(windows).map(|(start, window)| window.start(*start, &change)).collect()
         });
         let slope = |i: usize| {
             let row: f64 = (0..n).map(|j| products[i * n + j] * change[j]).sum();
@@ -237,94 +217,189 @@ impl Pass<'_> {
         Ok(next.cost.is_finite().then_some((next, expected.max(f64::MIN_POSITIVE))))
     }
 
-    /// Every window reduced to θ at a minimum.
-    ///
-    /// # Errors
-    /// A window whose start is not determined.
-    pub(crate) fn determined(&self, sums: &[Vec<Sums>]) -> Result<Vec<Vec<Reduced>>, Unfit> {
+    pub(crate) fn determined(&self, sums: &[Vec<WindowSums>]) -> Result<Vec<Vec<Reduced>>, Unfit> {
         let n = self.forces.parameters().len();
-        let own = |(window, own)| reduced(own, n, 0.0).ok_or_else(|| self.without_start(window));
+        let reduce = |(window, sums)| reduced(sums, n, 0.0).ok_or_else(|| self.without_start(window));
         let all = self.groups.iter().zip(sums);
-        all.map(|(group, sums)| group.windows.iter().zip(sums).map(own).collect()).collect()
+        all.map(|(group, sums)| group.windows.iter().zip(sums).map(reduce).collect()).collect()
     }
 
-    /// Every window reduced to θ.
-    fn reduced(&self, sums: &[Vec<Sums>], damping: f64) -> Option<Vec<Vec<Reduced>>> {
-        let n = self.forces.parameters().len();
-        sums.iter().map(|group| group.iter().map(|own| reduced(own, n, damping)).collect()).collect()
-    }
-
-    /// The second and first derivatives of half the cost by θ.
-    fn normal(&self, theta: &[f64], sums: &[Vec<Sums>], windows: &[Vec<Reduced>]) -> (Vec<f64>, Vec<f64>) {
-        let n = theta.len();
-        let (mut products, mut gradient) = self.information(n, sums, windows);
-        for (i, [pull, slope]) in self.pulls(theta).into_iter().enumerate() {
-            products[i * n + i] += pull;
-            gradient[i] += slope;
-        }
-        (products, gradient)
-    }
-
-    /// The same of the recordings alone, for `n` parameters.
+    /// The second and first derivatives by θ, of `n` parameters, of half the recordings' part of the cost.
     pub(crate) fn information(
         &self,
         n: usize,
-        sums: &[Vec<Sums>],
+        sums: &[Vec<WindowSums>],
         windows: &[Vec<Reduced>],
     ) -> (Vec<f64>, Vec<f64>) {
         let (mut products, mut gradient) = (vec![0.0; n * n], vec![0.0; n]);
-        for (own, window) in sums.iter().flatten().zip(windows.iter().flatten()) {
-            let weight = self.weight(&own.errors);
-            products.iter_mut().zip(&window.products).for_each(|(sum, own)| *sum += weight * own);
-            gradient.iter_mut().zip(&window.gradient).for_each(|(sum, own)| *sum += weight * own);
+        for (window_sums, window) in sums.iter().flatten().zip(windows.iter().flatten()) {
+            let weight = self.weight(&window_sums.errors);
+            products.iter_mut().zip(&window.products).for_each(|(sum, entry)| *sum += weight * entry);
+            gradient.iter_mut().zip(&window.gradient).for_each(|(sum, slope)| *sum += weight * slope);
         }
         (products, gradient)
     }
 
     /// What the prior of each of θ adds to the second and to the first derivative of half the cost.
-    pub(crate) fn pulls(&self, theta: &[f64]) -> Vec<[f64; 2]> {
-        pulls(theta, &self.priors, self.prior_cost())
+    pub(crate) fn prior_gradient(&self, theta: &[f64]) -> Vec<[f64; 2]> {
+        prior_gradient(theta, &self.priors, self.prior_cost())
     }
 
-    /// What a window's sums of squares count in the cost.
-    pub(crate) fn weight(&self, window: &Errors) -> f64 {
+    pub(crate) fn weight(&self, window: &WindowErrors) -> f64 {
         self.share(window) * window.slope(self.settings.knee) / window.numbers()
     }
 
-    /// The first window whose simulation leaves every bound.
-    fn diverged(&self, at: &At) -> Unfit {
+    fn diverged(&self, at: &Fit) -> Unfit {
         for (group, starts) in self.groups.iter().zip(&at.starts) {
             let errors = self.errors(group, &at.theta, starts);
             let pairs = group.windows.iter().zip(&errors);
-            if let Some((own, _)) = pairs.into_iter().find(|(_, own)| !own.rms().is_finite()) {
-                let recording = self.recordings[own.recording].name.to_owned();
-                return Unfit::Diverged { recording, first_s: own.first as f64 * self.settings.sample_s };
+            if let Some((window, _)) = pairs.into_iter().find(|(_, error)| !error.rms().is_finite()) {
+                let recording = self.recordings[window.recording].name.to_owned();
+                return Unfit::Diverged { recording, first_s: window.first as f64 * self.settings.sample_s };
             }
         }
         Unfit::Boundless
     }
 
-    /// Why `window` has no start of its own.
     pub(crate) fn without_start(&self, window: &Window) -> Unfit {
         let recording = self.recordings[window.recording].name.to_owned();
         Unfit::Start { recording, first_s: window.first as f64 * self.settings.sample_s }
     }
 }
 
-impl At {
-    fn ended(self, pass: &Pass, steps: usize) -> Fit {
-        let Self { theta, starts, cost, rms } = self;
-        Fit { theta, cost, rms, steps, starts, first: pass.first }
-    }
-}
-
 impl Reduced {
-    /// The start after θ has changed by `change`.
     fn start(&self, old: [f64; 3], change: &[f64]) -> [f64; 3] {
         let n = change.len();
         [0, 1, 2].map(|d: usize| {
             let followed: f64 = (0..n).map(|i| self.follows[d * n + i] * change[i]).sum();
-            old[d] + self.own[d] + followed
+            old[d] + self.stays[d] + followed
         })
     }
+}
+
+/// A free parameter after the fit, in the system that it was written in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its name.
+    pub name: String,
+    /// Its estimate.
+    pub value: f64,
+    /// Its standard error; none at a bound.
+    pub standard_error: Option<f64>,
+    /// How much of the estimate is the prior's, from 0 to 1.
+    pub prior_share: f64,
+    /// By what the standard error grows because others are unknown; none where recordings leave a direction open.
+    pub inflation: Option<f64>,
+}
+
+/// The errors of a fit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimates {
+    /// One per free parameter.
+    pub parameters: Vec<Parameter>,
+    /// Covariance of the estimates; rows and columns of those at bounds are 0.
+    pub covariance: Vec<f64>,
+    /// Square root of the largest over the smallest eigenvalue of the recordings' information, in correlations.
+    pub condition: f64,
+    /// Pieces of recordings that count as independent.
+    pub pieces: usize,
+}
+
+/// Weakest eigenvalue of an information in correlations that still counts as one.
+const OPEN: f64 = 1e-14;
+
+impl Problem<'_> {
+    /// The errors of `fit`, from pieces of the windows as clusters; what the priors do not know is added.
+    ///
+    /// # Errors
+    /// A parameter that nothing determines.
+    pub fn estimates(&self, fit: &Fit) -> Result<Estimates, Unfit> {
+        Pass::new(self, fit.first).estimates(fit)
+    }
+}
+
+impl Pass<'_> {
+    fn estimates(&self, fit: &Fit) -> Result<Estimates, Unfit> {
+        let n = fit.theta.len();
+        let sums = self.all_sums(&fit.theta, &fit.starts);
+        let windows = self.determined(&sums)?;
+        let (data, gradient) = self.information(n, &sums, &windows);
+        let (mut meat, mut pieces) = (vec![0.0; n * n], 0);
+        for (window_sums, window) in sums.iter().flatten().zip(windows.iter().flatten()) {
+            let weight = self.weight(&window_sums.errors);
+            let scores = window_sums.scores(window, n).into_iter();
+            for score in scores.filter(|score| score.iter().any(|entry| *entry != 0.0)) {
+                let score: Vec<f64> = score.iter().map(|entry| weight * entry).collect();
+                numerics::add_outer(&mut meat, &score, &score);
+                pieces += 1;
+            }
+        }
+        self.errors_of(fit, (data, meat), gradient, pieces)
+    }
+
+    /// The errors of `fit`, from the information and the scores' products of the recordings, and their gradient.
+    fn errors_of(
+        &self,
+        fit: &Fit,
+        (data, mut meat): (Vec<f64>, Vec<f64>),
+        mut gradient: Vec<f64>,
+        pieces: usize,
+    ) -> Result<Estimates, Unfit> {
+        let n = fit.theta.len();
+        let pulls = self.prior_gradient(&fit.theta);
+        gradient.iter_mut().zip(&pulls).for_each(|(sum, [_, slope])| *sum += slope);
+        let pulls: Vec<f64> = pulls.iter().map(|[pull, _]| *pull).collect();
+        let held = at_bound(self.forces, &fit.theta, &gradient);
+        let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
+        let m = free.len();
+        let information = block(&data, n, &free);
+        let mut bread = information.clone();
+        (0..m).for_each(|i| bread[i * m + i] += pulls[free[i]]);
+        let inverse = scaled_inverse(m, &bread).ok_or_else(|| self.undetermined(&free, &bread))?;
+        let shares: Vec<f64> = (0..m).map(|i| inverse[i * m + i] * pulls[free[i]]).collect();
+        // Parameters that the recordings determine use up pieces.
+        let used = m as f64 - shares.iter().sum::<f64>();
+        let correction = pieces as f64 / (pieces as f64 - used).max(1.0);
+        meat.iter_mut().for_each(|entry| *entry *= correction);
+        let mut meat = block(&meat, n, &free);
+        (0..m).for_each(|i| {
+            meat[i * m + i] +=
+                self.priors[free[i]].map_or(0.0, |prior| (pulls[free[i]] * prior.deviation).powi(2));
+        });
+        let inner_covariance = congruence(m, &inverse, &meat);
+        let mut covariance = vec![0.0; n * n];
+        (0..m * m).for_each(|k| covariance[free[k / m] * n + free[k % m]] = inner_covariance[k]);
+        let (condition, inflations) = conditioned(m, &information);
+        let parameter = |i: usize| {
+            let place = free.iter().position(|free_one| *free_one == i);
+            Parameter {
+                name: self.forces.parameters()[i].name.clone(),
+                value: fit.theta[i],
+                standard_error: place.map(|_| covariance[i * n + i].sqrt()),
+                prior_share: place.map_or(0.0, |k| shares[k].clamp(0.0, 1.0)),
+                inflation: place.and_then(|k| inflations.as_ref().map(|growth| growth[k])),
+            }
+        };
+        let parameters = (0..n).map(parameter).collect();
+        Ok(Estimates { parameters, covariance, condition, pieces })
+    }
+
+    pub(crate) fn undetermined(&self, free: &[usize], bread: &[f64]) -> Unfit {
+        let m = free.len();
+        let weakest = numerics::weakest(m, bread).map_or(0, |weakest| weakest.dominant(m));
+        Unfit::Undetermined(self.forces.parameters()[free[weakest]].name.clone())
+    }
+}
+
+/// The condition index of an information, and by what each standard error grows because of the others.
+pub(crate) fn conditioned(n: usize, information: &[f64]) -> (f64, Option<Vec<f64>>) {
+    let scale: Vec<f64> = (0..n).map(|i| information[i * n + i].sqrt()).collect();
+    let scaled: Vec<f64> = (0..n * n).map(|k| information[k] / (scale[k / n] * scale[k % n])).collect();
+    let Some((values, vectors)) = symmetric(n, &scaled) else { return (f64::INFINITY, None) };
+    let (low, high) = (values.first().copied().unwrap_or(1.0), values.last().copied().unwrap_or(1.0));
+    if low <= OPEN * high {
+        return (f64::INFINITY, None);
+    }
+    let inflation = |i: usize| (0..n).map(|k| vectors[i * n + k].powi(2) / values[k]).sum::<f64>().sqrt();
+    ((high / low).sqrt(), Some((0..n).map(inflation).collect()))
 }

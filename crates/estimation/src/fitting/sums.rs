@@ -3,9 +3,7 @@
 use numerics::{LANES, Lane, vectorized};
 use ship::forces::{Body, Dual, Real};
 
-use crate::fitting::Inputs;
-use crate::fitting::pass::Pass;
-use crate::fitting::window::{Group, Window};
+use super::{Inputs, Pass, Window, WindowGroup};
 
 /// Unknowns by which derivatives are computed at once.
 pub(crate) const AT_ONCE: usize = 13;
@@ -15,15 +13,13 @@ pub fn cost_of_rms(rms: f64, knee: f64) -> f64 {
     if rms <= knee { rms * rms } else { 2.0 * knee * rms - knee * knee }
 }
 
-/// What a window errs by.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Errors {
-    /// Sums of squares in u, v and r.
+pub(crate) struct WindowErrors {
     pub squares: [f64; 3],
     pub samples: usize,
 }
 
-impl Errors {
+impl WindowErrors {
     /// Numbers that are compared.
     pub fn numbers(&self) -> f64 {
         (3 * self.samples) as f64
@@ -47,17 +43,14 @@ impl Errors {
 
 /// Sums of a window: of products of the derivatives of its errors, and of these with the errors, piece by piece.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Sums {
-    pub errors: Errors,
-    /// JᵀJ, square, of θ and then of the start.
+pub(crate) struct WindowSums {
+    pub errors: WindowErrors,
     pub products: Vec<f64>,
-    /// Jᵀe of each piece.
     pub pieces: Vec<Vec<f64>>,
 }
 
 /// Errors of a group of windows, and their derivatives by θ and then by the start of each window.
 pub(crate) struct Derivatives {
-    /// A row for each error.
     pub slopes: Vec<Lane>,
     /// Three errors for each sample, 0 after the end of a window.
     pub left: Vec<Lane>,
@@ -65,8 +58,8 @@ pub(crate) struct Derivatives {
 
 impl Pass<'_> {
     /// Errors of the windows of `group`, which start at `starts`.
-    pub fn errors(&self, group: &Group, theta: &[f64], starts: &[[f64; 3]]) -> Vec<Errors> {
-        let theta: Vec<Lane> = theta.iter().map(|own| Lane::splat(*own)).collect();
+    pub fn errors(&self, group: &WindowGroup, theta: &[f64], starts: &[[f64; 3]]) -> Vec<WindowErrors> {
+        let theta: Vec<Lane> = theta.iter().map(|value| Lane::splat(*value)).collect();
         let body = self.forces.body(&theta);
         let mut squares = [Lane::ZERO; 3];
         vectorized!(squared(self, group, &body, start(starts), &mut squares));
@@ -74,22 +67,22 @@ impl Pass<'_> {
     }
 
     /// The errors and sums of the windows of `group`, which start at `starts`.
-    pub fn sums(&self, group: &Group, theta: &[f64], starts: &[[f64; 3]]) -> Vec<Sums> {
+    pub fn sums(&self, group: &WindowGroup, theta: &[f64], starts: &[[f64; 3]]) -> Vec<WindowSums> {
         self.sums_of(group, &self.derivatives(group, theta, starts))
     }
 
     /// The errors of the windows of `group`, which start at `starts`, and their derivatives.
-    pub fn derivatives(&self, group: &Group, theta: &[f64], starts: &[[f64; 3]]) -> Derivatives {
+    pub fn derivatives(&self, group: &WindowGroup, theta: &[f64], starts: &[[f64; 3]]) -> Derivatives {
         let unknowns = self.unknowns();
         let rows = 3 * (group.samples + 1);
         let mut slopes = vec![Lane::ZERO; rows * unknowns];
         let mut left = vec![Lane::ZERO; rows];
         for first in (0..unknowns).step_by(AT_ONCE) {
-            let own = |value: Lane, i: usize| Dual::<Lane, AT_ONCE>::unknown(value, i.wrapping_sub(first));
+            let dual = |value: Lane, i: usize| Dual::<Lane, AT_ONCE>::unknown(value, i.wrapping_sub(first));
             let parameters: Vec<_> =
-                theta.iter().enumerate().map(|(i, value)| own(Lane::splat(*value), i)).collect();
+                theta.iter().enumerate().map(|(i, x)| dual(Lane::splat(*x), i)).collect();
             let begin = start(starts);
-            let begin = [0, 1, 2].map(|d: usize| own(begin[d], theta.len() + d));
+            let begin = [0, 1, 2].map(|d: usize| dual(begin[d], theta.len() + d));
             let body = self.forces.body(&parameters);
             let count = AT_ONCE.min(unknowns - first);
             let out = (&mut left[..], &mut slopes[first..]);
@@ -98,9 +91,9 @@ impl Pass<'_> {
         Derivatives { slopes, left }
     }
 
-    /// The sums of `own`, the derivatives of the windows of `group`.
-    pub fn sums_of(&self, group: &Group, own: &Derivatives) -> Vec<Sums> {
-        let (unknowns, Derivatives { slopes, left }) = (self.unknowns(), own);
+    /// The sums of `derivatives`, those of the windows of `group`.
+    pub fn sums_of(&self, group: &WindowGroup, derivatives: &Derivatives) -> Vec<WindowSums> {
+        let (unknowns, Derivatives { slopes, left }) = (self.unknowns(), derivatives);
         let piece = self.settings.samples(self.settings.piece_s);
         let mut products = vec![Lane::ZERO; unknowns * unknowns];
         let mut gradients = vec![Lane::ZERO; (group.samples / piece + 1) * unknowns];
@@ -112,35 +105,32 @@ impl Pass<'_> {
             .map(|(lane, errors)| {
                 let at = |i: usize, j: usize| products[i.min(j) * unknowns + i.max(j)][lane];
                 let pieces = gradients.chunks_exact(unknowns);
-                Sums {
+                WindowSums {
                     errors,
                     products: (0..unknowns * unknowns).map(|k| at(k / unknowns, k % unknowns)).collect(),
-                    pieces: pieces.map(|own| own.iter().map(|own| own[lane]).collect()).collect(),
+                    pieces: pieces.map(|piece| piece.iter().map(|sum| sum[lane]).collect()).collect(),
                 }
             })
             .collect()
     }
 }
 
-/// The errors of the windows of `group`, from their sums of squares.
-fn window_errors(group: &Group, squares: [Lane; 3]) -> Vec<Errors> {
-    let of = |(lane, own): (usize, &Window)| Errors {
-        squares: squares.map(|own| own[lane]),
-        samples: own.samples,
+fn window_errors(group: &WindowGroup, squares: [Lane; 3]) -> Vec<WindowErrors> {
+    let of = |(lane, window): (usize, &Window)| WindowErrors {
+        squares: squares.map(|square| square[lane]),
+        samples: window.samples,
     };
     group.windows.iter().enumerate().map(of).collect()
 }
 
-/// The starts of the windows of a group, side by side.
 pub(crate) fn start(starts: &[[f64; 3]]) -> [Lane; 3] {
     [0, 1, 2].map(|d: usize| numerics::lanes::lane(starts.len(), |i| starts[i][d]))
 }
 
-/// Calls `look` with the state in every sample.
 #[inline(always)]
 fn follow<X: Real>(
     pass: &Pass,
-    group: &Group,
+    group: &WindowGroup,
     body: &Body<X>,
     state: [X; 3],
     lift: impl Fn(Lane) -> X,
@@ -161,7 +151,7 @@ fn follow<X: Real>(
 #[inline(always)]
 pub(crate) fn follow_acting<X: Real>(
     pass: &Pass,
-    group: &Group,
+    group: &WindowGroup,
     body: &Body<X>,
     mut state: [X; 3],
     input: impl Fn(usize) -> X,
@@ -180,28 +170,27 @@ pub(crate) fn follow_acting<X: Real>(
 
 /// 1 in windows that have sample `k`, else 0.
 #[inline(always)]
-pub(crate) fn counted(group: &Group, k: usize) -> [bool; LANES] {
-    std::array::from_fn(|lane| group.windows.get(lane).is_some_and(|own| k <= own.samples))
-}
-
-/// `own` where it counts, else 0.
-#[inline(always)]
-pub(crate) fn only(own: Lane, counted: [bool; LANES]) -> Lane {
-    Lane(std::array::from_fn(|lane| if counted[lane] { own[lane] } else { 0.0 }))
+pub(crate) fn counted(group: &WindowGroup, k: usize) -> [bool; LANES] {
+    std::array::from_fn(|lane| group.windows.get(lane).is_some_and(|window| k <= window.samples))
 }
 
 #[inline(always)]
-fn squared(pass: &Pass, group: &Group, body: &Body<Lane>, start: [Lane; 3], squares: &mut [Lane; 3]) {
+pub(crate) fn only(value: Lane, counted: [bool; LANES]) -> Lane {
+    Lane(std::array::from_fn(|lane| if counted[lane] { value[lane] } else { 0.0 }))
+}
+
+#[inline(always)]
+fn squared(pass: &Pass, group: &WindowGroup, body: &Body<Lane>, start: [Lane; 3], squares: &mut [Lane; 3]) {
     follow(
         pass,
         group,
         body,
         start,
-        |own| own,
+        |state| state,
         |k, state| {
             let (counted, scales) = (counted(group, k), pass.scales(k));
-            for (d, own) in state.into_iter().enumerate() {
-                let error = (own - group.measured[3 * k + d]) * Lane::splat(scales[d]);
+            for (d, value) in state.into_iter().enumerate() {
+                let error = (value - group.measured[3 * k + d]) * Lane::splat(scales[d]);
                 let error = only(error, counted);
                 squares[d] += error * error;
             }
@@ -209,11 +198,10 @@ fn squared(pass: &Pass, group: &Group, body: &Body<Lane>, start: [Lane; 3], squa
     );
 }
 
-/// Errors, and the first `count` columns of their derivatives in rows of `width`.
 #[inline(always)]
 fn columns(
     pass: &Pass,
-    group: &Group,
+    group: &WindowGroup,
     body: &Body<Dual<Lane, AT_ONCE>>,
     start: [Dual<Lane, AT_ONCE>; 3],
     (count, width): (usize, usize),
@@ -221,17 +209,16 @@ fn columns(
 ) {
     follow(pass, group, body, start, Dual::constant, |k, state| {
         let (counted, scales) = (counted(group, k), pass.scales(k));
-        for (d, own) in state.into_iter().enumerate() {
+        for (d, value) in state.into_iter().enumerate() {
             let (row, scale) = (3 * k + d, Lane::splat(scales[d]));
-            left[row] = only((own.value - group.measured[row]) * scale, counted);
+            left[row] = only((value.value - group.measured[row]) * scale, counted);
             for i in 0..count {
-                slopes[row * width + i] = only(own.tangents[i] * scale, counted);
+                slopes[row * width + i] = only(value.tangents[i] * scale, counted);
             }
         }
     });
 }
 
-/// The sums over rows of `width` derivatives; gradients by pieces of so many rows.
 #[inline(always)]
 fn accumulate(
     slopes: &[Lane],
@@ -244,12 +231,93 @@ fn accumulate(
         squares[k % 3] += *error * *error;
         let gradient = &mut gradients[k / piece * width..][..width];
         for i in 0..width {
-            let own = row[i];
-            gradient[i] += own * *error;
+            let factor = row[i];
+            gradient[i] += factor * *error;
             let sums = &mut products[i * width..][..width];
             for j in i..width {
-                sums[j] += own * row[j];
+                sums[j] += factor * row[j];
             }
         }
+    }
+}
+
+// Normal equations of θ, from which the starts of windows are eliminated.
+
+/// What a window says of θ once its start is chosen best, and how the start then follows θ.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Reduced {
+    pub products: Vec<f64>,
+    pub gradient: Vec<f64>,
+    /// How the start changes with each of θ: 3 rows.
+    pub follows: Vec<f64>,
+    /// How it changes where θ stays.
+    pub stays: [f64; 3],
+}
+
+/// Share that is added to the diagonal of a start that is singular to all digits.
+const SINGULAR: f64 = 1e-9;
+
+/// Sums over θ alone, `damping` added to the diagonal of the start; `None` where the start is not determined.
+pub(crate) fn reduced(window: &WindowSums, n: usize, damping: f64) -> Option<Reduced> {
+    let all = n + window.starts(n);
+    let at = |i: usize, j: usize| window.products[i * all + j];
+    let gradient: Vec<f64> = (0..all).map(|i| window.pieces.iter().map(|piece| piece[i]).sum()).collect();
+    let mut products: Vec<f64> = (0..n * n).map(|k| at(k / n, k % n)).collect();
+    if all == n {
+        return Some(Reduced { products, gradient, follows: vec![0.0; 3 * n], stays: [0.0; 3] });
+    }
+    // Columns: θ, then the gradient.
+    let mut sides: Vec<f64> = Vec::with_capacity(3 * (n + 1));
+    for d in 0..3 {
+        sides.extend((0..n).map(|i| at(n + d, i)));
+        sides.push(gradient[n + d]);
+    }
+    let follows = window.solved_by_start(n, damping, &sides)?;
+    let row = |d: usize| &follows[d * (n + 1)..][..n + 1];
+    let mut left: Vec<f64> = gradient[..n].to_vec();
+    for i in 0..n {
+        for d in 0..3 {
+            let across = at(i, n + d);
+            left[i] -= across * row(d)[n];
+            (0..n).for_each(|j| products[i * n + j] -= across * row(d)[j]);
+        }
+    }
+    let start_step = [0, 1, 2].map(|d| -row(d)[n]);
+    let follows = (0..3).flat_map(|d| row(d)[..n].iter().map(|follow| -follow)).collect();
+    Some(Reduced { products, gradient: left, follows, stays: start_step })
+}
+
+impl WindowSums {
+    /// Unknowns of its start, besides `n` of θ.
+    pub fn starts(&self, n: usize) -> usize {
+        self.pieces.first().map_or(0, |piece| piece.len() - n)
+    }
+
+    /// What solves the products of the start, with `damping` on the diagonal, for `sides`; `None` if it is undetermined.
+    pub fn solved_by_start(&self, n: usize, damping: f64, sides: &[f64]) -> Option<Vec<f64>> {
+        let starts = self.starts(n);
+        let all = n + starts;
+        let solved = |damping: f64| {
+            let at = |k: usize| self.products[(n + k / starts) * all + n + k % starts];
+            let mut square: Vec<f64> = (0..starts * starts).map(at).collect();
+            (0..starts).for_each(|d| square[(starts + 1) * d] *= 1.0 + damping);
+            let mut solution = sides.to_vec();
+            numerics::solve(starts, &mut square, &mut solution).map(|()| solution)
+        };
+        // A window that is unstable, such as one astern, has a start of which one sum alone is told, to all digits.
+        solved(damping).or_else(|| solved(damping.max(SINGULAR)))
+    }
+
+    /// Jᵀe of each piece, of θ alone: what the start makes of it is followed by `reduced`.
+    pub fn scores(&self, reduced: &Reduced, n: usize) -> Vec<Vec<f64>> {
+        let starts = self.starts(n);
+        let score = |piece: &Vec<f64>| {
+            (0..n)
+                .map(|i| {
+                    piece[i] + (0..starts).map(|d| reduced.follows[d * n + i] * piece[n + d]).sum::<f64>()
+                })
+                .collect()
+        };
+        self.pieces.iter().map(score).collect()
     }
 }

@@ -3,21 +3,21 @@ use std::f64::consts::TAU;
 
 use numerics::distributions::student_half_width;
 use numerics::statistics::Z;
+use numerics::symmetric;
 use regression::pooled::{AnyParts, Part, PartView, Regression, Unread};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use ship::engine::RunView;
-use ship::model::{DegreeOfFreedom, Model, Variable};
+use ship::engine::{RunView, Streams};
+use ship::model::{DegreeOfFreedom, Model, Variable, Vessel};
 
-use super::{DegreeTrust, Estimated, ParameterTrust, Pool, Score, SourceErrors, Surroundings};
+use super::{DegreeTrust, Estimated, ParameterTrust, Pool, Score, Searched, SourceErrors};
 
 /// The model that an estimate delivers, whole: with it others simulate what was validated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Delivered {
     /// θ̂: surge, sway, yaw.
     pub theta: Vec<f64>,
-    /// What u, v \[m/s\], r \[rad/s\] gain in a sample whatever the vessel does: the intercepts, and the constant that was
-    /// known before.
+    /// What u, v \[m/s\], r \[rad/s\] gain in any sample: the intercepts, and the constant that was known before.
     pub constant: [f64; 3],
     /// Covariance of the estimates; none where a degree of freedom has no standard errors.
     pub covariance: Option<Covariance>,
@@ -93,38 +93,26 @@ impl Covered {
 }
 
 impl Delivered {
-    /// The model of `found`, which was fitted to `parts`; `None` unless all degrees of freedom have an estimate.
-    ///
-    /// # Errors
-    /// Parts that cannot be read.
+    /// The model of `estimated`, which was fitted to `parts`; `None` unless all degrees of freedom have an estimate.
     pub(super) fn new(
         pool: &Pool,
-        found: &Estimated,
+        estimated: &Estimated,
         parts: &AnyParts,
         degrees: &[DegreeTrust],
         sources: &[SourceErrors],
     ) -> Result<Option<Self>, Unread> {
-        let Some((theta, intercepts)) = found.theta() else { return Ok(None) };
-        let beyond = |intercepts| beyond(&pool.model, intercepts);
+        let Some((theta, intercepts)) = estimated.theta() else { return Ok(None) };
         let mut account = Account::new(&pool.vessel.model, &theta, intercepts);
         parts.each(&mut |part| account.add(&part))?;
-        let surroundings =
-            found.searched.as_ref().map(|(own, _)| Surroundings::all(parts, own)).transpose()?;
-        Ok(Some(Self {
-            constant: beyond(intercepts),
-            covariance: covariance(&pool.model, found, degrees, parts.count()),
-            least_squares: pool.least_squares(found).map(|(theta, own)| (theta, beyond(own))),
-            increment_std: account.squares.map(|sum| (sum / f64::max(account.samples, 1.0)).sqrt()),
-            output_rmse: pooled_rmse(sources),
-            surroundings: surroundings.unwrap_or_default(),
-            covered: account.ranges.covered(),
-            recordings: account.recordings(),
-            theta,
-        }))
+        let (searched, data) = (estimated.searched.as_ref(), pool.least_squares(estimated));
+        let surroundings = searched.map(|(searched, _)| Surroundings::all(parts, searched)).transpose()?;
+        let covariance = covariance(&pool.model, estimated, degrees, parts.count());
+        let surroundings = surroundings.unwrap_or_default();
+        let delivered = account.delivered(data, pooled_rmse(sources));
+        Ok(Some(Self { covariance, surroundings, ..delivered }))
     }
 
-    /// The model from an estimate of one run, θ̂ and intercepts, with those by least squares and its
-    /// current. Its covariance is not known: single runs only have standard errors.
+    /// The model from an estimate of one run, θ̂ and intercepts; single runs only have standard errors.
     pub(crate) fn of_run(
         model: &Model,
         part: &PartView,
@@ -136,26 +124,16 @@ impl Delivered {
         account.add(part);
         let lifted = model.with_intercepts();
         let parameters = lifted.layout().woven(&theta, intercepts);
-        Self {
-            constant: beyond(model, intercepts),
-            covariance: None,
-            least_squares: least_squares.map(|(theta, own)| (theta, beyond(model, own))),
-            increment_std: account.squares.map(|sum| (sum / f64::max(account.samples, 1.0)).sqrt()),
-            output_rmse: Score::of(&lifted, &parameters, [part.run].into_iter()).rmse(),
-            surroundings: surroundings.into_iter().collect(),
-            covered: account.ranges.covered(),
-            recordings: account.recordings(),
-            theta,
-        }
+        let rmse = Score::of(&lifted, &parameters, [part.run].into_iter()).rmse();
+        let surroundings = surroundings.into_iter().collect();
+        Self { surroundings, ..account.delivered(least_squares, rmse) }
     }
 }
 
-/// The known constants, and intercepts.
 pub(super) fn beyond(model: &Model, intercepts: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|d| model.constant[d] + intercepts[d])
 }
 
-/// Statistics of the data, accumulated part by part.
 struct Account<'a> {
     model: &'a Model,
     theta: &'a [f64],
@@ -193,36 +171,46 @@ impl<'a> Account<'a> {
             }
         }
         self.samples += regression.samples as f64;
-        self.gain(part.source, regression.samples as u64, left);
-        self.ranges.add(&part.run);
-    }
-
-    fn gain(&mut self, source: &str, samples: u64, [u, v, r]: [f64; 3]) {
-        let place = self.places.get(source).copied().unwrap_or(self.recordings.len());
+        let place = self.places.get(part.source).copied().unwrap_or(self.recordings.len());
         if place == self.recordings.len() {
-            self.places.insert(source.to_owned(), place);
-            let source = source.to_owned();
+            self.places.insert(part.source.to_owned(), place);
+            let source = part.source.to_owned();
             self.recordings.push(RecordingConstant { source, ..RecordingConstant::default() });
         }
         let recording = &mut self.recordings[place];
-        recording.samples += samples;
-        recording.constant_u += u;
-        recording.constant_v += v;
-        recording.constant_r += r;
+        recording.samples += regression.samples as u64;
+        recording.constant_u += left[0];
+        recording.constant_v += left[1];
+        recording.constant_r += left[2];
+        self.ranges.add(&part.run);
     }
 
-    /// Means instead of sums, with the known constant.
+    /// The model with what its data tell, and the estimate by least squares.
+    fn delivered(self, simple: Option<(Vec<f64>, [f64; 3])>, rmse: Option<[f64; 3]>) -> Delivered {
+        let model = self.model;
+        Delivered {
+            theta: self.theta.to_vec(),
+            constant: beyond(model, self.intercepts),
+            covariance: None,
+            least_squares: simple.map(|(theta, intercepts)| (theta, beyond(model, intercepts))),
+            increment_std: self.squares.map(|sum| (sum / f64::max(self.samples, 1.0)).sqrt()),
+            output_rmse: rmse,
+            surroundings: Vec::new(),
+            covered: self.ranges.covered(),
+            recordings: self.recordings(),
+        }
+    }
+
     fn recordings(mut self) -> Vec<RecordingConstant> {
-        for own in &mut self.recordings {
-            let samples = own.samples.max(1) as f64;
-            let all = [&mut own.constant_u, &mut own.constant_v, &mut own.constant_r];
+        for recording in &mut self.recordings {
+            let samples = recording.samples.max(1) as f64;
+            let all = [&mut recording.constant_u, &mut recording.constant_v, &mut recording.constant_r];
             all.into_iter().zip(self.model.constant).for_each(|(sum, known)| *sum = *sum / samples + known);
         }
         self.recordings
     }
 }
 
-/// The least and the largest value of each variable of a model.
 pub(super) struct Ranges<'a> {
     model: &'a Model,
     ends: Vec<[f64; 2]>,
@@ -264,7 +252,7 @@ impl Covariance {
 
     /// The standard error of the parameter `name`; `None` if it is not among them.
     pub fn standard_error(&self, name: &str) -> Option<f64> {
-        let place = self.names.iter().position(|own| own == name)?;
+        let place = self.names.iter().position(|other| other == name)?;
         Some(self.entries[place * (self.names.len() + 1)].max(0.0).sqrt())
     }
 
@@ -280,15 +268,14 @@ impl Covariance {
 }
 
 /// A search has a joint covariance of all unknowns; else each degree of freedom has its own.
-fn covariance(model: &Model, found: &Estimated, degrees: &[DegreeTrust], parts: usize) -> Option<Covariance> {
-    let searched = found.searched.as_ref().filter(|_| found.used.iter().all(|used| used.searches()));
+fn covariance(model: &Model, of: &Estimated, degrees: &[DegreeTrust], parts: usize) -> Option<Covariance> {
+    let searched = of.searched.as_ref().filter(|_| of.used.iter().all(|used| used.searches()));
     if let Some((whole, _)) = searched {
         return (parts > 1).then(|| Covariance::joint(model, whole.covariance.clone(), parts));
     }
     covariance_of(degrees)
 }
 
-/// The covariance of degrees of freedom that were estimated separately.
 pub(super) fn covariance_of(degrees: &[DegreeTrust]) -> Option<Covariance> {
     let of = |degree: &DegreeTrust| -> Option<Vec<f64>> {
         degree.parameters.iter().map(ParameterTrust::spread).collect()
@@ -318,10 +305,107 @@ fn pooled_rmse(sources: &[SourceErrors]) -> Option<[f64; 3]> {
     (samples > 0.0).then(|| squares.map(|sum| (sum / samples).sqrt()))
 }
 
-/// The ranges of the channels of `model` in `parts`: its states and of its inputs and measured disturbances, in the
-/// order of its variables and in their units.
+/// The ranges of the variables of `model` in `parts`, in their order and units.
 pub fn covered(model: &Model, parts: &[Part]) -> Vec<Covered> {
     let mut ranges = Ranges::new(model);
     parts.iter().for_each(|part| ranges.add(&part.view()));
     ranges.covered()
+}
+
+/// A current over ground that was found with a model in one run, or in a part of one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Surroundings {
+    /// The run or recording.
+    pub source: String,
+    /// Which of the parts that simulations start anew with, from 0.
+    pub part: u64,
+    /// What was found, along and across the vessel as she heads where the part starts.
+    pub found: Vec<FoundUnknown>,
+}
+
+/// An unknown beside the parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FoundUnknown {
+    /// What it is: `current along` and the like.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// The estimate.
+    pub value: f64,
+    /// Its standard error; null where it has none, as where it makes no difference.
+    pub standard_error: Option<f64>,
+}
+
+impl Surroundings {
+    /// The current in part `part` of `source`: values and standard errors.
+    pub(crate) fn of((source, part): (&str, usize), [values, errors]: [[f64; 2]; 2]) -> Self {
+        let unknown = |(i, name): (usize, &str)| FoundUnknown {
+            name: name.to_owned(),
+            unit: "m/s".to_owned(),
+            value: values[i],
+            standard_error: Some(errors[i]).filter(|error| *error > 0.0),
+        };
+        let unknowns = ["current along", "current across"].into_iter().enumerate().map(unknown).collect();
+        Self { source: source.to_owned(), part: part as u64, found: unknowns }
+    }
+
+    pub(super) fn all(parts: &AnyParts, searched: &Searched) -> Result<Vec<Self>, Unread> {
+        let mut all = Vec::new();
+        if !searched.currents.is_empty() {
+            parts.each(&mut |part| {
+                all.push(Self::of((part.source, all.len()), searched.currents[all.len()]))
+            })?;
+        }
+        Ok(all)
+    }
+}
+
+/// Parameters and what an estimate leaves uncertain of them.
+pub struct Uncertain {
+    parameters: Vec<f64>,
+    /// Place of each uncertain parameter.
+    places: Vec<usize>,
+    /// A root of their covariance, n × n, row-major.
+    root: Vec<f64>,
+    /// Ends of what each may be.
+    ends: Vec<[f64; 2]>,
+}
+
+impl Uncertain {
+    /// Of `vessel` with `parameters`; what the covariance says of constants is left out. `None` where it is no covariance.
+    pub fn new(vessel: &Vessel, parameters: Vec<f64>, covariance: &Covariance) -> Option<Self> {
+        let names: Vec<&str> = vessel.model.parameter_names().collect();
+        let place = |name: &String| names.iter().position(|other| other == name);
+        let known: Vec<(usize, usize)> =
+            covariance.names.iter().enumerate().filter_map(|(row, name)| Some((row, place(name)?))).collect();
+        let (n, width) = (known.len(), covariance.names.len());
+        let entry = |k: usize| covariance.entries[known[k / n].0 * width + known[k % n].0];
+        let part: Vec<f64> = (0..n * n).map(entry).collect();
+        let (values, vectors) = symmetric(n, &part)?;
+        let root = (0..n * n).map(|k| vectors[k] * values[k % n].max(0.0).sqrt()).collect();
+        let places: Vec<usize> = known.into_iter().map(|(_, place)| place).collect();
+        let ends = places.iter().map(|place| ends(vessel, *place)).collect();
+        Some(Self { parameters, places, root, ends })
+    }
+
+    /// Parameters of draw `draw`; numbers of forces stay within their bounds, as estimates do.
+    pub fn drawn(&self, streams: &Streams, draw: u32) -> Vec<f64> {
+        let n = self.places.len();
+        let mut normals = vec![0.0; n];
+        streams.normals(draw, 0, &mut normals);
+        let mut parameters = self.parameters.clone();
+        for ((row, place), [low, high]) in self.root.chunks_exact(n.max(1)).zip(&self.places).zip(&self.ends)
+        {
+            let off = row.iter().zip(&normals).map(|(a, z)| a * z).sum::<f64>();
+            parameters[*place] = (parameters[*place] + off).clamp(*low, *high);
+        }
+        parameters
+    }
+}
+
+fn ends(vessel: &Vessel, place: usize) -> [f64; 2] {
+    let open = [f64::NEG_INFINITY, f64::INFINITY];
+    vessel.model.forces.as_ref().map_or(open, |force_model| force_model.forces.parameters()[place].bounds)
 }

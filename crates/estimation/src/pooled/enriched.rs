@@ -50,7 +50,7 @@ pub struct Grown {
     /// The terms, without estimates of them.
     added: Vec<Added>,
     /// Its estimate, judged without resamples; `None` if no term was added.
-    found: Option<Pooled>,
+    pooled: Option<Pooled>,
 }
 
 /// Estimates as [`grown`] and [`estimate`] do.
@@ -84,19 +84,19 @@ pub fn grown<R: Recorded>(
     let quick = Judgement { replicates: 0, ..*judgement };
     let judged = |pool: &Pool| estimate(pool, runs, estimator, &quick, Resampling::Given(&[]));
     let (vessel, nominal) = (pool.vessel.clone(), pool.nominal.clone());
-    let mut grown = Grown { vessel, nominal, added: Vec::new(), found: None };
+    let mut grown = Grown { vessel, nominal, added: Vec::new(), pooled: None };
     if most > 0 {
-        grown.found = Some(judged(pool)?);
+        grown.pooled = Some(judged(pool)?);
     }
     while grown.added.len() < most {
-        let lacks = |found| lacking(&grown.vessel, found);
-        let Some((richer, place, more)) = grown.found.as_ref().and_then(lacks) else { break };
+        let lacks = |pooled| lacking(&grown.vessel, pooled);
+        let Some((richer, place, more)) = grown.pooled.as_ref().and_then(lacks) else { break };
         let mut theta = grown.nominal.clone();
         if let NominalModel::Known(theta) = &mut theta {
             theta.insert(place, richer.nominal[place]);
         }
         match judged(&pool.of(&richer, theta.clone())) {
-            Ok(again) if again.delivered.is_some() => grown.found = Some(again),
+            Ok(again) if again.delivered.is_some() => grown.pooled = Some(again),
             Err(PoolError::Unread(e)) => return Err(PoolError::Unread(e)),
             _ => break,
         }
@@ -119,23 +119,24 @@ impl Grown {
         judgement: &Judgement,
         resampling: Resampling,
     ) -> Result<Enriched, PoolError<R::Error>> {
-        let Self { vessel, nominal, mut added, found } = self;
-        let mut found = match found.filter(|_| judgement.replicates == 0) {
-            Some(found) => found,
+        let Self { vessel, nominal, mut added, pooled } = self;
+        let mut pooled = match pooled.filter(|_| judgement.replicates == 0) {
+            Some(pooled) => pooled,
             None => estimate(&pool.of(&vessel, nominal), runs, estimator, judgement, resampling)?,
         };
         for more in &mut added {
-            let own = found.degrees.iter().flat_map(|d| &d.parameters).find(|p| p.name == more.parameter);
-            (more.value, more.standard_error) = own.map_or((None, None), |p| (p.estimate, p.standard_error));
+            let parameter =
+                pooled.degrees.iter().flat_map(|d| &d.parameters).find(|p| p.name == more.parameter);
+            (more.value, more.standard_error) =
+                parameter.map_or((None, None), |p| (p.estimate, p.standard_error));
         }
         let sentences = added.iter().map(Added::sentence);
-        found.statements = sentences.chain(std::mem::take(&mut found.statements)).collect();
-        Ok(Enriched { vessel, found, added })
+        pooled.statements = sentences.chain(std::mem::take(&mut pooled.statements)).collect();
+        Ok(Enriched { vessel, found: pooled, added })
     }
 }
 
 impl Added {
-    /// In words.
     fn sentence(&self) -> String {
         let number = |x: Option<f64>| x.map_or("none".to_owned(), |x| format!("{x:.3e}"));
         let p = if self.p_value < 1e-4 { "p < 0.0001".to_owned() } else { format!("p {:.4}", self.p_value) };
@@ -144,15 +145,14 @@ impl Added {
     }
 }
 
-/// `vessel` with the term that `found` says is most likely missing, and the index of its parameter; `None` if the
-/// model is not rejected or lacks something other than a term. Its nominal value is the estimate by the test.
-fn lacking(vessel: &Vessel, found: &Pooled) -> Option<(Vessel, usize, Added)> {
-    let criticism = found.criticism.as_ref().filter(|criticism| criticism.rejected)?;
+/// `vessel` with the term that is most likely missing, and its place; `None` if the model lacks no term.
+fn lacking(vessel: &Vessel, pooled: &Pooled) -> Option<(Vessel, usize, Added)> {
+    let criticism = pooled.criticism.as_ref().filter(|criticism| criticism.rejected)?;
     let first: &Absent = criticism.absent.first()?;
     let degree = DegreeOfFreedom::ALL.into_iter().find(|d| first.degree.as_deref() == Some(d.name()))?;
     let mut lists: [&[String]; 3] = [&[]; 3];
-    let own = [first.name.clone()];
-    lists[degree as usize] = &own;
+    let term = [first.name.clone()];
+    lists[degree as usize] = &term;
     let model = listed(&vessel.model, lists).ok()?;
     let place = model.layout().terms(degree as usize).end - 1;
     let added = Added {

@@ -6,9 +6,8 @@ use ship::engine::RunView;
 use ship::model::DegreeOfFreedom;
 use thiserror::Error;
 
-use super::entangled::entangled;
 use super::resampler::{Resampler, Resampling};
-use super::statements::statements;
+use super::statements::{against_nominal, collinear, statements};
 use super::trust::Judge;
 use super::{
     DegreeTrust, Delivered, Estimated, Follow, Judgement, NoEstimate, Pool, Resample, SourceErrors, Unfound,
@@ -16,7 +15,6 @@ use super::{
 use crate::criticism::{Criticism, Subject, Verdict, criticise_after};
 use crate::predictor::{InitialState, Unknown};
 use crate::sensitivity::Flow;
-use crate::signs::against_nominal;
 use crate::{EstimateStatus, Estimator, RunEstimate};
 
 /// One estimate from all runs, and how far it can be trusted.
@@ -53,7 +51,7 @@ impl Pooled {
         let errors = parameters().map(|p| p.spread().unwrap_or(0.0)).collect();
         let estimate = theta.map(|theta| (theta, errors));
         let diverges = self.degrees.iter().any(|d| d.status == EstimateStatus::Diverges);
-        let rejected = self.criticism.as_ref().is_some_and(|found| found.rejected);
+        let rejected = self.criticism.as_ref().is_some_and(|criticism| criticism.rejected);
         RunEstimate {
             design: self.design.clone(),
             run: 0,
@@ -95,7 +93,6 @@ pub enum PoolError<E> {
 }
 
 impl PoolError<Unread> {
-    /// With the error that was kept in `faults`.
     fn restored<E>(self, faults: &Faults<E>) -> PoolError<E> {
         match self {
             Self::Lost(lost) => PoolError::Lost(lost),
@@ -127,7 +124,6 @@ pub fn estimate<R: Recorded>(
 /// Runs of any kind, and the parts that they are cut into.
 type Data<'a> = (&'a dyn AnyRuns, &'a AnyParts<'a>);
 
-/// See [`estimate`].
 fn estimate_any(
     pool: &Pool,
     (runs, parts): Data,
@@ -135,35 +131,38 @@ fn estimate_any(
     judgement: &Judgement,
     resampling: Resampling,
 ) -> Result<Pooled, PoolError<Unread>> {
-    let found = solved(pool, parts, estimator)?;
-    let judge = Judge { pool, found: &found, parts, judgement, resampling };
+    let estimated = solved(pool, parts, estimator)?;
+    let judge = Judge { pool, estimated: &estimated, parts, judgement, resampling };
     let mut degrees = judge.degrees().map_err(PoolError::Unread)?;
-    let mut criticism = criticism(pool, &found, runs).map_err(PoolError::Unread)?;
-    let waves = criticism.as_mut().filter(|found| found.waves_s.is_some());
+    let mut criticism = criticism(pool, &estimated, runs).map_err(PoolError::Unread)?;
+    let waves = criticism.as_mut().filter(|criticism| criticism.waves_s.is_some());
     let no_errors = waves.is_some();
-    if let Some(found) = waves {
+    if let Some(criticism) = waves {
         degrees.iter_mut().for_each(DegreeTrust::without_errors);
-        found.statements.push("no standard errors are given; choose a calm day".to_owned());
+        criticism.statements.push("no standard errors are given; choose a calm day".to_owned());
     }
     let sources = judge.sources(runs).map_err(PoolError::Unread)?;
     let diverging = diverging(&sources);
-    let mut delivered = Delivered::new(pool, &found, parts, &degrees, &sources).map_err(PoolError::Unread)?;
-    if let Some(own) = delivered.as_mut().filter(|_| no_errors) {
-        own.covariance = None;
+    let mut delivered =
+        Delivered::new(pool, &estimated, parts, &degrees, &sources).map_err(PoolError::Unread)?;
+    if let Some(model) = delivered.as_mut().filter(|_| no_errors) {
+        model.covariance = None;
     }
     if diverging.is_some() {
         delivered = None;
         let identified = degrees.iter_mut().filter(|degree| degree.status == EstimateStatus::Identified);
         identified.for_each(|degree| degree.status = EstimateStatus::Diverges);
     }
-    let lost = found.diverged.as_ref().map(LostInstruments::to_string);
-    let criticised = criticism.iter().flat_map(|found| &found.statements).cloned();
-    let alike = delivered.iter().flat_map(|own| entangled(own, pool.model.layout()));
-    let stalled = stalled(&found).map(str::to_owned);
-    let spread =
-        stalled.into_iter().chain(few_informative(pool, &found, parts.count())).chain(beside(pool, &found));
+    let lost = estimated.diverged.as_ref().map(LostInstruments::to_string);
+    let criticised = criticism.iter().flat_map(|criticism| &criticism.statements).cloned();
+    let alike = delivered.iter().flat_map(|model| collinear(model, pool.model.layout()));
+    let stalled = stalled(&estimated).map(str::to_owned);
+    let spread = stalled
+        .into_iter()
+        .chain(few_informative(pool, &estimated, parts.count()))
+        .chain(beside(pool, &estimated));
     let parameters = degrees.iter().flat_map(|degree| &degree.parameters);
-    let estimates: Vec<_> = parameters.map(|own| Some([own.estimate?, own.standard_error?])).collect();
+    let estimates: Vec<_> = parameters.map(|p| Some([p.estimate?, p.standard_error?])).collect();
     let turned = against_nominal(&pool.vessel.model, &pool.vessel.nominal, &estimates);
     let known: Vec<String> =
         turned.clone().into_iter().chain(spread).chain(statements(&degrees)).chain(alike).collect();
@@ -194,27 +193,27 @@ pub fn resampled<R: Recorded, T>(
 ) -> Result<T, PoolError<R::Error>> {
     let (cut, faults) = (pool.cut(runs), Faults::default());
     let parts = faults.erased(&cut);
-    let found = solved(pool, &parts, estimator).map_err(|e| e.restored(&faults))?;
+    let estimated = solved(pool, &parts, estimator).map_err(|e| e.restored(&faults))?;
     let unread = |unread: Unread| faults.take(unread);
-    let resampler = Resampler::new(pool, &found, &parts, seed).map_err(|e| PoolError::Unread(unread(e)))?;
+    let resampler =
+        Resampler::new(pool, &estimated, &parts, seed).map_err(|e| PoolError::Unread(unread(e)))?;
     Ok(work(&|number| resampler.draw(number).map_err(unread)))
 }
 
 /// Whether all of an estimate allows for a current that persists: as an unknown, or by a filter that knows of one.
-fn allows_for_current(found: &Estimated) -> bool {
-    let follow = found.searched.as_ref().map(|(_, scales)| scales.follow());
+fn allows_for_current(estimated: &Estimated) -> bool {
+    let follow = estimated.searched.as_ref().map(|(_, scales)| scales.follow());
     let allows = match follow {
         Some(Follow::Simulated(unknown)) => unknown.current.is_some(),
         Some(Follow::Predicted(levels, _)) => matches!(levels.current, Flow::Markov { .. }),
         None => false,
     };
-    allows && found.used.iter().all(|used| used.searches())
+    allows && estimated.used.iter().all(|used| used.searches())
 }
 
-/// The warning that a search ended before its minimum.
-fn stalled(found: &Estimated) -> Option<&'static str> {
-    let (own, _) = found.searched.as_ref()?;
-    (!own.converged).then_some(
+fn stalled(estimated: &Estimated) -> Option<&'static str> {
+    let (searched, _) = estimated.searched.as_ref()?;
+    (!searched.converged).then_some(
         "the search stalled before its minimum: standard errors are those of where it ended; vary the terms that the data \
          tell least about, or fix them",
     )
@@ -224,20 +223,16 @@ fn stalled(found: &Estimated) -> Option<&'static str> {
 fn diverging(sources: &[SourceErrors]) -> Option<String> {
     let diverging = sources.iter().filter(|source| source.diverged > 0);
     let names: Vec<String> = diverging.map(|source| format!("`{}`", source.source)).collect();
-    (!names.is_empty()).then(|| {
-        format!(
-            "no model is delivered: free simulations of {} of {} recordings diverge: {}",
-            names.len(),
-            sources.len(),
-            listed(&names)
-        )
-    })
+    let (count, all) = (names.len(), sources.len());
+    let diverge = |names| {
+        format!("no model is delivered: free simulations of {count} of {all} recordings diverge: {names}")
+    };
+    (!names.is_empty()).then(|| diverge(listed(&names)))
 }
 
-/// The remark that a model was found with starts, currents or a filter that free simulations of the recordings do not
-/// use.
-fn beside(pool: &Pool, found: &Estimated) -> Option<String> {
-    let (_, scales) = found.searched.as_ref()?;
+/// The remark that a model was found with starts, currents or a filter that free simulations do not use.
+fn beside(pool: &Pool, estimated: &Estimated) -> Option<String> {
+    let (_, scales) = estimated.searched.as_ref()?;
     match scales.follow() {
         Follow::Simulated(Unknown { current: None, initial }) => {
             (*initial == InitialState::Estimated).then(|| {
@@ -256,19 +251,20 @@ fn beside(pool: &Pool, found: &Estimated) -> Option<String> {
 /// With a smaller effective number of sub-experiments, standard errors, which compare them, are a guess.
 const FEW: f64 = 3.0;
 
-/// The warning that few sub-experiments are informative about some parameters.
-fn few_informative(pool: &Pool, found: &Estimated, parts: usize) -> Option<String> {
-    let (own, _) = found.searched.as_ref()?;
+fn few_informative(pool: &Pool, estimated: &Estimated, parts: usize) -> Option<String> {
+    let (searched, _) = estimated.searched.as_ref()?;
     if parts == 1 {
         let remedy = "use more runs, or a smaller --part-s";
         return Some(format!("no standard errors: they compare sub-experiments, and there is one; {remedy}"));
     }
     let layout = pool.model.layout();
     let degrees = DegreeOfFreedom::ALL.map(|d| d as usize).into_iter();
-    let places = degrees.filter(|d| found.used[*d].searches()).flat_map(|d| layout.terms(d));
+    let places = degrees.filter(|d| estimated.used[*d].searches()).flat_map(|d| layout.terms(d));
     let parameters = pool.vessel.model.parameter_names().zip(places);
-    let few = parameters.filter(|(_, i)| own.effective_parts[*i] > 0.0 && own.effective_parts[*i] < FEW);
-    let named: Vec<String> = few.map(|(name, i)| format!("`{name}` {:.1}", own.effective_parts[i])).collect();
+    let few =
+        parameters.filter(|(_, i)| searched.effective_parts[*i] > 0.0 && searched.effective_parts[*i] < FEW);
+    let named: Vec<String> =
+        few.map(|(name, i)| format!("`{name}` {:.1}", searched.effective_parts[i])).collect();
     (!named.is_empty()).then(|| {
         format!(
             "standard errors hold only roughly: they compare sub-experiments, of which few tell of a parameter ({}, if all told \
@@ -287,7 +283,9 @@ pub fn unstated<R: Recorded>(pool: &Pool, runs: &PooledRuns<R>) -> Result<Estima
     let quick = Judgement { replicates: 0, seed: 1 };
     match estimate(pool, runs, Estimator::PredictionError, &quick, Resampling::Given(&[])) {
         Err(PoolError::Unread(e)) => Err(PoolError::Unread(e)),
-        Ok(found) if found.criticism.as_ref().is_some_and(|own| own.verdict != Verdict::None) => {
+        Ok(pooled)
+            if pooled.criticism.as_ref().is_some_and(|criticism| criticism.verdict != Verdict::None) =>
+        {
             Ok(Estimator::PredictionError)
         }
         _ => Ok(Estimator::OutputError),
@@ -295,23 +293,23 @@ pub fn unstated<R: Recorded>(pool: &Pool, runs: &PooledRuns<R>) -> Result<Estima
 }
 
 fn solved(pool: &Pool, parts: &AnyParts, estimator: Estimator) -> Result<Estimated, PoolError<Unread>> {
-    let found = pool.estimate_any(parts, estimator).map_err(|e| match e {
+    let estimated = pool.estimate_any(parts, estimator).map_err(|e| match e {
         NoEstimate::Lost(lost) => PoolError::Lost(lost),
         NoEstimate::Unread(e) => PoolError::Unread(e),
     })?;
-    if let Some(unfound) = found.unfound {
+    if let Some(unfound) = estimated.unfound {
         return Err(PoolError::Unfound(unfound));
     }
-    if found.degrees.iter().any(|d| d.status == Status::Bounded) {
-        return Err(PoolError::Bounded(pool.unidentified(&found.degrees)));
+    if estimated.degrees.iter().any(|d| d.status == Status::Bounded) {
+        return Err(PoolError::Bounded(pool.unidentified(&estimated.degrees)));
     }
-    if found.degrees.iter().all(|d| d.solution.is_none()) {
-        return Err(PoolError::NotIdentifiable(pool.unidentified(&found.degrees)));
+    if estimated.degrees.iter().all(|d| d.solution.is_none()) {
+        return Err(PoolError::NotIdentifiable(pool.unidentified(&estimated.degrees)));
     }
-    if estimator.searches() && found.searched.is_none() {
-        return Err(PoolError::Incomplete(pool.unidentified(&found.degrees)));
+    if estimator.searches() && estimated.searched.is_none() {
+        return Err(PoolError::Incomplete(pool.unidentified(&estimated.degrees)));
     }
-    Ok(found)
+    Ok(estimated)
 }
 
 /// θ̂ of surge, sway and yaw, and its standard errors.
@@ -335,19 +333,19 @@ pub fn standard_errors<R: Recorded>(
     judgement: &Judgement,
 ) -> Result<Option<StandardErrors>, PoolError<R::Error>> {
     let (parts, faults) = (pool.cut(runs), Faults::default());
-    let found = standard_errors_any(pool, &faults.erased(&parts), estimator, judgement);
-    found.map_err(|e| e.restored(&faults))
+    let errors = standard_errors_any(pool, &faults.erased(&parts), estimator, judgement);
+    errors.map_err(|e| e.restored(&faults))
 }
 
-/// See [`standard_errors`].
 fn standard_errors_any(
     pool: &Pool,
     parts: &AnyParts,
     estimator: Estimator,
     judgement: &Judgement,
 ) -> Result<Option<StandardErrors>, PoolError<Unread>> {
-    let found = solved(pool, parts, estimator)?;
-    let judge = Judge { pool, found: &found, parts, judgement, resampling: Resampling::Drawn(&|_| ()) };
+    let estimated = solved(pool, parts, estimator)?;
+    let judge =
+        Judge { pool, estimated: &estimated, parts, judgement, resampling: Resampling::Drawn(&|_| ()) };
     let degrees = judge.degrees().map_err(PoolError::Unread)?;
     let all = || degrees.iter().flat_map(|d| &d.parameters);
     let theta: Option<Vec<f64>> = all().map(|p| p.estimate).collect();
@@ -355,12 +353,11 @@ fn standard_errors_any(
     Ok(theta.zip(errors).map(|(theta, standard_errors)| StandardErrors { theta, standard_errors }))
 }
 
-/// Maximum number of samples for tests of what the model lacks.
 const MOST_CRITICISED: usize = 200_000;
 
 /// Tests what the model lacks on the first whole recordings up to [`MOST_CRITICISED`] samples.
-fn criticism(pool: &Pool, found: &Estimated, runs: &dyn AnyRuns) -> Result<Option<Criticism>, Unread> {
-    let Some(parameters) = found.parameters(&pool.model) else { return Ok(None) };
+fn criticism(pool: &Pool, estimated: &Estimated, runs: &dyn AnyRuns) -> Result<Option<Criticism>, Unread> {
+    let Some(parameters) = estimated.parameters(&pool.model) else { return Ok(None) };
     let (model, parameters) = pool.model.held_at_bounds(&parameters);
     let (mut samples, mut recordings) = (0, Vec::new());
     runs.each_source(&mut |_, whole| {
@@ -370,7 +367,7 @@ fn criticism(pool: &Pool, found: &Estimated, runs: &dyn AnyRuns) -> Result<Optio
         }
     })?;
     let views: Vec<RunView> = recordings.iter().map(Part::view).collect();
-    let names: Vec<&str> = recordings.iter().map(|own| own.source.as_str()).collect();
+    let names: Vec<&str> = recordings.iter().map(|recording| recording.source.as_str()).collect();
     let subject = Subject {
         model: &model,
         runs: &views,
@@ -379,9 +376,9 @@ fn criticism(pool: &Pool, found: &Estimated, runs: &dyn AnyRuns) -> Result<Optio
         levels: None,
         names: &names,
     };
-    let mut criticism = criticise_after(&subject, &parameters, &found.noises);
-    if let Some(own) = criticism.as_mut().filter(|_| !allows_for_current(found)) {
-        own.statements.extend(own.persistent_current());
+    let mut criticism = criticise_after(&subject, &parameters, &estimated.noises);
+    if let Some(tests) = criticism.as_mut().filter(|_| !allows_for_current(estimated)) {
+        tests.statements.extend(tests.persistent_current());
     }
     Ok(criticism)
 }

@@ -1,15 +1,17 @@
+use std::convert::Infallible;
 use std::ops::Range;
 
+use numerics::lanes::lane;
 use numerics::{LANES, Lane, quadratic, times};
 use rayon::prelude::*;
+use regression::jackknife;
 use regression::pooled::{AnyParts, Faults, Part, Parts, Unread};
 use ship::engine::SideBySide;
 use ship::model::Model;
 
-use super::ambient::{Ambient, Settled};
 use crate::predictor::{
-    Asked, Ended, Linear, Minimum, NoiseModel, Recordings, Residuals, STEPS, Unknown, Weighting, linearize,
-    minimize,
+    Ended, Linear, Linearization, Minimum, NoiseModel, Recordings, Residuals, STEPS, Unknown, Weighting,
+    linearize, minimize, scaled_inverse,
 };
 use crate::sensitivity::{filter, with_states};
 
@@ -36,7 +38,6 @@ pub struct Searched {
 }
 
 impl Searched {
-    /// The covariance of the parameters at `places`, as many rows.
     pub(super) fn covariance_of(&self, places: Range<usize>) -> Vec<f64> {
         let all = self.parameters.len();
         let pairs = places.clone().flat_map(|i| places.clone().map(move |j| (i, j)));
@@ -49,8 +50,7 @@ impl Searched {
 pub enum Follow {
     /// Those of free simulations, each from its part's first measured state or one near it, in its own current.
     Simulated(Unknown),
-    /// Those of one-sample predictions by a Kalman filter for these levels, with the gains along it at these
-    /// parameters.
+    /// Those of predictions by a Kalman filter for these levels, with its gains at these parameters.
     Predicted(NoiseModel, Vec<f64>),
 }
 
@@ -86,11 +86,10 @@ pub fn least_errors<P: Parts>(
     follow: &Follow,
 ) -> Result<Option<Searched>, P::Error> {
     let faults = Faults::default();
-    let found = least_errors_any(model, &faults.erased(parts), start, std, sizes, follow);
-    found.map_err(|unread| faults.take(unread))
+    let searched = least_errors_any(model, &faults.erased(parts), start, std, sizes, follow);
+    searched.map_err(|unread| faults.take(unread))
 }
 
-/// See [`least_errors`].
 pub(super) fn least_errors_any(
     model: &Model,
     parts: &AnyParts,
@@ -105,43 +104,38 @@ pub(super) fn least_errors_any(
     let from = free.iter().map(|i| start[*i]).collect();
     let asked = Question { model, held: start.to_vec(), free, weights, follow };
     let weights = asked.weighting();
-    let mut problem = Problem { asked, parts, order, ambient };
-    let found = minimize(&mut problem, vec![Weighting::Fixed(weights)], vec![from], STEPS)?.pop();
-    let Some(found) = found.filter(|found| matches!(found.status, Ended::Converged | Ended::Stalled)) else {
+    let mut problem = PooledProblem { asked, parts, order, ambient };
+    let minima = minimize(&mut problem, vec![Weighting::Fixed(weights)], vec![from], STEPS)?.pop();
+    let Some(minimum) = minima.filter(|end| matches!(end.status, Ended::Converged | Ended::Stalled)) else {
         return Ok(None);
     };
-    Ok(problem.spread(&found)?.map(|Spread { covariance, effective_parts, currents }| Searched {
+    Ok(problem.spread(&minimum)?.map(|(covariance, effective_parts, currents)| Searched {
         covariance,
         effective_parts,
         currents,
-        squares: (0..3).map(|d| weights[d] * found.linear.squares[d]).sum(),
-        parameters: problem.asked.whole(&found.point),
-        steps: found.steps,
-        converged: found.status == Ended::Converged,
+        squares: (0..3).map(|d| weights[d] * minimum.linear.squares[d]).sum(),
+        parameters: problem.asked.whole(&minimum.point),
+        steps: minimum.steps,
+        converged: minimum.status == Ended::Converged,
     }))
 }
 
-/// One problem: all parts, [`LANES`] of them at a time.
-struct Problem<'a> {
+struct PooledProblem<'a> {
     asked: Question<'a>,
     parts: &'a AnyParts<'a>,
     /// Indices of the parts: those of similar length share lanes.
     order: Vec<usize>,
-    /// The parts' last own unknowns, in their order.
     ambient: Vec<Vec<f64>>,
 }
 
-/// The problem for every part.
 struct Question<'a> {
     model: &'a Model,
     held: Vec<f64>,
     free: Vec<usize>,
-    /// Of squared errors in u, v, r.
     weights: [f64; 3],
     follow: &'a Follow,
 }
 
-/// The longest first.
 fn by_length(parts: &AnyParts) -> Vec<usize> {
     let mut order: Vec<usize> = (0..parts.count()).collect();
     order.sort_by_key(|i| std::cmp::Reverse(parts.samples(*i)));
@@ -149,17 +143,15 @@ fn by_length(parts: &AnyParts) -> Vec<usize> {
 }
 
 impl Question<'_> {
-    /// All parameters of a point.
     fn whole(&self, point: &[f64]) -> Vec<f64> {
         let mut whole = self.held.clone();
         self.free.iter().zip(point).for_each(|(i, value)| whole[*i] = *value);
         whole
     }
 
-    /// The additional unknowns of every part, if there are any.
     fn unknown(&self) -> Option<Unknown> {
         match self.follow {
-            Follow::Simulated(unknown) => Some(*unknown).filter(|unknown| unknown.own().next().is_some()),
+            Follow::Simulated(unknown) => Some(*unknown).filter(|unknown| unknown.further().next().is_some()),
             Follow::Predicted(..) => None,
         }
     }
@@ -177,16 +169,18 @@ impl Question<'_> {
         let settled = |(i, parts): (usize, &[Part])| {
             let group = SideBySide::of(&parts.iter().map(Part::view).collect::<Vec<_>>());
             let recordings = Recordings::of(self.model, &group);
-            let mut found: Vec<Settled> = match self.unknown() {
+            let mut settled: Vec<Settled> = match self.unknown() {
                 None => self.linears(&recordings, whole).into_iter().map(Settled::from).collect(),
                 Some(unknown) => {
                     let starts = &ambient[i * LANES..][..parts.len()];
-                    let ambient = Ambient::new(&recordings, unknown, whole, self.weights);
+                    let (recordings, parameters, weights) = (&recordings, whole, self.weights);
+                    let places = unknown.further().map(|i| whole.len() + i).collect();
+                    let ambient = Ambient { recordings, unknown, places, parameters, weights };
                     ambient.settled(&self.free, starts, spread)
                 }
             };
-            found.truncate(group.runs);
-            found
+            settled.truncate(group.runs);
+            settled
         };
         parts.par_chunks(LANES).enumerate().flat_map_iter(settled).collect()
     }
@@ -197,13 +191,16 @@ impl Question<'_> {
         match self.follow {
             Follow::Simulated(_) => linearize::<3>(recordings, &lanes(whole), &self.free, None, &[], false),
             Follow::Predicted(levels, at) => {
-                with_states!(levels, innovations(recordings, &lanes(whole), &lanes(at), &self.free, levels))
+                with_states!(
+                    levels.states(),
+                    innovations(recordings, &lanes(whole), &lanes(at), &self.free, levels)
+                )
             }
         }
     }
 }
 
-impl Problem<'_> {
+impl PooledProblem<'_> {
     /// Calls `look` with every linearised part, in order; with the spread of its own unknowns if requested.
     fn each(&self, point: &[f64], spread: bool, look: &mut dyn FnMut(Settled)) -> Result<(), Unread> {
         let whole = self.asked.whole(point);
@@ -227,18 +224,19 @@ impl Problem<'_> {
     }
 
     /// The covariance of all parameters, the effective number of parts for each, and the currents of the parts.
-    fn spread(&self, found: &Minimum) -> Result<Option<Spread>, Unread> {
+    fn spread(&self, minimum: &Minimum) -> Result<Option<Spread>, Unread> {
         let weights = self.asked.weighting();
-        let Ok(inverse) = found.inverse(weights) else { return Ok(None) };
+        let Ok(inverse) = minimum.inverse(weights) else { return Ok(None) };
         let places = &self.asked.free;
         let (all, free, parts) = (self.asked.held.len(), places.len(), self.parts.count() as f64);
         let (mut covariance, mut shares) = (vec![0.0; all * all], vec![[0.0; 2]; all]);
         let mut settled = Vec::new();
-        self.each(&found.point, true, &mut |own| {
-            let (normal, gradient) = own.linear.weighted(weights);
+        self.each(&minimum.point, true, &mut |settled_part| {
+            let (normal, gradient) = settled_part.linear.weighted(weights);
             // Without a part that alone determines a parameter there is no estimate: it is treated as hardly
             // informative.
-            let moved = found.without(&own.linear, weights).unwrap_or_else(|_| times(&inverse, &gradient));
+            let moved =
+                minimum.without(&settled_part.linear, weights).unwrap_or_else(|_| times(&inverse, &gradient));
             for (i, (row, a)) in places.iter().zip(&moved).enumerate() {
                 for (column, b) in places.iter().zip(&moved) {
                     covariance[row * all + column] += (parts - 1.0) / parts * a * b;
@@ -246,18 +244,18 @@ impl Problem<'_> {
                 let share = quadratic(&inverse[i * free..(i + 1) * free], &normal);
                 shares[*row] = [shares[*row][0] + share, shares[*row][1] + share * share];
             }
-            settled.push(own.without_sums());
+            settled.push(settled_part.without_sums());
         })?;
         let alike = |[sum, squares]: [f64; 2]| if squares > 0.0 { sum * sum / squares } else { 0.0 };
         let mut currents = Vec::new();
         if self.asked.unknown().is_some_and(|unknown| unknown.current.is_some()) {
             currents.resize(settled.len(), [[0.0; 2]; 2]);
             let pairs = places.iter().flat_map(|i| places.iter().map(move |j| i * all + j));
-            let own: Vec<f64> = pairs.map(|k| covariance[k]).collect();
-            let found = self.order.iter().zip(&settled);
-            found.for_each(|(place, settled)| currents[*place] = settled.current(&own));
+            let of_parameters: Vec<f64> = pairs.map(|k| covariance[k]).collect();
+            let ordered = self.order.iter().zip(&settled);
+            ordered.for_each(|(place, settled)| currents[*place] = settled.current(&of_parameters));
         }
-        Ok(Some(Spread { covariance, effective_parts: shares.into_iter().map(alike).collect(), currents }))
+        Ok(Some((covariance, shares.into_iter().map(alike).collect(), currents)))
     }
 }
 
@@ -273,19 +271,15 @@ fn innovations<const N: usize>(
     linearize(recordings, unknowns, free, Some(levels), &gains, true)
 }
 
-/// See the fields of [`Searched`].
-struct Spread {
-    covariance: Vec<f64>,
-    effective_parts: Vec<f64>,
-    currents: Vec<[[f64; 2]; 2]>,
-}
+/// See the fields of [`Searched`]: covariance, effective parts, currents.
+type Spread = (Vec<f64>, Vec<f64>, Vec<[[f64; 2]; 2]>);
 
-impl Residuals for Problem<'_> {
+impl Residuals for PooledProblem<'_> {
     type Error = Unread;
 
-    fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Unread> {
+    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<Linear>, Unread> {
         let mut totals = Vec::new();
-        for Asked { point, .. } in asked {
+        for Linearization { point, .. } in asked {
             let (mut total, mut ambient): (Option<Linear>, _) = (None, Vec::new());
             self.each(point, false, &mut |part| {
                 match &mut total {
@@ -304,4 +298,147 @@ impl Residuals for Problem<'_> {
         let all = self.asked.model.bounds();
         all.map_or(Vec::new(), |all| self.asked.free.iter().map(|i| all[*i]).collect())
     }
+}
+
+// The start of each part and its current: minimised out for any parameters, so that the errors depend on the parameters
+struct Settled {
+    pub linear: Linear,
+    /// The offset of its start and the current, in the order of [`Unknown::further`].
+    pub ambient: Vec<f64>,
+    /// Derivatives of these by the parameters, a row for each unknown; and their covariance at known parameters.
+    follows: Vec<f64>,
+    known: Vec<f64>,
+}
+
+impl From<Linear> for Settled {
+    fn from(linear: Linear) -> Self {
+        Self { linear, ambient: Vec::new(), follows: Vec::new(), known: Vec::new() }
+    }
+}
+
+impl Settled {
+    fn without_sums(self) -> Self {
+        Self { linear: Linear::default(), ..self }
+    }
+
+    /// The current, the last two of the unknowns, and its standard errors, with the parameters' `covariance`.
+    pub(super) fn current(&self, covariance: &[f64]) -> [[f64; 2]; 2] {
+        let q = self.ambient.len();
+        let free = self.follows.len() / q;
+        let error = |i: usize| {
+            let through = quadratic(&self.follows[i * free..(i + 1) * free], covariance);
+            (self.known[i * q + i] + through).max(0.0).sqrt()
+        };
+        let places = [q - 2, q - 1];
+        [places.map(|i| self.ambient[i]), places.map(|i| if free > 0 { error(i) } else { 0.0 })]
+    }
+}
+
+struct Ambient<'a> {
+    recordings: &'a Recordings<'a>,
+    unknown: Unknown,
+    places: Vec<usize>,
+    parameters: &'a [f64],
+    weights: [f64; 3],
+}
+
+impl Residuals for Ambient<'_> {
+    type Error = Infallible;
+
+    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<Linear>, Infallible> {
+        // Idle lanes, of converged parts, repeat the point of the first.
+        let request_of = |lane: usize| asked.iter().find(|request| request.problem == lane).or(asked.first());
+        let points: Vec<&[f64]> = (0..LANES).filter_map(request_of).map(|r| r.point.as_slice()).collect();
+        let linears = self.linears(&points, &self.places);
+        let wanted = |lane: &usize| asked.iter().any(|request| request.problem == *lane);
+        Ok((0..LANES).zip(linears).filter(|(lane, _)| wanted(lane)).map(|(_, linear)| linear).collect())
+    }
+}
+
+impl Ambient<'_> {
+    /// Minimises the errors of the parts over their own unknowns from `starts`, empty at first, and linearises them by
+    /// the `free` parameters; with their `spread` if requested.
+    fn settled(mut self, free: &[usize], starts: &[Vec<f64>], spread: bool) -> Vec<Settled> {
+        let start = |offsets: &Vec<f64>| match offsets.is_empty() {
+            true => vec![0.0; self.places.len()],
+            false => offsets.clone(),
+        };
+        let starts: Vec<Vec<f64>> = starts.iter().map(start).collect();
+        let weighting = vec![Weighting::Fixed(self.weights); starts.len()];
+        let Ok(minima) = minimize(&mut self, weighting, starts, STEPS);
+        let points: Vec<Vec<f64>> = minima.into_iter().map(|minimum| minimum.point).collect();
+        let all: Vec<usize> = free.iter().chain(&self.places).copied().collect();
+        let blocks =
+            spread.then(|| self.unknown.blocks(self.recordings, &self.unknowns(&points), &self.places));
+        let linears = self.linears(&points, &all);
+        let each = points.into_iter().zip(linears).enumerate();
+        each.map(|(lane, (ambient, linear))| {
+            let block_sums = blocks.iter().flatten().map(|block| &block[lane]).collect::<Vec<_>>();
+            projected(&linear, ambient, self.weights, spread.then_some(block_sums.as_slice()))
+        })
+        .collect()
+    }
+
+    fn unknowns(&self, points: &[impl AsRef<[f64]>]) -> Vec<Lane> {
+        let mut unknowns: Vec<Lane> = self.parameters.iter().copied().map(Lane::splat).collect();
+        unknowns.resize(self.parameters.len() + 3 + 2, Lane::ZERO);
+        for (i, place) in self.places.iter().enumerate() {
+            unknowns[*place] = lane(points.len(), |run| points[run].as_ref()[i]);
+        }
+        unknowns
+    }
+
+    fn linears(&self, points: &[impl AsRef<[f64]>], free: &[usize]) -> Vec<Linear> {
+        self.unknown.linearize(self.recordings, &self.unknowns(points), free)
+    }
+}
+
+/// The errors of a part by its parameters alone, with its own unknowns projected out: with A B; Bᵀ N the weighted
+/// normal matrix of both and g, h the gradients, A − B N⁻¹ Bᵀ and g − B N⁻¹ h. `blocks`: sums over blocks of samples
+/// by these unknowns, if their covariance is requested, see [`jackknife`].
+fn projected(linear: &Linear, ambient: Vec<f64>, weights: [f64; 3], blocks: Option<&[&Linear]>) -> Settled {
+    let (normal, gradient) = linear.weighted(weights);
+    let (n, q) = (gradient.len(), ambient.len());
+    let p = n - q;
+    let rows = |rows: std::ops::Range<usize>, columns: std::ops::Range<usize>| -> Vec<f64> {
+        rows.flat_map(|i| columns.clone().map(move |j| (i, j))).map(|(i, j)| normal[i * n + j]).collect()
+    };
+    let (mut matrix, across) = (rows(0..p, 0..p), rows(p..n, 0..p));
+    let (mut slope, mut cost) =
+        (gradient[..p].to_vec(), (0..3).map(|d| weights[d] * linear.squares[d]).sum());
+    let (mut follows, mut known) = (Vec::new(), Vec::new());
+    if let Ok(inverse) = scaled_inverse(&rows(p..n, p..n), q) {
+        let entry = |i: usize, j: usize| (0..q).map(|k| inverse[i * q + k] * across[k * p + j]).sum::<f64>();
+        let reach: Vec<f64> = (0..q * p).map(|k| entry(k / p, k % p)).collect();
+        let step = times(&inverse, &gradient[p..]);
+        for k in 0..q {
+            let coupling = &across[k * p..(k + 1) * p];
+            for (i, b) in coupling.iter().enumerate() {
+                slope[i] -= b * step[k];
+                (0..p).for_each(|j| matrix[i * p + j] -= b * reach[k * p + j]);
+            }
+            cost -= gradient[p + k] * step[k];
+        }
+        if let Some(blocks) = blocks {
+            let whole = rows(p..n, p..n);
+            let without = |block: &Linear| {
+                let (part, gradient) = block.weighted(weights);
+                let others: Vec<f64> = whole.iter().zip(part).map(|(whole, entry)| whole - entry).collect();
+                // An unknown that only one block determines uses all blocks' matrix.
+                Some(times(&scaled_inverse(&others, q).unwrap_or_else(|_| inverse.clone()), &gradient))
+            };
+            known = jackknife(blocks.iter().copied(), without).unwrap_or_else(|| vec![f64::NAN; q * q]);
+            follows = reach;
+        }
+    }
+    // Weighted sums are in the first entry, the others are zero.
+    let nothing = |of: &[f64]| vec![0.0; of.len()];
+    let (no_slope, no_normal) = (nothing(&slope), nothing(&matrix));
+    let linear = Linear {
+        samples: linear.samples,
+        squares: [cost, 0.0, 0.0],
+        gradient: [slope, no_slope.clone(), no_slope],
+        normal: [matrix, no_normal.clone(), no_normal],
+    };
+    Settled { linear, ambient, follows, known }
 }

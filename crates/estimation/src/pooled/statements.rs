@@ -1,16 +1,15 @@
 use numerics::statistics::median_interval_in_words;
 use refusal::listed;
 use regression::pooled::{COLLINEAR, Whiteness};
+use ship::model::{Model, ParameterLayout};
 
-use super::DegreeTrust;
+use super::{DegreeTrust, Delivered};
 
 /// Instruments are weak if they explain less than this share of a regressor.
 const WEAK: f64 = 0.1;
-/// A test fails below this probability.
 const UNLIKELY: f64 = 0.01;
 
-/// Increments of noise correlate by −0.5, which weights that fall with the lag do not compensate: standard errors are
-/// too large.
+/// Increments of noise correlate by −0.5: below this correlation standard errors are too large.
 const ALTERNATING: f64 = -0.3;
 
 /// Warnings about an estimate, in words.
@@ -61,8 +60,7 @@ fn not_white(degree: &DegreeTrust, white: &Whiteness) -> String {
     )
 }
 
-/// How far a norm of RMSE/std lies above another over `pairs` (named `called`), with the interval of that median or
-/// why there is none.
+/// How far a norm of RMSE/std lies above another over `pairs` (named `called`), with that median's interval.
 pub fn lies_above(median: Option<f64>, ends: [Option<f64>; 2], pairs: u64, called: &str) -> String {
     let number = |x: f64| format!("{x:+.3}");
     let interval = match median_interval_in_words(ends, pairs, number) {
@@ -73,4 +71,163 @@ pub fn lies_above(median: Option<f64>, ends: [Option<f64>; 2], pairs: u64, calle
         Some(median) => format!("its norm of RMSE/std lies {} above ({interval})", number(median)),
         None => format!("one of the two has no error in half of the {pairs} {called} or more ({interval})"),
     }
+}
+
+/// From this correlation on two estimates are hard to distinguish, and from the next on they cannot be.
+const HARD: f64 = 0.95;
+const INSEPARABLE: f64 = 0.99;
+/// An estimate with a smaller relative error needs no warning, whatever its correlations.
+const KNOWN: f64 = 0.05;
+const MOST: usize = 4;
+
+struct Pair<'a> {
+    names: [&'a str; 2],
+    values: [f64; 2],
+    errors: [f64; 2],
+    correlation: f64,
+}
+
+/// The pairs of estimates of `delivered`, whose model with intercepts has this `layout`, that correlate most: a sentence
+/// each with the accuracy of both, and of their best combination.
+pub fn collinear(delivered: &Delivered, layout: ParameterLayout) -> Vec<String> {
+    let mut pairs = pairs(delivered, layout);
+    pairs.sort_by(|a, b| b.correlation.abs().total_cmp(&a.correlation.abs()));
+    let sentences = pairs.iter().take(MOST).map(Pair::sentence);
+    let others = pairs.len().saturating_sub(MOST);
+    let counted = format!("{others} further pairs of estimates correlate by {HARD} or more");
+    sentences.chain((others > 0).then_some(counted)).collect()
+}
+
+fn pairs(delivered: &Delivered, layout: ParameterLayout) -> Vec<Pair<'_>> {
+    let Some(covariance) = &delivered.covariance else { return Vec::new() };
+    let names = &covariance.names;
+    let values = match names.len() == delivered.theta.len() {
+        true => delivered.theta.clone(),
+        false => layout.woven(&delivered.theta, delivered.constant),
+    };
+    let entry = |i: usize, j: usize| covariance.entries[i * names.len() + j];
+    let errors: Vec<f64> = (0..names.len()).map(|i| entry(i, i).max(0.0).sqrt()).collect();
+    let known = (0..values.len().min(names.len())).filter(|i| errors[*i] > 0.0).collect::<Vec<_>>();
+    let both = known.iter().flat_map(|j| known.iter().take_while(move |i| *i < j).map(move |i| [*i, *j]));
+    let pair = |at: [usize; 2]| Pair {
+        names: at.map(|i| names[i].as_str()),
+        values: at.map(|i| values[i]),
+        errors: at.map(|i| errors[i]),
+        correlation: entry(at[0], at[1]) / (errors[at[0]] * errors[at[1]]),
+    };
+    both.map(pair).filter(Pair::matters).collect()
+}
+
+impl Pair<'_> {
+    fn matters(&self) -> bool {
+        self.correlation.abs() >= HARD && self.relative().into_iter().all(|error| error > KNOWN)
+    }
+
+    /// Standard errors over moduli.
+    fn relative(&self) -> [f64; 2] {
+        [0, 1].map(|i: usize| self.errors[i] / self.values[i].abs())
+    }
+
+    /// The multiple of number `other` that leaves the least error when it is added to number `one`, and that sum's standard
+    /// error over its modulus: a + λ b with λ = −ρ σ_a/σ_b has the standard error σ_a √(1 − ρ²).
+    fn common(&self, [one, other]: [usize; 2]) -> (f64, f64) {
+        let factor = -self.correlation * self.errors[one] / self.errors[other];
+        let error = self.errors[one] * (1.0 - self.correlation.powi(2)).max(0.0).sqrt();
+        (factor, error / (self.values[one] + factor * self.values[other]).abs())
+    }
+
+    fn sentence(&self) -> String {
+        let ([a, b], [first, second]) = (self.names, self.relative().map(percent));
+        let verdict = if self.correlation.abs() >= INSEPARABLE { "cannot" } else { "can hardly" };
+        let apart = format!(
+            "`{a}` and `{b}` {verdict} be told apart: correlation {:.3}, each alone is known to {first} and {second}",
+            self.correlation
+        );
+        let sums = [[0, 1], [1, 0]].map(|way| self.sum(way));
+        let best = sums.into_iter().chain([self.ratio()]).min_by(|a, b| a.1.total_cmp(&b.1));
+        match best.filter(|(_, error)| self.relative().into_iter().all(|alone| *error < alone)) {
+            Some((what, error)) => format!("{apart}, {what} to {}", percent(error)),
+            None => apart,
+        }
+    }
+
+    /// The sum of number `one` and the best multiple of number `other`, and how well it is known.
+    fn sum(&self, [one, other]: [usize; 2]) -> (String, f64) {
+        let (factor, error) = self.common([one, other]);
+        let sign = if factor < 0.0 { '−' } else { '+' };
+        let (one, other, factor) = (self.names[one], self.names[other], three(factor.abs()));
+        (format!("`{one}` {sign} {factor} `{other}`"), error)
+    }
+
+    /// The ratio, and its standard error over its modulus to first order: √(r_a² + r_b² − 2ρ r_a r_b) with the signed relative
+    /// errors r = σ/θ.
+    fn ratio(&self) -> (String, f64) {
+        let [a, b] = [0, 1].map(|i: usize| self.errors[i] / self.values[i]);
+        let square = a * a + b * b - 2.0 * self.correlation * a * b;
+        (format!("`{}`/`{}`", self.names[0], self.names[1]), square.max(0.0).sqrt())
+    }
+}
+
+fn three(value: f64) -> String {
+    let exponent = format!("{value:e}").rsplit('e').next().and_then(|e| e.parse::<i32>().ok()).unwrap_or(0);
+    match exponent {
+        -3..=2 => format!("{value:.*}", usize::try_from(2 - exponent).unwrap_or(0)),
+        _ => format!("{value:.2e}"),
+    }
+}
+
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent < 10.0 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
+}
+
+/// Standard errors that an estimate must be away from zero for its sign to count …
+const FAR: f64 = 5.0;
+
+/// … and those that the nominal value must be away from it.
+const NOMINAL: f64 = 3.0;
+
+/// Estimates on the other side of zero than their `nominal` values, in words; `estimates` are those of the parameters of `model`
+/// with their standard errors, where both are known.
+pub fn against_nominal(model: &Model, nominal: &[f64], estimates: &[Option<[f64; 2]>]) -> Option<String> {
+    let parameters = model.parameter_names().zip(nominal).zip(estimates).enumerate();
+    let known = parameters.filter_map(|(i, ((name, nominal), known))| Some((i, name, *nominal, (*known)?)));
+    let counted: Vec<_> = known
+        .filter(|(.., nominal, [estimate, error])| {
+            *error > 0.0 && estimate.abs() > FAR * error && nominal.abs() > NOMINAL * error
+        })
+        .collect();
+    let is_turned = |(.., nominal, [estimate, _]): &(usize, &str, f64, [f64; 2])| estimate * nominal < 0.0;
+    let turned = counted.iter().filter(|sign| is_turned(sign));
+    let all: Vec<String> = turned
+        .map(|(_, name, nominal, [estimate, error])| {
+            format!("`{name}` {estimate:.3e} ± {error:.1e}, nominal {nominal:.3e}")
+        })
+        .collect();
+    let terms: Vec<_> = (0..)
+        .zip(&model.degrees)
+        .flat_map(|(d, degree)| degree.terms.iter().map(move |term| (d, term)))
+        .collect();
+    // Whether a turn of the sign of `variable` turns parameter `i`.
+    let turns = |variable: usize, i: usize| {
+        terms.get(i).is_some_and(|(d, term)| {
+            let factors = term.factors.iter().filter(|f| f.variable == variable && !f.modulus).count();
+            (factors + usize::from(*d == variable)) % 2 == 1
+        })
+    };
+    let explains = |variable: &usize| {
+        let turning = || counted.iter().filter(|(i, ..)| turns(*variable, *i));
+        turning().all(is_turned) && 2 * turning().count() > all.len()
+    };
+    let variables = (3..model.variables.len() - model.derived.len()).chain(0..3);
+    let cause = variables.into_iter().find(explains).map_or(String::new(), |variable| {
+        let name = &model.variables[variable].name;
+        let channel = if variable < 3 { format!("y_{name}") } else { name.clone() };
+        format!(
+            "; all that `{name}` has a part in turned: its sensor may count to the other side; compare `{channel}` with the motion, \
+             and set `sign = -1` of that channel in ingest.toml if so"
+        )
+    });
+    let listed = listed(&all);
+    (!all.is_empty()).then(|| format!("estimates with another sign than the nominal value: {listed}{cause}"))
 }

@@ -1,17 +1,16 @@
 use std::borrow::Cow;
-use std::ops::Range;
 
 use regression::pooled::{
-    AnyParts, AnyRuns, Centring, CrossCorrelation, DegreeFit, Diagnosis, Meat, Part, PartView, Regression,
-    ResidualTests, Solution, Status, Strength, Unread, Whiteness, default_bandwidth, residuals_of,
-    unidentified, weakest,
+    AnyParts, AnyRuns, Centring, Meat, Part, PartView, Regression, ResidualTests, Solution, Status, Strength,
+    Unread, Whiteness, default_bandwidth, residuals_of, unidentified, weakest,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::model::DegreeOfFreedom;
 
 use super::resampler::{Resampler, Resampling};
-use super::{Bootstrap, Estimated, FreeRunErrors, InstrumentFit, Pool, Resample, Score, deviations};
+use super::{Bootstrap, Estimated, FreeRunErrors, Pool, Resample, Score, deviations};
+use crate::validate::{StateDeviations, StateMeans};
 use crate::{EstimateStatus, Estimator};
 
 /// Options for judging an estimate.
@@ -54,7 +53,6 @@ pub struct DegreeTrust {
 }
 
 impl DegreeTrust {
-    /// Takes away what says how far estimates scatter.
     pub(super) fn without_errors(&mut self) {
         self.correlation = None;
         for parameter in &mut self.parameters {
@@ -105,7 +103,6 @@ pub struct ParameterTrust {
 }
 
 impl ParameterTrust {
-    /// Its standard error, 0 at a bound.
     pub(super) fn spread(&self) -> Option<f64> {
         self.standard_error.or(self.at_bound.then_some(0.0))
     }
@@ -139,28 +136,15 @@ pub struct SourceErrors {
     pub errors: Option<FreeRunErrors>,
 }
 
-/// The data for judging an estimate.
 pub(super) struct Judge<'a> {
     pub pool: &'a Pool<'a>,
-    pub found: &'a Estimated,
+    pub estimated: &'a Estimated,
     pub parts: &'a AnyParts<'a>,
     pub judgement: &'a Judgement,
     pub resampling: Resampling<'a>,
 }
 
-/// Numbers of one degree of freedom.
-pub(super) struct Degree {
-    pub covariance: Option<Vec<f64>>,
-    pub whiteness: Option<Whiteness>,
-    pub crossed: Option<CrossCorrelation>,
-    pub strength: Option<Vec<f64>>,
-    pub diagnosis: Diagnosis,
-    pub instrument_fit: Option<f64>,
-    pub bootstrap: Option<Bootstrap>,
-}
-
 impl Judge<'_> {
-    /// Regression pairs.
     pub(super) fn samples(&self) -> usize {
         (0..self.parts.count()).map(|i| self.parts.samples(i)).sum()
     }
@@ -170,47 +154,36 @@ impl Judge<'_> {
         default_bandwidth(self.samples())
     }
 
-    /// Surge, sway, yaw.
-    ///
-    /// # Errors
-    /// Parts that cannot be read.
     pub(super) fn degrees(&self) -> Result<Vec<DegreeTrust>, Unread> {
         let mut accounts =
-            DegreeOfFreedom::ALL.map(|d| Account::new(self.found, d as usize, self.bandwidth()));
-        let mut fit = InstrumentFit::new(self.found);
+            DegreeOfFreedom::ALL.map(|d| Account::new(self.estimated, d as usize, self.bandwidth()));
+        let mut fit = InstrumentFit::new(self.estimated);
         let mut i = 0;
         self.parts.each(&mut |part| {
             self.account(i, &part, &mut accounts, &mut fit);
             i += 1;
         })?;
-        let (fits, mut degrees) = (fit.found(), Vec::new());
-        let (resamples, layout) = (self.resamples()?, self.pool.vessel.model.layout());
-        for (d, account) in DegreeOfFreedom::ALL.into_iter().zip(accounts) {
-            let bootstrap = Bootstrap::of_resamples(&resamples, &layout.terms(d as usize));
-            let places = self.pool.model.layout().terms(d as usize);
-            let mut degree = account.closed(self.found, places, fits.map(|fits| fits[d as usize]), bootstrap);
-            // Errors of a search compare parts.
-            degree.covariance = degree
-                .covariance
-                .filter(|_| self.parts.count() > 1 || !self.found.used[d as usize].searches());
-            let fit = &self.found.degrees[d as usize];
-            degrees.push(judged(self.pool, d, fit, self.found.used[d as usize], &degree));
-        }
-        Ok(degrees)
+        let (fits, resamples) = (fit.found(), self.resamples()?);
+        let layout = self.pool.vessel.model.layout();
+        let closed = |account: Account| {
+            let d = account.d;
+            let bootstrap = Bootstrap::of_resamples(&resamples, &layout.terms(d));
+            DegreeTrust { instrument_fit: fits.map(|fits| fits[d]), ..account.closed(self, bootstrap) }
+        };
+        Ok(accounts.map(closed).into())
     }
 
-    /// Adds a part to the accounts of all degrees of freedom.
     fn account(&self, i: usize, part: &PartView, accounts: &mut [Account; 3], fit: &mut InstrumentFit) {
-        let instruments = self.found.instruments.as_deref();
+        let instruments = self.estimated.instruments.as_deref();
         // Parts that diverge were refused before.
         let simulated = instruments.and_then(|model| self.pool.regression(part, Some(model)).ok());
         if let Some((_, states)) = &simulated {
             fit.add(states, part.run.measured);
         }
-        let by = |account: &&mut Account| self.found.simulated(account.d).is_some();
-        let (own, others): (Vec<_>, Vec<_>) = accounts.iter_mut().partition(by);
+        let by = |account: &&mut Account| self.estimated.simulated(account.d).is_some();
+        let (instrumented, others): (Vec<_>, Vec<_>) = accounts.iter_mut().partition(by);
         if let Some((regression, _)) = simulated {
-            own.into_iter().for_each(|account| account.add(i, &regression));
+            instrumented.into_iter().for_each(|account| account.add(i, &regression));
         }
         if !others.is_empty() {
             let regression = Regression::of(&self.pool.vessel.model, part);
@@ -218,29 +191,22 @@ impl Judge<'_> {
         }
     }
 
-    /// The resamples of the bootstrap: drawn now, or before.
     fn resamples(&self) -> Result<Cow<'_, [Resample]>, Unread> {
         let Judgement { replicates, seed, .. } = *self.judgement;
         match self.resampling {
             Resampling::Given(resamples) => Ok(Cow::Borrowed(resamples)),
             Resampling::Drawn(_) if replicates == 0 => Ok(Cow::Borrowed(&[])),
             Resampling::Drawn(done) => {
-                let resampler = Resampler::new(self.pool, self.found, self.parts, seed)?;
+                let resampler = Resampler::new(self.pool, self.estimated, self.parts, seed)?;
                 Ok(Cow::Owned(resampler.first(replicates, done)?))
             }
         }
     }
 
-    /// Free simulation over every source.
-    ///
-    /// # Errors
-    /// Runs that cannot be read.
     pub(super) fn sources(&self, runs: &dyn AnyRuns) -> Result<Vec<SourceErrors>, Unread> {
-        let model = self.found.parameters(&self.pool.model);
+        let model = self.estimated.parameters(&self.pool.model);
         let mut sources = Vec::with_capacity(runs.sources());
-        runs.each_source(&mut |source, windows| {
-            sources.push(self.source(source, &windows, model.as_deref()))
-        })?;
+        runs.each_source(&mut |name, parts| sources.push(self.source(name, &parts, model.as_deref())))?;
         Ok(sources)
     }
 
@@ -257,75 +223,6 @@ impl Judge<'_> {
     }
 }
 
-/// Judges `fit`, the estimate of degree of freedom `d` by `used`.
-pub(super) fn judged(
-    pool: &Pool,
-    d: DegreeOfFreedom,
-    fit: &DegreeFit,
-    used: Estimator,
-    degree: &Degree,
-) -> DegreeTrust {
-    let covariance = degree.covariance.as_deref();
-    let model = &pool.vessel.model.degrees[d as usize];
-    let instrument_residual = degree.crossed.map(|c| InstrumentResidual {
-        instrument: model.terms[c.instrument].text.clone(),
-        lag: c.lag,
-        strongest: c.correlation,
-        p_value: c.p_value,
-    });
-    let finite = |x: f64| Some(x).filter(|x| x.is_finite());
-    DegreeTrust {
-        name: d.name().to_owned(),
-        status: match fit.status {
-            Status::Identified => EstimateStatus::Identified,
-            _ => EstimateStatus::NotIdentifiable,
-        },
-        reason: unidentified(d, model, &fit.status, &pool.constant),
-        estimator: used,
-        condition: finite(degree.diagnosis.condition),
-        condition_index: finite(degree.diagnosis.index),
-        weakest: weakest(d, model, &degree.diagnosis, &pool.constant),
-        parameters: parameters(pool, d, degree, fit.solution.as_ref()),
-        correlation: covariance.and_then(|c| {
-            let held = |i: usize| fit.solution.as_ref().is_some_and(|s| model.at_bound(i, s.theta[i]));
-            correlation(c, model.terms.len(), held)
-        }),
-        whiteness: degree.whiteness,
-        instrument_residual,
-        instrument_fit: degree.instrument_fit,
-    }
-}
-
-fn parameters(
-    pool: &Pool,
-    d: DegreeOfFreedom,
-    degree: &Degree,
-    solution: Option<&Solution>,
-) -> Vec<ParameterTrust> {
-    let whole = &pool.vessel.model;
-    let model = &whole.degrees[d as usize];
-    let p = model.terms.len();
-    let units = &whole.parameter_units()[whole.layout().degree(d as usize)];
-    let resampled = |i: usize| degree.bootstrap.as_ref().map(|b| b.parameters[i]);
-    let at_bound = |i: usize| solution.is_some_and(|s| model.at_bound(i, s.theta[i]));
-    let error = |i: usize| degree.covariance.as_ref().map(|c| c[i * p + i].max(0.0).sqrt());
-    let parameter = |i: usize| ParameterTrust {
-        name: model.parameters[i].clone(),
-        term: model.terms[i].text.clone(),
-        unit: units[i].clone(),
-        estimate: solution.map(|s| s.theta[i]),
-        standard_error: error(i).filter(|_| !at_bound(i)),
-        at_bound: at_bound(i),
-        bootstrap_std: resampled(i).map(|r| r.std),
-        bootstrap_low: resampled(i).map(|r| r.low),
-        bootstrap_high: resampled(i).map(|r| r.high),
-        variation: degree.diagnosis.variation[i],
-        instrument_strength: degree.strength.as_ref().map(|s| s[i]),
-    };
-    (0..p).map(parameter).collect()
-}
-
-/// The statistics of one degree of freedom, accumulated part by part.
 struct Account<'a> {
     d: usize,
     centring: Centring,
@@ -336,11 +233,11 @@ struct Account<'a> {
 }
 
 impl<'a> Account<'a> {
-    fn new(found: &'a Estimated, d: usize, bandwidth: usize) -> Self {
-        let (sums, solution) = (found.data(d), found.degrees[d].solution.as_ref());
+    fn new(estimated: &'a Estimated, d: usize, bandwidth: usize) -> Self {
+        let (sums, solution) = (estimated.data(d), estimated.degrees[d].solution.as_ref());
         let p = sums.total().degrees[d].parameters();
         // An estimate of a search has a covariance of its own.
-        let searches = found.searched.is_some() && found.used[d].searches();
+        let searches = estimated.searched.is_some() && estimated.used[d].searches();
         Self {
             d,
             centring: sums.centring(),
@@ -351,7 +248,6 @@ impl<'a> Account<'a> {
         }
     }
 
-    /// Adds part number `i`.
     fn add(&mut self, i: usize, part: &Regression) {
         let (d, degree, centring) = (self.d, &part.degrees[self.d], &self.centring);
         self.strength.add(i, degree, centring, d);
@@ -368,33 +264,67 @@ impl<'a> Account<'a> {
         }
     }
 
-    /// The result over all parts for the parameters at `places` of the model with intercepts.
-    fn closed(
-        self,
-        found: &Estimated,
-        places: Range<usize>,
-        instrument_fit: Option<f64>,
-        bootstrap: Option<Bootstrap>,
-    ) -> Degree {
-        let (d, centring) = (self.d, self.centring);
-        let searched = || found.searched.as_ref().map(|(searched, _)| searched.covariance_of(places));
-        let covariance = self.solution.and_then(|solution| match self.meat {
-            Some(meat) => Some(meat.covariance(&centring, solution, d)),
+    fn closed(self, judge: &Judge, bootstrap: Option<Bootstrap>) -> DegreeTrust {
+        let Judge { pool, estimated, parts, .. } = *judge;
+        let (d, solution, fit, used) =
+            (self.d, self.solution, &estimated.degrees[self.d], estimated.used[self.d]);
+        let (degree, model) = (DegreeOfFreedom::ALL[d], &pool.vessel.model.degrees[d]);
+        let searched = || {
+            let (searched, _) = estimated.searched.as_ref()?;
+            Some(searched.covariance_of(pool.model.layout().terms(d)))
+        };
+        let covariance = solution.and_then(|solution| match self.meat {
+            Some(meat) => Some(meat.covariance(&self.centring, solution, d)),
             None => searched(),
         });
-        Degree {
-            covariance,
-            whiteness: self.solution.map(|_| self.tests.whiteness()),
-            crossed: self.solution.and_then(|_| self.tests.strongest()),
-            strength: self.strength.partial(),
-            diagnosis: found.data(d).diagnose(d),
-            instrument_fit,
-            bootstrap,
+        // Errors of a search compare parts.
+        let covariance = covariance.filter(|_| parts.count() > 1 || !used.searches());
+        let crossed = solution.and_then(|_| self.tests.strongest());
+        let diagnosis = estimated.data(d).diagnose(d);
+        let (strength, p) = (self.strength.partial(), model.terms.len());
+        let units = &pool.vessel.model.parameter_units()[pool.vessel.model.layout().degree(d)];
+        let at_bound = |i: usize| solution.is_some_and(|s| model.at_bound(i, s.theta[i]));
+        let error = |i: usize| covariance.as_ref().map(|c| c[i * p + i].max(0.0).sqrt());
+        let resampled = |i: usize| bootstrap.as_ref().map(|b| b.parameters[i]);
+        let parameter = |i: usize| ParameterTrust {
+            name: model.parameters[i].clone(),
+            term: model.terms[i].text.clone(),
+            unit: units[i].clone(),
+            estimate: solution.map(|s| s.theta[i]),
+            standard_error: error(i).filter(|_| !at_bound(i)),
+            at_bound: at_bound(i),
+            bootstrap_std: resampled(i).map(|r| r.std),
+            bootstrap_low: resampled(i).map(|r| r.low),
+            bootstrap_high: resampled(i).map(|r| r.high),
+            variation: diagnosis.variation[i],
+            instrument_strength: strength.as_ref().map(|s| s[i]),
+        };
+        let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+        DegreeTrust {
+            name: degree.name().to_owned(),
+            status: match fit.status {
+                Status::Identified => EstimateStatus::Identified,
+                _ => EstimateStatus::NotIdentifiable,
+            },
+            reason: unidentified(degree, model, &fit.status, &pool.constant),
+            estimator: used,
+            condition: finite(diagnosis.condition),
+            condition_index: finite(diagnosis.index),
+            weakest: weakest(degree, model, &diagnosis, &pool.constant),
+            parameters: (0..p).map(parameter).collect(),
+            correlation: covariance.as_deref().and_then(|c| correlation(c, p, at_bound)),
+            whiteness: solution.map(|_| self.tests.whiteness()),
+            instrument_residual: crossed.map(|c| InstrumentResidual {
+                instrument: model.terms[c.instrument].text.clone(),
+                lag: c.lag,
+                strongest: c.correlation,
+                p_value: c.p_value,
+            }),
+            instrument_fit: None,
         }
     }
 }
 
-/// 0 with parameters that are `held` at a bound.
 fn correlation(covariance: &[f64], p: usize, held: impl Fn(usize) -> bool) -> Option<Vec<f64>> {
     let size = |i: usize| covariance[i * p + i].sqrt();
     let entry = |k: usize| match held(k / p) || held(k % p) {
@@ -403,4 +333,46 @@ fn correlation(covariance: &[f64], p: usize, held: impl Fn(usize) -> bool) -> Op
     };
     let entries: Vec<f64> = (0..p * p).map(entry).collect();
     entries.iter().all(|x| x.is_finite()).then_some(entries)
+}
+
+/// How well the instruments' u, v, r follow the measured ones, part by part.
+#[derive(Clone, Debug)]
+pub struct InstrumentFit {
+    squares: [f64; 3],
+    samples: f64,
+    deviations: StateDeviations,
+}
+
+impl InstrumentFit {
+    /// The fit over the parts of `estimated`.
+    pub fn new(estimated: &Estimated) -> Self {
+        Self::from_deviations(estimated.means().deviations())
+    }
+
+    /// The fit over parts with these `measured` states.
+    pub fn of<'a>(measured: impl Iterator<Item = &'a [f64]>) -> Self {
+        let mut means = StateMeans::default();
+        measured.for_each(|states| means.add(states));
+        Self::from_deviations(means.deviations())
+    }
+
+    fn from_deviations(deviations: StateDeviations) -> Self {
+        Self { squares: [0.0; 3], samples: 0.0, deviations }
+    }
+
+    /// Adds a part: the states that its instruments are formed with, and the measured ones.
+    pub fn add(&mut self, states: &[f64], measured: &[f64]) {
+        self.deviations.add(measured);
+        for (z, y) in states.chunks_exact(3).zip(measured.chunks_exact(3)).skip(1) {
+            (0..3).for_each(|d| self.squares[d] += (z[d] - y[d]) * (z[d] - y[d]));
+            self.samples += 1.0;
+        }
+    }
+
+    /// 100 (1 − RMSE/std) \[%\]; `None` if a state does not vary, and without instruments.
+    pub fn found(&self) -> Option<[f64; 3]> {
+        let std = self.deviations.std();
+        let fits = [0, 1, 2].map(|d: usize| 100.0 * (1.0 - (self.squares[d] / self.samples).sqrt() / std[d]));
+        fits.iter().all(|f| f.is_finite()).then_some(fits)
+    }
 }

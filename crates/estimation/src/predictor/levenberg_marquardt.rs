@@ -1,14 +1,12 @@
-use super::sums::Linear;
-use crate::sensitivity::Slopes;
 use numerics::{dot, times};
 
-/// Several least-squares problems that are linearised in one pass.
+use super::linear::Linear;
+use crate::sensitivity::Slopes;
+
 pub(crate) trait Residuals {
-    /// Why data cannot be read.
     type Error;
-    /// Linearises problems at the requested points, at most one per problem and all of them in the first call; not
-    /// finite if the prediction diverges. Finished problems are not requested again.
-    fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Self::Error>;
+    /// Linearises problems at the requested points, all in the first call; not finite if the prediction diverges.
+    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<Linear>, Self::Error>;
     /// Whether [`Self::slopes`] is implemented and much faster.
     fn has_slopes(&self) -> bool {
         false
@@ -18,7 +16,7 @@ pub(crate) trait Residuals {
         false
     }
     /// Squared errors and their gradients only, with the weights of each problem's errors.
-    fn slopes(&mut self, _asked: &[Asked]) -> Vec<Slopes> {
+    fn slopes(&mut self, _asked: &[Linearization]) -> Vec<Slopes> {
         Vec::new()
     }
     /// Bounds of the unknowns, infinite at open ends; empty without bounds.
@@ -27,14 +25,12 @@ pub(crate) trait Residuals {
     }
 }
 
-/// A requested point of a problem, by its index.
-pub(crate) struct Asked {
+pub(crate) struct Linearization {
     pub problem: usize,
     pub weighting: Weighting,
     pub point: Vec<f64>,
 }
 
-/// The weighting of the squared errors of u, v, r.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Weighting {
     /// Σ_d w_d Σ e_d².
@@ -71,7 +67,6 @@ impl Weighting {
     }
 }
 
-/// How a problem ended.
 #[derive(Clone, Debug)]
 pub(crate) struct Minimum {
     pub point: Vec<f64>,
@@ -80,23 +75,19 @@ pub(crate) struct Minimum {
     /// Whether only slopes indicate this minimum.
     pub unseen: bool,
     pub status: Ended,
-    /// Steps tried.
     pub steps: usize,
-    /// Unknowns at a bound beyond which the errors would be less; empty without bounds.
     pub held: Vec<usize>,
 }
 
 impl Minimum {
-    /// Takes the linearised problem at the point; returns whether that is a minimum.
     pub(crate) fn look(&mut self, linear: Linear, weighting: Weighting) -> bool {
         let looked = Progress::new(weighting, Vec::new(), std::mem::take(&mut self.point), linear);
-        let found = looked.ended == Some(Ended::Converged);
+        let is_minimum = looked.ended == Some(Ended::Converged);
         (self.point, self.linear, self.unseen) = (looked.point, looked.linear, false);
-        found
+        is_minimum
     }
 
-    /// The inverse of the normal matrix of the free unknowns, with zero rows and columns for held ones, or an unknown
-    /// that has no effect of its own.
+    /// The inverse normal matrix of the free unknowns, zero for held ones, or an unknown without effect of its own.
     pub(crate) fn inverse(&self, weights: [f64; 3]) -> Result<Vec<f64>, usize> {
         let (mut normal, mut gradient) = self.linear.weighted(weights);
         let p = gradient.len();
@@ -106,12 +97,11 @@ impl Minimum {
         Ok(inverse)
     }
 
-    /// The change of the unknowns, to first order, if `part` of the problem is left out: H⁻¹g, H of the rest and g of
-    /// the part; or an unknown that the rest does not determine.
+    /// The change of the unknowns if `part` is left out: H⁻¹g, H of the rest; or an unknown that the rest leaves open.
     pub(crate) fn without(&self, part: &Linear, weights: [f64; 3]) -> Result<Vec<f64>, usize> {
         let (whole, _) = self.linear.weighted(weights);
-        let (own, mut gradient) = part.weighted(weights);
-        let mut others: Vec<f64> = whole.iter().zip(own).map(|(whole, own)| whole - own).collect();
+        let (left_out, mut gradient) = part.weighted(weights);
+        let mut others: Vec<f64> = whole.iter().zip(left_out).map(|(whole, entry)| whole - entry).collect();
         hold(&self.held, &mut others, &mut gradient);
         Ok(times(&scaled_inverse(&others, gradient.len())?, &gradient))
     }
@@ -126,26 +116,20 @@ fn hold(held: &[usize], normal: &mut [f64], gradient: &mut [f64]) {
     }
 }
 
-/// `point` within `bounds`.
 fn clipped(mut point: Vec<f64>, bounds: &[[f64; 2]]) -> Vec<f64> {
     point.iter_mut().zip(bounds).for_each(|(x, [low, high])| *x = x.clamp(*low, *high));
     point
 }
 
-/// Why a problem ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Ended {
     /// The next step would change the prediction by less than [`ENOUGH`] standard errors.
     Converged,
-    /// The maximum number of steps was reached, or no step improves.
     Stalled,
-    /// The start's prediction diverges.
     Diverged,
-    /// This unknown does not change the prediction by itself.
     Singular(usize),
 }
 
-/// Maximum number of steps.
 pub(crate) const STEPS: usize = 40;
 /// Newton decrement √(gᵀH⁻¹g) in standard deviations of the errors, at which a point is a minimum.
 const ENOUGH: f64 = 1e-5;
@@ -158,12 +142,10 @@ const SINGULAR: f64 = 1e12;
 
 /// Below this decrement, steps use the learnt second derivatives.
 const NEAR: f64 = 3.0;
-/// Below this decrement, slopes alone decide on a step.
 const SLOPING: f64 = 10.0;
 /// The normal matrix is renewed if a step reduces the decrement to no less than this share.
 const SLOW: f64 = 0.9;
 
-/// A problem during the minimisation.
 #[derive(Clone, Debug)]
 struct Progress {
     weighting: Weighting,
@@ -177,9 +159,7 @@ struct Progress {
     inverse: Vec<f64>,
     /// At the point, as is the cost.
     gradient: Vec<f64>,
-    /// Whether `linear` is of the point, and not of one before it.
     exact: bool,
-    /// Whether to linearise at the point without a step.
     looks: bool,
     /// The second derivatives of the cost less the normal matrix; empty at first.
     second: Vec<f64>,
@@ -201,32 +181,34 @@ pub(crate) fn minimize<R: Residuals>(
     steps: usize,
 ) -> Result<Vec<Minimum>, R::Error> {
     let bounds = residuals.bounds();
-    let clip = |(problem, (start, weighting))| Asked { problem, weighting, point: clipped(start, &bounds) };
-    let starts: Vec<Asked> = starts.into_iter().zip(weighting).enumerate().map(clip).collect();
+    let clip =
+        |(problem, (start, weighting))| Linearization { problem, weighting, point: clipped(start, &bounds) };
+    let starts: Vec<Linearization> = starts.into_iter().zip(weighting).enumerate().map(clip).collect();
     let linears = residuals.linearize(&starts)?;
-    let new =
-        |(start, linear): (Asked, _)| Progress::new(start.weighting, bounds.clone(), start.point, linear);
+    let new = |(start, linear): (Linearization, _)| {
+        Progress::new(start.weighting, bounds.clone(), start.point, linear)
+    };
     let mut problems: Vec<Progress> = starts.into_iter().zip(linears).map(new).collect();
     let sloping = residuals.has_slopes();
-    let asked = |problems: &mut [Progress], near: bool| -> Vec<Asked> {
+    let asked = |problems: &mut [Progress], near: bool| -> Vec<Linearization> {
         let all = problems.iter_mut().enumerate();
-        let open = all.filter(|(_, own)| own.is_open(steps) && (sloping && own.is_near()) == near);
-        let ask = |(problem, own): (_, &mut Progress)| Asked {
+        let open = all.filter(|(_, it)| it.is_open(steps) && (sloping && it.is_near()) == near);
+        let ask = |(problem, progress): (_, &mut Progress)| Linearization {
             problem,
-            weighting: own.weighting,
-            point: own.trial(),
+            weighting: progress.weighting,
+            point: progress.trial(),
         };
         open.map(ask).collect()
     };
-    while problems.iter().any(|own| own.is_open(steps)) {
+    while problems.iter().any(|problem| problem.is_open(steps)) {
         loop {
             let trials = asked(&mut problems, false);
             if trials.is_empty() {
                 break;
             }
             let linears = residuals.linearize(&trials)?;
-            for (own, linear) in trials.into_iter().zip(linears) {
-                problems[own.problem].judge(own.point, linear);
+            for (trial, linear) in trials.into_iter().zip(linears) {
+                problems[trial.problem].judge(trial.point, linear);
             }
         }
         loop {
@@ -235,8 +217,8 @@ pub(crate) fn minimize<R: Residuals>(
                 break;
             }
             let slopes = residuals.slopes(&trials);
-            for (own, slopes) in trials.into_iter().zip(slopes) {
-                problems[own.problem].judge_slopes(own.point, slopes, residuals.is_verified_later());
+            for (trial, slopes) in trials.into_iter().zip(slopes) {
+                problems[trial.problem].judge_slopes(trial.point, slopes, residuals.is_verified_later());
             }
         }
     }
@@ -279,17 +261,14 @@ impl Progress {
         progress
     }
 
-    /// Whether the problem is unfinished, with at most `steps` steps.
     fn is_open(&self, steps: usize) -> bool {
         self.ended.is_none() && (self.looks || self.steps < steps)
     }
 
-    /// Whether slopes suffice at the next point.
     fn is_near(&self) -> bool {
         !self.looks && self.decrement <= SLOPING && self.held.is_empty()
     }
 
-    /// The point after a damped step.
     fn trial(&mut self) -> Vec<f64> {
         if self.looks {
             return self.point.clone();
@@ -319,12 +298,10 @@ impl Progress {
         self.weighting.variance(self.cost, self.linear.samples)
     }
 
-    /// Whether a step to this cost is accepted: it does not increase the cost, up to rounding.
     fn lessens(&self, cost: f64) -> bool {
         cost <= self.cost + 1e-12 * self.cost.abs()
     }
 
-    /// Accepts or rejects a step, or linearises again.
     fn judge(&mut self, trial: Vec<f64>, linear: Linear) {
         let cost = self.weighting.cost(linear.squares, linear.samples);
         if !(self.looks || linear.finite() && self.lessens(cost)) {
@@ -343,8 +320,7 @@ impl Progress {
         self.settle();
     }
 
-    /// Judges a step of which only slopes are known; linearises if it is the last one, unless the caller does so
-    /// `later`, improves little, or ends at a bound.
+    /// Judges a step by slopes; linearises at the last one, if not done `later`, at a bound, or if it gains little.
     fn judge_slopes(&mut self, trial: Vec<f64>, slopes: Slopes, later: bool) {
         let cost = self.weighting.cost(slopes.squares, self.linear.samples);
         if !self.lessens(cost) {
@@ -364,7 +340,6 @@ impl Progress {
         self.looks = is_last || self.decrement > SLOW * before || !is_free;
     }
 
-    /// Damps the next step more.
     fn damp(&mut self) {
         self.second.clear();
         self.damping *= 10.0;
@@ -400,7 +375,6 @@ impl Progress {
         }
     }
 
-    /// Unknowns at a bound beyond which the errors would decrease.
     fn pulled(&self) -> Vec<usize> {
         let pulled = |(i, [low, high]): (usize, &[f64; 2])| {
             let (x, pull) = (self.point[i], self.gradient[i]);
@@ -409,7 +383,6 @@ impl Progress {
         self.bounds.iter().enumerate().filter_map(pulled).collect()
     }
 
-    /// Checks whether the point is a minimum, or cannot be one.
     fn settle(&mut self) {
         let weights = self.weighting.weights(self.linear.squares, self.linear.samples);
         (self.normal, self.gradient) = self.linear.weighted(weights);
@@ -427,7 +400,6 @@ impl Progress {
         }
     }
 
-    /// Computes the decrement, and returns the previous one.
     fn measure(&mut self) -> f64 {
         let square = numerics::quadratic(&self.gradient, &self.inverse);
         let decrement = (square.max(0.0) / self.variance()).sqrt();
@@ -435,7 +407,6 @@ impl Progress {
     }
 }
 
-/// The solution of `matrix` x = `right`, if there is one.
 fn solved(mut matrix: Vec<f64>, right: &[f64]) -> Option<Vec<f64>> {
     let mut solution = right.to_vec();
     numerics::solve(right.len(), &mut matrix, &mut solution)?;

@@ -4,72 +4,14 @@ use std::convert::Infallible;
 
 use numerics::lanes::lane;
 use numerics::{LANES, Lane, congruence, times};
-use regression::{Direction, jackknife};
+use regression::jackknife;
 use ship::engine::{RunView, SideBySide};
-use ship::model::{Model, ParameterLayout};
+use ship::model::Model;
 
-use super::errors::{Errors, of_terms};
-use super::levenberg_marquardt::{Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize};
-use super::scores::disturbed_scores;
-use super::sums::{Linear, linearize_and_keep};
-use super::unknown::Unknown;
+use super::levenberg_marquardt::{Ended, Linearization, Minimum, Residuals, STEPS, Weighting, minimize};
+use super::linear::{Linear, Unknown, disturbed_scores, linearize_and_keep};
+use super::{EstimateErrors, FoundSpread, RunFit, Spread, fit};
 use crate::sensitivity::{NoiseModel, Recordings, Sensitivities, Slopes, groups, of_one_length, with_states};
-
-/// How standard errors are computed.
-#[derive(Clone, Copy)]
-pub enum Spread<'a> {
-    /// By leaving out each of ten blocks of samples: for any kind of errors, and approximate.
-    Blocks,
-    /// From stated disturbances, propagated through the model to first order.
-    Stated(&'a NoiseModel),
-    /// The same from disturbances found for a run, by its index, at its estimate.
-    Found(&'a (dyn Fn(usize, &[f64]) -> FoundSpread + Sync)),
-}
-
-/// Disturbances that were found for a run.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FoundSpread {
-    /// The plausible ones, of which the largest standard error is used; if empty, blocks are left out.
-    pub levels: Vec<NoiseModel>,
-    /// Factor on standard errors.
-    pub factor: f64,
-    /// Whether waves move the ship, so that there are no standard errors.
-    pub waves: bool,
-}
-
-/// The outcome for one run.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Fit {
-    /// An estimate.
-    Converged(Fitted),
-    /// No minimum after this many steps, or none at all from a start that diverges.
-    NotConverged(usize),
-    /// A direction of the parameters does not change the prediction.
-    NotIdentifiable(Direction),
-}
-
-/// An estimate of one run.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Fitted {
-    /// θ̂: surge, sway, yaw.
-    pub parameters: Vec<f64>,
-    /// Standard error of each.
-    pub standard_errors: Vec<f64>,
-    /// Their covariance, as many rows, row-major; none where the errors are the largest under several kinds of noise.
-    pub covariance: Option<Vec<f64>>,
-    /// One per degree of freedom; zero if the model has none.
-    pub intercepts: [f64; 3],
-    /// Estimated minus given initial state.
-    pub offset: [f64; 3],
-    /// The current \[m/s\] and its standard errors, if estimated.
-    pub current: Option<[[f64; 2]; 2]>,
-    /// Root mean square errors of the prediction in u, v \[m/s\], r \[rad/s\].
-    pub rmse: [f64; 3],
-    /// Steps of the search.
-    pub steps: usize,
-    /// Whether standard errors are approximate, since errors follow no known kind of noise.
-    pub approximate: bool,
-}
 
 /// Floor of the variances of output errors, as a share of the measured state's mean square, for data without noise.
 const EXACT: f64 = 1e-12;
@@ -87,30 +29,32 @@ pub fn output_error(
     starts: &[Vec<Vec<f64>>],
     unknown: impl Into<Unknown>,
     spread: Spread,
-) -> Vec<Fit> {
+) -> Vec<RunFit> {
     let unknown = unknown.into();
     let best = vec![None; runs.len()];
     let mut searches = Searches { model, runs, unknown, best, workspace: WORKSPACE.take(), exactly: false };
-    let from =
-        |weights| move |run: usize, i: usize| Some(Try { run, weights, point: starts[run].get(i)?.clone() });
-    let (likely, eased) = (from(Likelihood), from(Fixed));
+    let from = |weighting: fn(&RunView) -> Weighting| {
+        move |run: usize, i: usize| {
+            Some(Try { run, weighting: weighting(&runs[run]), point: starts[run].get(i)?.clone() })
+        }
+    };
+    let (likely, eased) = (from(likelihood), from(fixed));
     searches.attempt(BRIEF, |run, _| likely(run, 0));
-    searches.attempt(STEPS, |run, best| Some(Try { run, weights: Likelihood, point: best?.point.clone() }));
+    searches.attempt(STEPS, |run, best| Try::likely(runs, run, best?));
     // Few runs are left, so all remedies are tried in lanes at once: their other starts, and fixed weights at first,
     // for runs in which one state is predicted so much better than the others that its weight blocks the search.
     let attempts = starts.iter().map(Vec::len).max().unwrap_or(0);
     let others = searches.open().flat_map(|run| (1..attempts).filter_map(move |i| likely(run, i)));
     let easier = searches.open().flat_map(|run| (0..attempts).filter_map(move |i| eased(run, i)));
     let (others, easier): (Vec<Try>, Vec<Try>) = (others.collect(), easier.collect());
-    let mut found = searches.minima(others.iter().chain(&easier), STEPS);
-    let begun = found.split_off(others.len());
-    searches.keep(&others, found);
+    let mut minima = searches.minima(others.iter().chain(&easier), STEPS);
+    let begun = minima.split_off(others.len());
+    searches.keep(&others, minima);
     let open: Vec<usize> = searches.open().collect();
-    let begun = easier.iter().zip(begun).filter(|(own, _)| open.contains(&own.run));
-    let after: Vec<Try> =
-        begun.map(|(own, at)| Try { run: own.run, weights: Likelihood, point: at.point }).collect();
-    let found = searches.minima(after.iter(), STEPS);
-    searches.keep(&after, found);
+    let begun = easier.iter().zip(begun).filter(|(start, _)| open.contains(&start.run));
+    let after: Vec<Try> = begun.filter_map(|(from, at)| Try::likely(runs, from.run, &at)).collect();
+    let minima = searches.minima(after.iter(), STEPS);
+    searches.keep(&after, minima);
     let fits = searches.fits(spread);
     WORKSPACE.set(searches.workspace);
     fits
@@ -119,22 +63,18 @@ pub fn output_error(
 /// Runs per search: enough to fill the lanes to the end, few enough for the processor's caches.
 const TOGETHER: usize = 8 * LANES;
 
-/// The weights of errors, see [`Weighting`].
-#[derive(Clone, Copy)]
-enum Weights {
-    Likelihood,
-    Fixed,
-}
-use Weights::{Fixed, Likelihood};
-
-/// A start for a run.
 struct Try {
     run: usize,
-    weights: Weights,
+    weighting: Weighting,
     point: Vec<f64>,
 }
 
-/// Searches for the estimates of many runs, some of which end sooner than others.
+impl Try {
+    fn likely(runs: &[RunView], run: usize, at: &Minimum) -> Option<Self> {
+        Some(Self { run, weighting: likelihood(&runs[run]), point: at.point.clone() })
+    }
+}
+
 struct Searches<'a> {
     model: &'a Model,
     runs: &'a [RunView<'a>],
@@ -146,103 +86,100 @@ struct Searches<'a> {
 }
 
 impl Searches<'_> {
-    /// The runs without a minimum yet.
     fn open(&self) -> impl Iterator<Item = usize> + '_ {
         let is_open = |run: &usize| self.best[*run].as_ref().is_none_or(|b| b.status != Ended::Converged);
         (0..self.runs.len()).filter(is_open)
     }
 
-    /// Searches again for the runs without a minimum, from `start`, which is given the best result so far.
     fn attempt(&mut self, steps: usize, start: impl Fn(usize, Option<&Minimum>) -> Option<Try>) {
         let tries: Vec<Try> = self.open().filter_map(|run| start(run, self.best[run].as_ref())).collect();
-        let found = self.minima(tries.iter(), steps);
-        self.keep(&tries, found);
+        let minima = self.minima(tries.iter(), steps);
+        self.keep(&tries, minima);
     }
 
-    /// Keeps the better of the new and the previous result.
-    fn keep(&mut self, tries: &[Try], found: Vec<Minimum>) {
-        for (own, found) in tries.iter().zip(found) {
-            let best = &mut self.best[own.run];
+    fn keep(&mut self, tries: &[Try], minima: Vec<Minimum>) {
+        for (start, minimum) in tries.iter().zip(minima) {
+            let best = &mut self.best[start.run];
             *best = Some(match best.take() {
-                Some(before) => better(before, found),
-                None => found,
+                Some(before) => better(before, minimum),
+                None => minimum,
             });
         }
     }
 
-    /// The result of each of `tries`.
     fn minima<'t>(&mut self, tries: impl Iterator<Item = &'t Try>, steps: usize) -> Vec<Minimum> {
         let tries: Vec<&Try> = tries.collect();
-        let runs: Vec<RunView> = tries.iter().map(|own| self.runs[own.run]).collect();
-        let mut found = BTreeMap::new();
+        let runs: Vec<RunView> = tries.iter().map(|start| self.runs[start.run]).collect();
+        let mut by_try = BTreeMap::new();
         for together in of_one_length(&runs, 0..runs.len(), TOGETHER) {
             let workspace = std::mem::take(&mut self.workspace);
-            let mut search =
-                Search::new(self.model, together.iter().map(|i| runs[*i]), self.unknown, workspace);
-            search.exactly = self.exactly;
+            let mut search = LaneSearch {
+                model: self.model,
+                runs: together.iter().map(|i| runs[*i]).collect(),
+                free: self.unknown.free(self.model),
+                unknown: self.unknown,
+                all: 0,
+                some: 0,
+                workspace,
+                exactly: self.exactly,
+            };
             let from = |i: &usize| {
                 let mut point = tries[*i].point.clone();
                 point.resize(search.free.len(), 0.0);
                 point
             };
             let starts = together.iter().map(from).collect();
-            let weighting = together.iter().map(|i| weighting(&runs[*i], tries[*i].weights)).collect();
+            let weighting = together.iter().map(|i| tries[*i].weighting).collect();
             let Ok(minima) = minimize(&mut search, weighting, starts, steps);
             self.workspace = search.workspace;
-            found.extend(together.into_iter().zip(minima));
+            by_try.extend(together.into_iter().zip(minima));
         }
-        found.into_values().collect()
+        by_try.into_values().collect()
     }
 
-    /// The outcomes of the runs. Minima that only slopes indicate are verified here, in lanes; those that are not
-    /// minima are searched again.
-    fn fits(&mut self, spread: Spread) -> Vec<Fit> {
-        let mut fits = vec![Fit::NotConverged(0); self.runs.len()];
+    /// The outcomes of the runs. Minima that only slopes indicate are verified here, or searched again.
+    fn fits(&mut self, spread: Spread) -> Vec<RunFit> {
+        let mut fits = vec![RunFit::NotConverged(0); self.runs.len()];
         let searched = (0..self.runs.len()).filter(|run| self.best[*run].is_some()).collect();
         let missed = self.fit(searched, spread, &mut fits);
-        let from = |run: &usize| {
-            self.best[*run].as_ref().map(|best| Try {
-                run: *run,
-                weights: Likelihood,
-                point: best.point.clone(),
-            })
-        };
+        let from = |run: &usize| Try::likely(self.runs, *run, self.best[*run].as_ref()?);
         let tries: Vec<Try> = missed.iter().filter_map(from).collect();
         self.exactly = true;
-        for (own, mut found) in tries.iter().zip(self.minima(tries.iter(), STEPS)) {
-            found.steps += self.best[own.run].as_ref().map_or(0, |before| before.steps);
-            self.best[own.run] = Some(found);
+        for (start, mut minimum) in tries.iter().zip(self.minima(tries.iter(), STEPS)) {
+            minimum.steps += self.best[start.run].as_ref().map_or(0, |before| before.steps);
+            self.best[start.run] = Some(minimum);
         }
         self.fit(missed, spread, &mut fits);
         fits
     }
 
     /// Writes the outcomes of `searched` runs into `fits`; returns those that slopes wrongly indicated as minima.
-    fn fit(&mut self, searched: Vec<usize>, spread: Spread, fits: &mut [Fit]) -> Vec<usize> {
+    fn fit(&mut self, searched: Vec<usize>, spread: Spread, fits: &mut [RunFit]) -> Vec<usize> {
         let mut missed = Vec::new();
         let mut kept = std::mem::take(&mut self.workspace.kept);
         let spread = if self.unknown.current.is_some() { Spread::Blocks } else { spread };
         for (group, runs) in groups(self.runs, searched.into_iter()) {
             let recordings = Recordings::of(self.model, &runs);
             let free = self.unknown.free(self.model);
-            let mut found: Vec<Minimum> = group.iter().filter_map(|run| self.best[*run].take()).collect();
-            let points: Vec<&Vec<f64>> = found.iter().map(|minimum| &minimum.point).collect();
+            let mut minima: Vec<Minimum> = group.iter().filter_map(|run| self.best[*run].take()).collect();
+            let points: Vec<&Vec<f64>> = minima.iter().map(|minimum| &minimum.point).collect();
             let unknowns = side_by_side(&points, &free, recordings.unknowns());
             let problem = Simulations { recordings, unknowns, free, unknown: self.unknown };
-            let weighting: Vec<Weighting> =
-                group.iter().map(|run| weighting(&self.runs[*run], Likelihood)).collect();
-            if !found.iter().any(|minimum| minimum.unseen) {
+            let weighting: Vec<Weighting> = group.iter().map(|run| likelihood(&self.runs[*run])).collect();
+            if !minima.iter().any(|minimum| minimum.unseen) {
                 problem.follow(spread, &mut kept);
             } else {
-                let each = group.iter().zip(&mut found).zip(&weighting).zip(problem.look(spread, &mut kept));
-                for (((run, minimum), weighting), linear) in each.filter(|(((_, own), _), _)| own.unseen) {
+                let each = group.iter().zip(&mut minima).zip(&weighting).zip(problem.look(spread, &mut kept));
+                for (((run, minimum), weighting), linear) in
+                    each.filter(|(((_, minimum), _), _)| minimum.unseen)
+                {
                     if !minimum.look(linear, *weighting) {
                         missed.push(*run);
                     }
                 }
             }
-            let errors = problem.standard_errors(&group, &found, &weighting, spread, &kept);
-            for ((run, minimum), errors) in group.into_iter().zip(found).zip(errors) {
+            let errors = problem.standard_errors(&group, &minima, &weighting, spread, &kept);
+            for ((run, minimum), errors) in group.into_iter().zip(minima).zip(errors) {
                 fits[run] = fit(&problem.recordings, &minimum, errors, self.unknown);
                 self.best[run] = Some(minimum);
             }
@@ -252,22 +189,22 @@ impl Searches<'_> {
     }
 }
 
-/// Mean square of the measured u, v or r.
-fn mean_square(run: &RunView, d: usize) -> f64 {
-    let sum: f64 = run.measured.iter().skip(d).step_by(3).map(|y| y * y).sum();
-    sum / (run.samples() + 1) as f64
+/// Mean squares of the measured u, v, r, which errors are weighed by.
+fn mean_squares(run: &RunView) -> [f64; 3] {
+    [0, 1, 2].map(|d: usize| {
+        let sum: f64 = run.measured.iter().skip(d).step_by(3).map(|y| y * y).sum();
+        (sum / (run.samples() + 1) as f64).max(1e-12)
+    })
 }
 
-/// The weighting by the mean squares of the measured states of `run`.
-fn weighting(run: &RunView, weights: Weights) -> Weighting {
-    let sizes = [0, 1, 2].map(|d: usize| mean_square(run, d).max(1e-12));
-    match weights {
-        Likelihood => Weighting::Likelihood(sizes.map(|square| EXACT * square)),
-        Fixed => Weighting::Fixed(sizes.map(|square| square.recip())),
-    }
+fn likelihood(run: &RunView) -> Weighting {
+    Weighting::Likelihood(mean_squares(run).map(|square| EXACT * square))
 }
 
-/// The one that is a minimum; if neither is, the first that made progress.
+fn fixed(run: &RunView) -> Weighting {
+    Weighting::Fixed(mean_squares(run).map(f64::recip))
+}
+
 pub(super) fn better(a: Minimum, b: Minimum) -> Minimum {
     let rank = |m: &Minimum| match m.status {
         Ended::Converged => 3,
@@ -288,55 +225,8 @@ pub(super) fn side_by_side(points: &[impl AsRef<[f64]>], free: &[usize], all: us
     unknowns
 }
 
-pub(super) fn fit(
-    recordings: &Recordings,
-    minimum: &Minimum,
-    errors: Option<Errors>,
-    unknown: Unknown,
-) -> Fit {
-    let layout = recordings.model.layout();
-    let (point, all) = (&minimum.point, layout.parameters());
-    let free = unknown.free(recordings.model);
-    let entry =
-        |of: &[f64], i: usize| free.iter().position(|own| *own == all + i).map_or(0.0, |place| of[place]);
-    let place = |unknown: usize| {
-        let mut terms = (0..3).map(|d| (d, layout.terms(d)));
-        terms.find(|(_, terms)| terms.contains(&unknown)).map(|(d, terms)| (d, unknown - terms.start))
-    };
-    match (minimum.status, errors) {
-        (Ended::Singular(unknown), _) => place(unknown)
-            .map_or(Fit::NotConverged(minimum.steps), |(degree, parameter)| {
-                Fit::NotIdentifiable(Direction { degree, parameter })
-            }),
-        // Every parameter of a degree of freedom is at a bound: there is no estimate.
-        (Ended::Converged, Some(_)) if all_held(layout, minimum).is_some() => {
-            let degree = all_held(layout, minimum).unwrap_or_default();
-            Fit::NotIdentifiable(Direction { degree, parameter: 0 })
-        }
-        (Ended::Converged, Some(Errors { each: errors, covariance, approximate })) => {
-            Fit::Converged(Fitted {
-                parameters: layout.theta(&point[..all]),
-                standard_errors: layout.theta(&errors[..all]),
-                covariance: covariance.map(|covariance| of_terms(layout, &covariance)),
-                intercepts: layout.intercepts(point),
-                offset: [0, 1, 2].map(|d| entry(point, d)),
-                current: unknown.current.map(|_| [point, &errors].map(|of| [3, 4].map(|i| entry(of, i)))),
-                rmse: minimum.linear.squares.map(|s| (s / minimum.linear.samples).sqrt()),
-                steps: minimum.steps,
-                approximate,
-            })
-        }
-        _ => Fit::NotConverged(minimum.steps),
-    }
-}
-
-/// A degree of freedom whose parameters are all held at bounds.
-fn all_held(layout: ParameterLayout, minimum: &Minimum) -> Option<usize> {
-    (0..3).find(|d| layout.terms(*d).all(|i| minimum.held.contains(&i)))
-}
-
 /// Runs of one length in one search: [`LANES`] of them at once, and lanes of finished runs are reused.
-struct Search<'a> {
+struct LaneSearch<'a> {
     model: &'a Model,
     runs: Vec<RunView<'a>>,
     free: Vec<usize>,
@@ -348,51 +238,27 @@ struct Search<'a> {
     exactly: bool,
 }
 
-/// A workspace that is reused by searches, so that memory is allocated once.
 #[derive(Default)]
 struct Workspace {
     all: Vec<Packed>,
     some: Vec<Packed>,
-    /// The states of a simulation.
     path: Vec<[Lane; 3]>,
-    /// Sensitivities of the last verification of minima.
     kept: Sensitivities<Lane>,
 }
 
 thread_local! {
-    /// The workspace of the thread's last searches.
     static WORKSPACE: Cell<Workspace> = Cell::default();
 }
 
-/// Some runs by their indices, in lanes.
 #[derive(Default)]
 struct Packed {
     runs: Vec<usize>,
     data: SideBySide,
 }
 
-impl<'a> Search<'a> {
-    fn new(
-        model: &'a Model,
-        runs: impl Iterator<Item = RunView<'a>>,
-        unknown: Unknown,
-        workspace: Workspace,
-    ) -> Self {
-        Self {
-            model,
-            runs: runs.collect(),
-            free: unknown.free(model),
-            unknown,
-            all: 0,
-            some: 0,
-            workspace,
-            exactly: true,
-        }
-    }
-
-    /// Groups with the requested runs: all groups, or, if these would leave many lanes empty, groups of the last
-    /// requested runs only.
-    fn packed(&mut self, asked: &[Asked]) -> &[Packed] {
+impl LaneSearch<'_> {
+    /// All groups, or, if these would leave many lanes empty, groups of the last requested runs.
+    fn packed(&mut self, asked: &[Linearization]) -> &[Packed] {
         let wanted = asked.len().div_ceil(LANES);
         let enough = |packed: usize| 3 * wanted > 2 * packed;
         if self.all == 0 {
@@ -403,53 +269,52 @@ impl<'a> Search<'a> {
         }
         let there: BTreeSet<usize> =
             self.workspace.some[..self.some].iter().flat_map(|packed| packed.runs.iter().copied()).collect();
-        if !enough(self.some) || !asked.iter().all(|own| there.contains(&own.problem)) {
-            let wanted: Vec<usize> = asked.iter().map(|own| own.problem).collect();
+        if !enough(self.some) || !asked.iter().all(|request| there.contains(&request.problem)) {
+            let wanted: Vec<usize> = asked.iter().map(|request| request.problem).collect();
             self.some = pack(&self.runs, &wanted, &mut self.workspace.some);
         }
         &self.workspace.some[..self.some]
     }
 
-    /// The results of `look` for the requested runs, in their order; it is called with recordings in lanes, the
-    /// unknowns and the request of each lane.
+    /// The results of `look`, called with recordings in lanes, unknowns and requests, in the order of requests.
     fn each<T>(
         &mut self,
-        asked: &[Asked],
-        mut look: impl FnMut(&Recordings, &[Lane], &[&Asked]) -> Vec<T>,
+        asked: &[Linearization],
+        mut look: impl FnMut(&Recordings, &[Lane], &[&Linearization]) -> Vec<T>,
     ) -> Vec<T> {
         let (model, free) = (self.model, self.free.clone());
-        let by_run: BTreeMap<usize, &Asked> = asked.iter().map(|own| (own.problem, own)).collect();
-        let mut found = BTreeMap::new();
+        let by_run: BTreeMap<usize, &Linearization> = asked.iter().map(|r| (r.problem, r)).collect();
+        let mut results = BTreeMap::new();
         for Packed { runs, data } in self.packed(asked) {
             let Some(any) = runs.iter().find_map(|run| by_run.get(run)) else { continue };
             let recordings = Recordings::of(model, data);
             // Idle lanes repeat another lane's point.
-            let own: Vec<&Asked> = runs.iter().map(|run| *by_run.get(run).unwrap_or(any)).collect();
-            let points: Vec<&[f64]> = own.iter().map(|own| own.point.as_slice()).collect();
+            let requests: Vec<&Linearization> =
+                runs.iter().map(|run| *by_run.get(run).unwrap_or(any)).collect();
+            let points: Vec<&[f64]> = requests.iter().map(|request| request.point.as_slice()).collect();
             let unknowns = side_by_side(&points, &free, recordings.unknowns());
-            let looked = look(&recordings, &unknowns, &own);
-            found.extend(runs.iter().copied().zip(looked).filter(|(run, _)| by_run.contains_key(run)));
+            let looked = look(&recordings, &unknowns, &requests);
+            results.extend(runs.iter().copied().zip(looked).filter(|(run, _)| by_run.contains_key(run)));
         }
         // Requests are in ascending order of problems, as is the map.
-        found.into_values().collect()
+        results.into_values().collect()
     }
 }
 
-/// Packs the `wanted` ones of `runs` into the first groups of `workspace`; returns the number of groups.
 fn pack(runs: &[RunView], wanted: &[usize], workspace: &mut Vec<Packed>) -> usize {
     let count = wanted.len().div_ceil(LANES);
     workspace.resize_with(count.max(workspace.len()), Packed::default);
-    for (own, packed) in wanted.chunks(LANES).zip(workspace) {
-        packed.runs = own.to_vec();
-        packed.data.fill(&own.iter().map(|run| runs[*run]).collect::<Vec<_>>());
+    for (chunk, packed) in wanted.chunks(LANES).zip(workspace) {
+        packed.runs = chunk.to_vec();
+        packed.data.fill(&chunk.iter().map(|run| runs[*run]).collect::<Vec<_>>());
     }
     count
 }
 
-impl Residuals for Search<'_> {
+impl Residuals for LaneSearch<'_> {
     type Error = Infallible;
 
-    fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Infallible> {
+    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<Linear>, Infallible> {
         let (unknown, free) = (self.unknown, self.free.clone());
         Ok(self.each(asked, |recordings, unknowns, _| unknown.linearize(recordings, unknowns, &free)))
     }
@@ -462,19 +327,19 @@ impl Residuals for Search<'_> {
         !self.exactly
     }
 
-    fn slopes(&mut self, asked: &[Asked]) -> Vec<Slopes> {
+    fn slopes(&mut self, asked: &[Linearization]) -> Vec<Slopes> {
         let (unknown, free) = (self.unknown, self.free.clone());
         let mut path = std::mem::take(&mut self.workspace.path);
-        let found = self.each(asked, |recordings, unknowns, own| {
+        let slopes = self.each(asked, |recordings, unknowns, lanes| {
             let samples = recordings.samples[0] + usize::from(unknown.start_counts());
             let weights = |lane: usize, squares| {
-                let own = own.get(lane).or(own.first()).map(|own| own.weighting);
-                own.map_or([0.0; 3], |own| own.weights(squares, samples as f64))
+                let weighting = lanes.get(lane).or(lanes.first()).map(|request| request.weighting);
+                weighting.map_or([0.0; 3], |weighting| weighting.weights(squares, samples as f64))
             };
             unknown.slopes(recordings, unknowns, &free, weights, &mut path)
         });
         self.workspace.path = path;
-        found
+        slopes
     }
 
     fn bounds(&self) -> Vec<[f64; 2]> {
@@ -482,7 +347,6 @@ impl Residuals for Search<'_> {
     }
 }
 
-/// Free simulations of runs in lanes, at their minima.
 struct Simulations<'a> {
     recordings: Recordings<'a>,
     unknowns: Vec<Lane>,
@@ -500,7 +364,6 @@ impl Simulations<'_> {
         }
     }
 
-    /// Stores their sensitivities, with a stated spread.
     fn follow(&self, spread: Spread, kept: &mut Sensitivities<Lane>) {
         if !matches!(spread, Spread::Blocks) {
             kept.follow(&self.recordings, &self.unknowns, &self.free, self.unknown.start_counts());
@@ -511,14 +374,15 @@ impl Simulations<'_> {
     fn standard_errors(
         &self,
         group: &[usize],
-        found: &[Minimum],
+        minima: &[Minimum],
         weighting: &[Weighting],
         spread: Spread,
         kept: &Sensitivities<Lane>,
-    ) -> Vec<Option<Errors>> {
-        let own = found.iter().zip(weighting);
-        let weights: Vec<[f64; 3]> =
-            own.map(|(own, weighting)| weighting.weights(own.linear.squares, own.linear.samples)).collect();
+    ) -> Vec<Option<EstimateErrors>> {
+        let pairs = minima.iter().zip(weighting);
+        let weights: Vec<[f64; 3]> = pairs
+            .map(|(minimum, weighting)| weighting.weights(minimum.linear.squares, minimum.linear.samples))
+            .collect();
         let mut blocks = None;
         let mut of_blocks = |lane: usize, minimum: &Minimum| {
             let Self { recordings, unknowns, free, unknown } = self;
@@ -535,7 +399,7 @@ impl Simulations<'_> {
         let parameters = self.recordings.model.parameters();
         let mut meats = BTreeMap::new();
         let errors = |(lane, minimum): (usize, &Minimum)| match spread {
-            Spread::Blocks => of_blocks(lane, minimum).map(Errors::of),
+            Spread::Blocks => of_blocks(lane, minimum).map(EstimateErrors::of),
             Spread::Stated(levels) => {
                 let meat = meats.entry(0).or_insert_with(|| self.meats(&weights, levels, kept));
                 self.of_levels(minimum, weights[lane], meat, lane, levels)
@@ -544,30 +408,29 @@ impl Simulations<'_> {
                 let FoundSpread { levels, factor, waves } = of(group[lane], &minimum.point[..parameters]);
                 if waves {
                     let each = vec![f64::NAN; self.free.len()];
-                    return Some(Errors { each, covariance: None, approximate: true });
+                    return Some(EstimateErrors { each, covariance: None, approximate: true });
                 }
                 let of_one = |levels: &NoiseModel| {
                     let meat = self.meats(&weights, levels, kept);
                     self.of_levels(minimum, weights[lane], &meat, lane, levels)
                 };
-                let all: Option<Vec<Errors>> = levels.iter().map(of_one).collect();
-                match all?.into_iter().reduce(Errors::largest) {
+                let all: Option<Vec<EstimateErrors>> = levels.iter().map(of_one).collect();
+                match all?.into_iter().reduce(EstimateErrors::largest) {
                     Some(errors) => Some(errors.times(factor)),
-                    None => {
-                        of_blocks(lane, minimum).map(|own| Errors { approximate: true, ..Errors::of(own) })
-                    }
+                    None => of_blocks(lane, minimum)
+                        .map(|errors| EstimateErrors { approximate: true, ..EstimateErrors::of(errors) }),
                 }
             }
             Spread::Found(_) => None,
         };
-        found.iter().enumerate().map(errors).collect()
+        minima.iter().enumerate().map(errors).collect()
     }
 
     /// The contribution of `levels` to the covariance of the scores, by lane, see [`disturbed_scores`].
     fn meats(&self, weights: &[[f64; 3]], levels: &NoiseModel, kept: &Sensitivities<Lane>) -> Vec<Lane> {
         let weights = [0, 1, 2].map(|d: usize| lane(weights.len(), |run| weights[run][d]));
         let Self { recordings, unknowns, .. } = self;
-        with_states!(levels, disturbed_scores(recordings, unknowns, kept, weights, levels))
+        with_states!(levels.states(), disturbed_scores(recordings, unknowns, kept, weights, levels))
     }
 
     /// H⁻¹ B H⁻¹, H = Σ sᵀWs, B the covariance of the scores Σ sᵀWe: that of the measurements and the `meat`.
@@ -578,15 +441,15 @@ impl Simulations<'_> {
         meat: &[Lane],
         lane: usize,
         levels: &NoiseModel,
-    ) -> Option<Errors> {
+    ) -> Option<EstimateErrors> {
         let inverse = minimum.inverse(weights).ok()?;
         let mut meat: Vec<f64> = meat.iter().map(|m| m[lane]).collect();
         let noise = [0, 1, 2].map(|d: usize| (weights[d] * levels.measurement[d]).powi(2));
         let (measured, _) = minimum.linear.weighted(noise);
-        meat.iter_mut().zip(measured).for_each(|(all, own)| *all += own);
+        meat.iter_mut().zip(measured).for_each(|(all, entry)| *all += entry);
         let error = |row: &[f64]| numerics::quadratic(row, &meat).max(0.0).sqrt();
         let each: Vec<f64> = inverse.chunks_exact(self.free.len()).map(error).collect();
         let covariance = Some(congruence(self.free.len(), &inverse, &meat));
-        each.iter().all(|e| e.is_finite()).then_some(Errors { each, covariance, approximate: false })
+        each.iter().all(|e| e.is_finite()).then_some(EstimateErrors { each, covariance, approximate: false })
     }
 }

@@ -6,14 +6,12 @@ use regression::jackknife;
 use ship::engine::{RunView, SideBySide};
 use ship::model::Model;
 
-use super::errors::Errors;
 use super::levenberg_marquardt::{
-    Asked, Ended, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
+    Ended, Linearization, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
 };
-use super::output_error::{Fit, better, fit, side_by_side};
-use super::scores::blocks;
-use super::sums::{Linear, linearize};
-use super::unknown::InitialState;
+use super::linear::{InitialState, Linear, blocks, linearize};
+use super::output_error::{better, side_by_side};
+use super::{EstimateErrors, RunFit, fit};
 use crate::sensitivity::{Gain, NoiseModel, Recordings, filter, groups, with_states};
 
 /// Maximum number of computations of the filter's gains, the first at the start.
@@ -33,33 +31,27 @@ pub fn prediction_error(
     starts: &[Vec<Vec<f64>>],
     initial: InitialState,
     levels: &NoiseModel,
-) -> Vec<Fit> {
-    let mut fits = vec![Fit::NotConverged(0); runs.len()];
+) -> Vec<RunFit> {
+    let mut fits = vec![RunFit::NotConverged(0); runs.len()];
     for (group, runs) in groups(runs, 0..runs.len()) {
         let recordings = &Recordings::of(model, &runs);
         let attempts = group.iter().map(|run| starts[*run].len()).max().unwrap_or(0);
         let at =
             |run: usize, i: usize| starts[run].get(i).or(starts[run].last()).cloned().unwrap_or_default();
         let starts: Vec<_> = (0..attempts).map(|i| by_lane(group.len(), |run| at(group[run], i))).collect();
-        let found = with_states!(levels, rounds(recordings, &starts, initial, levels));
-        group.iter().zip(found).for_each(|(run, fit)| fits[*run] = fit);
+        let of_group = with_states!(levels.states(), rounds(recordings, &starts, initial, levels));
+        group.iter().zip(of_group).for_each(|(run, fit)| fits[*run] = fit);
     }
     fits
 }
 
-/// Innovations of the extended Kalman filter for `levels` at `unknowns` (see [`Recordings::unknowns`]), (N+1) × 3.
-pub fn innovations(
-    recordings: &Recordings,
-    unknowns: &[Lane],
-    levels: &NoiseModel,
-    initial: InitialState,
-) -> Vec<Lane> {
+/// Innovations of the extended Kalman filter for `levels` at these unknowns (see [`Recordings::unknowns`]), (N+1) × 3.
+pub fn innovations(runs: &Recordings, at: &[Lane], levels: &NoiseModel, initial: InitialState) -> Vec<Lane> {
     let known = initial == InitialState::Known;
-    with_states!(levels, filter(recordings, unknowns, levels, known).1)
+    with_states!(levels.states(), filter(runs, at, levels, known).1)
 }
 
-/// The covariance of the parameters `theta` of a run, intercepts among them, by leaving out each of ten blocks of samples of the
-/// predictions by a filter for `levels`: for any kind of errors, and approximate.
+/// The covariance of all parameters of a run by leaving out each of ten blocks of samples: for any kind of errors.
 pub(crate) fn errors_by_blocks(
     model: &Model,
     run: RunView,
@@ -71,19 +63,19 @@ pub(crate) fn errors_by_blocks(
     let recordings = &Recordings::of(model, &alike);
     let unknowns: Vec<Lane> = theta.iter().copied().chain([0.0; 3]).map(Lane::splat).collect();
     let known = initial == InitialState::Known;
-    let found = with_states!(levels, of_blocks(recordings, &unknowns, levels, known));
-    let own: Vec<&Linear> = found.iter().filter_map(|block| block.first()).collect();
-    let mut whole = (*own.first()?).clone();
-    own[1..].iter().for_each(|block| whole.add(block));
+    let all_blocks = with_states!(levels.states(), of_blocks(recordings, &unknowns, levels, known));
+    let blocks: Vec<&Linear> = all_blocks.iter().filter_map(|block| block.first()).collect();
+    let mut whole = (*blocks.first()?).clone();
+    blocks[1..].iter().for_each(|block| whole.add(block));
     let (whole, _) = whole.weighted([1.0; 3]);
     let without = |block: &Linear| {
-        let (own, gradient) = block.weighted([1.0; 3]);
-        let others: Vec<f64> = whole.iter().zip(own).map(|(whole, own)| whole - own).collect();
+        let (part, gradient) = block.weighted([1.0; 3]);
+        let others: Vec<f64> = whole.iter().zip(part).map(|(whole, entry)| whole - entry).collect();
         let inverse =
             scaled_inverse(&others, gradient.len()).or_else(|_| scaled_inverse(&whole, gradient.len()));
         Some(times(&inverse.ok()?, &gradient))
     };
-    jackknife(own.iter().copied(), without)
+    jackknife(blocks.iter().copied(), without)
 }
 
 fn of_blocks<const N: usize>(
@@ -107,15 +99,15 @@ struct Predictions<'a, const N: usize> {
 impl<const N: usize> Residuals for Predictions<'_, N> {
     type Error = Infallible;
 
-    fn linearize(&mut self, asked: &[Asked]) -> Result<Vec<Linear>, Infallible> {
+    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<Linear>, Infallible> {
         // A problem's gains are in its lane, so it cannot move to another. Lanes of finished problems repeat the
         // first's point.
-        let own = |lane: usize| asked.iter().find(|own| own.problem == lane).or(asked.first());
-        let points: Vec<&[f64]> = (0..LANES).filter_map(own).map(|own| own.point.as_slice()).collect();
+        let request_of = |lane: usize| asked.iter().find(|request| request.problem == lane).or(asked.first());
+        let points: Vec<&[f64]> = (0..LANES).filter_map(request_of).map(|r| r.point.as_slice()).collect();
         let unknowns = side_by_side(&points, &self.free, self.recordings.unknowns());
-        let found = linearize(self.recordings, &unknowns, &self.free, Some(self.levels), &self.gains, true);
-        let wanted = |lane: &usize| asked.iter().any(|own| own.problem == *lane);
-        Ok((0..LANES).zip(found).filter(|(lane, _)| wanted(lane)).map(|(_, own)| own).collect())
+        let linears = linearize(self.recordings, &unknowns, &self.free, Some(self.levels), &self.gains, true);
+        let wanted = |lane: &usize| asked.iter().any(|request| request.problem == *lane);
+        Ok((0..LANES).zip(linears).filter(|(lane, _)| wanted(lane)).map(|(_, linear)| linear).collect())
     }
 
     fn bounds(&self) -> Vec<[f64; 2]> {
@@ -128,25 +120,25 @@ fn rounds<const N: usize>(
     starts: &[[Vec<f64>; LANES]],
     initial: InitialState,
     levels: &NoiseModel,
-) -> Vec<Fit> {
+) -> Vec<RunFit> {
     let free: Vec<usize> = (0..recordings.unknowns() - 3).collect();
     let known = initial == InitialState::Known;
     let mut best: Vec<Minimum> = Vec::new();
     for starts in starts {
         if best.is_empty() || best.iter().any(|b| b.status != Ended::Converged) {
             let point = |lane: usize| match best.get(lane).filter(|b| b.status == Ended::Converged) {
-                Some(found) => found.point.clone(),
+                Some(converged) => converged.point.clone(),
                 None => starts[lane].clone(),
             };
-            let found = round::<N>(recordings, std::array::from_fn(point), &free, levels, known);
+            let minima = round::<N>(recordings, std::array::from_fn(point), &free, levels, known);
             best = match best.is_empty() {
-                true => found,
-                false => best.into_iter().zip(found).map(|(a, b)| better(a, b)).collect(),
+                true => minima,
+                false => best.into_iter().zip(minima).map(|(a, b)| better(a, b)).collect(),
             };
         }
     }
     if best.is_empty() {
-        return vec![Fit::NotConverged(0); LANES];
+        return vec![RunFit::NotConverged(0); LANES];
     }
     let mut likelihood = likelihoods::<N>(recordings, &best, levels, known);
     let mut open = [true; LANES];
@@ -170,8 +162,7 @@ fn rounds<const N: usize>(
             }
         }
     }
-    let fit =
-        |minimum: &Minimum| fit(recordings, minimum, errors(minimum, free.len()), InitialState::Known.into());
+    let fit = |m: &Minimum| fit(recordings, m, errors(m, free.len()), InitialState::Known.into());
     best.iter().map(fit).collect()
 }
 
@@ -218,15 +209,12 @@ fn likelihoods<const N: usize>(
 }
 
 /// From σ̂² H⁻¹, σ̂² being the whitened innovations' variance, near 1 if the levels are right.
-fn errors(minimum: &Minimum, p: usize) -> Option<Errors> {
+fn errors(minimum: &Minimum, p: usize) -> Option<EstimateErrors> {
     let mut inverse = minimum.inverse([1.0; 3]).ok()?;
     let freedom = (3.0 * minimum.linear.samples - p as f64).max(1.0);
     let variance = minimum.linear.squares.iter().sum::<f64>() / freedom;
     let each: Vec<f64> = (0..p).map(|i| (variance * inverse[i * p + i]).max(0.0).sqrt()).collect();
     inverse.iter_mut().for_each(|entry| *entry *= variance);
-    each.iter().all(|e| e.is_finite()).then_some(Errors {
-        each,
-        covariance: Some(inverse),
-        approximate: false,
-    })
+    let covariance = Some(inverse);
+    each.iter().all(|e| e.is_finite()).then_some(EstimateErrors { each, covariance, approximate: false })
 }

@@ -1,14 +1,14 @@
 //! Output error of single runs of a ship with forces.
 
-use crate::fitting::{MeasuredRun, PredictedErrors, Prior, SimulatedRun, Unfit, WhiteNoise};
 use rayon::prelude::*;
 use refusal::Invalid;
 use ship::engine::Run;
 use ship::model::{ForceModel, Vessel};
 
-use super::error::RunError;
-use super::estimators::RunEstimators;
-use crate::additional::AdditionalUnknowns;
+use super::RunEstimators;
+use super::outcome::RunError;
+use crate::estimator::AdditionalUnknowns;
+use crate::fitting::{MeasuredRun, PredictedErrors, Prior, SimulatedRun, Unfit, WhiteNoise};
 use crate::predictor::{Flow, InitialState, NoiseModel};
 use crate::{EstimateCovariance, EstimateStatus, Estimator, RunEstimate};
 
@@ -27,9 +27,6 @@ impl Estimator {
 }
 
 /// The noise that errors of a ship with forces are predicted from.
-///
-/// # Errors
-/// Noise that is not stated, not white, or 0 in a state.
 fn white(levels: Option<&NoiseModel>) -> Result<WhiteNoise, Invalid> {
     let refused = |found: &str, remedy: &str| {
         let expected =
@@ -63,11 +60,11 @@ impl RunEstimators<'_> {
         if self.vessel.model.forces.is_none() {
             return Ok(());
         }
-        self.estimators.iter().try_for_each(|own| own.check(self.vessel))?;
+        self.estimators.iter().try_for_each(|estimator| estimator.check(self.vessel))?;
         if self.initial != InitialState::Known {
-            let (found, expected) =
+            let (start, expected) =
                 ("measured ones", "simulated runs, whose start is known, of a ship with forces");
-            return Err(Invalid::new("runs", found, expected, "fit them by `estimate pool`"));
+            return Err(Invalid::new("runs", start, expected, "fit them by `estimate pool`"));
         }
         if self.additional != AdditionalUnknowns::default() {
             let expected = "the numbers of a ship with forces alone";
@@ -76,10 +73,6 @@ impl RunEstimators<'_> {
         white(self.levels.as_ref()).map(|_| ())
     }
 
-    /// Estimates of `runs` of a ship with forces, each with its covariance.
-    ///
-    /// # Errors
-    /// See [`Self::check_forces`].
     pub(super) fn by_forces(
         &self,
         moved: &ForceModel,
@@ -87,38 +80,46 @@ impl RunEstimators<'_> {
     ) -> Result<Vec<(RunEstimate, EstimateCovariance)>, RunError> {
         self.check_forces().map_err(RunError::Forces)?;
         let noise = white(self.levels.as_ref()).map_err(RunError::Forces)?;
-        let one = Single { vessel: self.vessel, moved, noise };
-        let found: Vec<Found> = runs.par_iter().map(|run| one.found(run)).collect();
-        let row = |(run, found): (&Run, &Found)| {
-            let own = self
-                .estimators
-                .iter()
-                .map(|estimator| (found.row(run, *estimator), found.covariance.clone()));
-            own.collect::<Vec<_>>()
+        let single = Single { vessel: self.vessel, moved, noise };
+        let estimates: Vec<_> = runs.par_iter().map(|run| single.estimate(run)).collect();
+        let rows = |(estimate, covariance): &(RunEstimate, EstimateCovariance)| {
+            let row = |estimator: &Estimator| RunEstimate { estimator: *estimator, ..estimate.clone() };
+            self.estimators.iter().map(|estimator| (row(estimator), covariance.clone())).collect::<Vec<_>>()
         };
-        Ok(runs.iter().zip(&found).flat_map(row).collect())
+        Ok(estimates.iter().flat_map(rows).collect())
     }
 }
 
-/// A ship, and the noise of a run of hers.
 struct Single<'a> {
     vessel: &'a Vessel,
     moved: &'a ForceModel,
     noise: WhiteNoise,
 }
 
-/// What became of a run.
-struct Found {
-    status: EstimateStatus,
-    estimate: Option<(Vec<f64>, Vec<f64>)>,
-    covariance: EstimateCovariance,
-    /// Condition index of the run's information about all numbers together.
-    condition: f64,
-    weakest: String,
-}
-
 impl Single<'_> {
-    fn found(&self, run: &Run) -> Found {
+    fn estimate(&self, run: &Run) -> (RunEstimate, EstimateCovariance) {
+        let (status, weakest, condition, estimate, covariance) = match self.search(run) {
+            Ok((theta, PredictedErrors { covariance, condition, weakest })) => {
+                let errors = (0..theta.len()).map(|i| covariance[i * (theta.len() + 1)].sqrt()).collect();
+                let weakest = self.moved.forces.parameters()[weakest].name.clone();
+                (EstimateStatus::Identified, weakest, condition, Some((theta, errors)), Some(covariance))
+            }
+            Err((status, weakest)) => (status, weakest, f64::INFINITY, None, None),
+        };
+        let row = RunEstimate {
+            design: run.design.clone(),
+            run: run.run,
+            estimator: Estimator::OutputError,
+            status,
+            estimate,
+            condition: [condition; 3],
+            weakest: [0, 1, 2].map(|_| weakest.clone()),
+        };
+        (row, covariance)
+    }
+
+    /// The most probable numbers and their errors; else why there are none, and the number that is to blame.
+    fn search(&self, run: &Run) -> Result<(Vec<f64>, PredictedErrors), (EstimateStatus, String)> {
         let Self { vessel, moved, noise } = self;
         let simulated = SimulatedRun {
             initial: run.initial,
@@ -126,77 +127,38 @@ impl Single<'_> {
             width: vessel.model.exogenous(),
             sample_s: moved.sample_s,
         };
-        let own = MeasuredRun { run: simulated, measured: &run.measured, noise: noise.measurement };
-        let found = own.most_probable(&moved.forces, &self.priors(), &vessel.nominal);
-        let theta = match found {
+        let measured = MeasuredRun { run: simulated, measured: &run.measured, noise: noise.measurement };
+        let theta = match measured.most_probable(&moved.forces, &self.priors(), &vessel.nominal) {
             Ok(theta) => theta,
-            Err(Unfit::Undetermined(name)) => return Found::none(EstimateStatus::NotIdentifiable, name),
-            Err(_) => return Found::none(EstimateStatus::NotConverged, self.first()),
+            Err(Unfit::Undetermined(name)) => return Err((EstimateStatus::NotIdentifiable, name)),
+            Err(_) => return Err((EstimateStatus::NotConverged, self.first())),
         };
         let information = simulated.information(&moved.forces, &theta, noise);
-        let free = self.free(&theta);
-        let errors = information.and_then(|own| own.errors(&self.known(), &free));
-        match errors {
-            Some(errors) => self.identified(theta, errors),
-            None => Found::none(EstimateStatus::NotIdentifiable, self.first()),
-        }
+        let errors = information.and_then(|sums| sums.errors(&self.known(), &self.free(&theta)));
+        Ok((theta, errors.ok_or_else(|| (EstimateStatus::NotIdentifiable, self.first()))?))
     }
 
-    fn identified(&self, theta: Vec<f64>, errors: PredictedErrors) -> Found {
-        let PredictedErrors { covariance, condition, weakest } = errors;
-        let n = theta.len();
-        let standard_errors = (0..n).map(|i| covariance[i * n + i].sqrt()).collect();
-        let weakest = self.moved.forces.parameters()[weakest].name.clone();
-        let estimate = Some((theta, standard_errors));
-        Found {
-            status: EstimateStatus::Identified,
-            estimate,
-            covariance: Some(covariance),
-            condition,
-            weakest,
-        }
-    }
-
-    /// Priors about the nominal numbers.
     fn priors(&self) -> Vec<Option<Prior>> {
-        let prior = |(own, mean): (Option<f64>, &f64)| own.map(|deviation| Prior { mean: *mean, deviation });
+        let prior = |(deviation, mean): (Option<f64>, &f64)| {
+            deviation.map(|deviation| Prior { mean: *mean, deviation })
+        };
         self.deviations().zip(&self.vessel.nominal).map(prior).collect()
     }
 
     fn deviations(&self) -> impl Iterator<Item = Option<f64>> {
-        self.moved.forces.parameters().iter().map(|own| own.prior)
+        self.moved.forces.parameters().iter().map(|parameter| parameter.prior)
     }
 
-    /// 1/σ² of each prior, 0 without one.
     fn known(&self) -> Vec<f64> {
-        self.deviations().map(|own| own.map_or(0.0, |deviation| deviation.powi(-2))).collect()
+        self.deviations().map(|prior| prior.map_or(0.0, |deviation| deviation.powi(-2))).collect()
     }
 
-    /// Which numbers are not at a bound.
     fn free(&self, theta: &[f64]) -> Vec<bool> {
         let parameters = self.moved.forces.parameters().iter();
-        theta.iter().zip(parameters).map(|(own, parameter)| !parameter.bounds.contains(own)).collect()
+        theta.iter().zip(parameters).map(|(value, parameter)| !parameter.bounds.contains(value)).collect()
     }
 
     fn first(&self) -> String {
-        self.moved.forces.parameters().first().map_or(String::new(), |own| own.name.clone())
-    }
-}
-
-impl Found {
-    fn none(status: EstimateStatus, weakest: String) -> Self {
-        Self { status, estimate: None, covariance: None, condition: f64::INFINITY, weakest }
-    }
-
-    fn row(&self, run: &Run, estimator: Estimator) -> RunEstimate {
-        RunEstimate {
-            design: run.design.clone(),
-            run: run.run,
-            estimator,
-            status: self.status,
-            estimate: self.estimate.clone(),
-            condition: [self.condition; 3],
-            weakest: [0, 1, 2].map(|_| self.weakest.clone()),
-        }
+        self.moved.forces.parameters().first().map_or(String::new(), |parameter| parameter.name.clone())
     }
 }

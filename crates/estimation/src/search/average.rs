@@ -1,16 +1,16 @@
-use crate::pooled::Delivered;
+use std::collections::BTreeMap;
+
+use numerics::statistics::{quantile, sorted};
 use rayon::prelude::*;
 use regression::pooled::Part;
 use ship::engine::Streams;
 use ship::model::Model;
 
-use crate::search::deliver::{delivered, without_intercepts};
-use crate::search::folds::folds;
-use crate::search::left_out::ships;
-use crate::search::nested::{Fitted, Nested, Study};
-use crate::search::problem::limit;
-use crate::search::recording::{Laid, Recording};
-use crate::search::scores::{scores_of_mean, together};
+use super::compact::{delivered, without_intercepts};
+use super::judged::ships;
+use super::nested::{Fitted, Nested, Study};
+use super::{Laid, Recording, folds, limit, scores_of_mean, together, varying};
+use crate::pooled::Delivered;
 
 /// How many models are averaged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,8 +51,7 @@ pub(crate) struct Averages {
 }
 
 impl Study<'_> {
-    /// Finds the `wanted` number of models, each structure on some of the recordings and fitted to all; again without
-    /// each fold. The ridge and the base structure's fit were found before. `None` if a model cannot be found.
+    /// Finds the `wanted` models, each structure on some recordings and fitted to all; again without each fold.
     pub fn averages(
         &self,
         nested: &Nested,
@@ -68,18 +67,18 @@ impl Study<'_> {
             (0..sets.len()).flat_map(|set| numbers.clone().map(move |number| (set, number))).collect();
         let find = |(set, number): (usize, u32)| {
             let (ridge, base) = given[set].as_ref()?;
-            let found = self.drawn(sets[set], (base, *ridge), wanted.seed, number);
+            let drawn = self.drawn(sets[set], (base, *ridge), wanted.seed, number);
             done(1);
-            found
+            drawn
         };
-        let mut found: Vec<Option<Drawn>> = jobs.into_par_iter().map(find).collect();
-        let without = found.split_off(wanted.models as usize);
-        let fitted = |own: &mut [Option<Drawn>]| {
-            own.iter_mut().map(|found| Some(found.take()?.0)).collect::<Option<Vec<_>>>()
+        let mut members: Vec<Option<Drawn>> = jobs.into_par_iter().map(find).collect();
+        let without = members.split_off(wanted.models as usize);
+        let fitted = |drawn: &mut [Option<Drawn>]| {
+            drawn.iter_mut().map(|member| Some(member.take()?.0)).collect::<Option<Vec<_>>>()
         };
         let mut without = without;
         let by_folds = without.chunks_mut(wanted.models as usize).map(fitted).collect();
-        Some(Averages { all: found.into_iter().collect::<Option<_>>()?, by_folds })
+        Some(Averages { all: members.into_iter().collect::<Option<_>>()?, by_folds })
     }
 
     /// Model `number`, whose structure is found on the recordings that it draws, and that is fitted to all but one fold.
@@ -96,12 +95,17 @@ impl Study<'_> {
         let count = self.all_folds().end.min(drawn.len());
         let dealt = folds(&drawn, count);
         let of = |fold: usize| {
-            drawn.iter().zip(&dealt).filter(|(_, own)| **own == fold).map(|(r, _)| *r).collect()
+            drawn
+                .iter()
+                .zip(&dealt)
+                .filter(|(_, of_recording)| **of_recording == fold)
+                .map(|(r, _)| *r)
+                .collect()
         };
         let within: Vec<Vec<&Recording>> = (0..count).map(of).collect();
         let places = self.compact(base, &within, ridge)?.places;
         let fitted = self.fitted(&places, base, &self.others(without), ridge)?;
-        Some((fitted, drawn.iter().map(|own| own.name.clone()).collect()))
+        Some((fitted, drawn.iter().map(|recording| recording.name.clone()).collect()))
     }
 }
 
@@ -111,22 +115,20 @@ impl Averages {
         let (fitted, found_on): (Vec<Fitted>, Vec<Vec<String>>) = self.all.into_iter().unzip();
         let all: Vec<&Recording> = recordings.iter().collect();
         let followed = scores_of_mean(&ships(&fitted), &all, Laid::SideBySide, limit(&all));
-        let member = |(found, found_on): (&Fitted, Vec<String>)| {
-            let model = without_intercepts(&found.model);
-            Member { delivered: delivered(&model, found, recordings, parts), model, found_on }
+        let member = |(fitted, found_on): (&Fitted, Vec<String>)| {
+            let model = without_intercepts(&fitted.model);
+            Member { delivered: delivered(&model, fitted, recordings, parts), model, found_on }
         };
         let members = fitted.iter().zip(found_on).map(member).collect();
         Averaged { members, output_rmse: together(followed.iter()).rmse() }
     }
 }
 
-/// The number of recordings that a structure is found on: seven tenths.
 pub(crate) fn share(recordings: usize) -> usize {
     (7 * recordings + 5) / 10
 }
 
-/// Seven tenths of `recordings`, with the same share of each kind as far as possible, in their order. Depends on the
-/// stream and the number alone.
+/// Seven tenths of `recordings`, of each kind alike, in their order. Depends on stream and number alone.
 pub fn draw_most<'a>(recordings: &[&'a Recording], streams: &Streams, number: u32) -> Vec<&'a Recording> {
     let all = recordings.len();
     let mut rest: Vec<usize> = (0..all).collect();
@@ -144,4 +146,126 @@ pub fn draw_most<'a>(recordings: &[&'a Recording], streams: &Streams, number: u3
         (0..all).filter(|place| before(place + 1) > before(*place)).map(|place| order[place]).collect();
     drawn.sort_unstable();
     drawn.into_iter().map(|i| recordings[i]).collect()
+}
+
+/// The bootstrap of a search: recordings are resampled and searched again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BootstrapOptions {
+    /// Number of resamples, at least two.
+    pub resamples: u32,
+    /// The seed of the draws.
+    pub seed: u64,
+}
+
+/// The result of searches over resampled recordings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Resampled {
+    /// Searches that found a model.
+    pub searches: u64,
+    /// Searches that found none.
+    pub failed: u64,
+    /// By name, the parameters that some of these models have.
+    pub parameters: BTreeMap<String, ResampledParameter>,
+}
+
+/// One parameter over these models, 0 in those without its term.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ResampledParameter {
+    /// Models that have its term.
+    pub chosen: u64,
+    /// 2.5 % of the values are below.
+    pub low: f64,
+    /// 2.5 % are above.
+    pub high: f64,
+}
+
+impl Study<'_> {
+    /// Searches for few terms over recordings drawn with replacement; `None` if fewer than two of these find a model.
+    pub fn resampled(&self, wanted: BootstrapOptions, done: &(dyn Fn(usize) + Sync)) -> Option<Resampled> {
+        let streams = Streams::new(wanted.seed, "bootstrap over recordings");
+        let one = |number: u32| {
+            let model = self.searched_again(&draw_again(self.recordings, &streams, number));
+            done(1);
+            model
+        };
+        let all: Vec<Option<Fitted>> = (0..wanted.resamples).into_par_iter().map(one).collect();
+        let failed = all.iter().filter(|fitted| fitted.is_none()).count() as u64;
+        let all: Vec<Fitted> = all.into_iter().flatten().collect();
+        (all.len() > 1).then(|| Resampled { parameters: summed_up(&all), searches: all.len() as u64, failed })
+    }
+
+    /// The model of few terms that a search over the recordings at `drawn` finds.
+    fn searched_again(&self, drawn: &[usize]) -> Option<Fitted> {
+        let recordings: Vec<Recording> = drawn.iter().map(|i| self.recordings[*i].clone()).collect();
+        let again = Study {
+            recordings: &recordings,
+            folds: &folds_of_drawn(self.recordings, drawn, self.all_folds().end),
+            std: varying(recordings.iter(), Laid::SideBySide),
+            overlapping_std: varying(recordings.iter(), Laid::Overlapping),
+            choosing_std: varying(recordings.iter(), Laid::Choosing),
+            ..*self
+        };
+        let choice = again.choice();
+        let ridge = choice.candidates[choice.best()?].ridge;
+        let (base, folds) = (again.base_of_all()?, again.others(None));
+        let places = again.compact(&base, &folds, ridge)?.places;
+        again.fitted(&places, &base, &folds, ridge)
+    }
+}
+
+/// The quantiles over `models` of every parameter that one of them has.
+fn summed_up(models: &[Fitted]) -> BTreeMap<String, ResampledParameter> {
+    let mut values: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for fitted in models {
+        let layout = fitted.model.layout();
+        let named = fitted.model.parameter_names().zip(&fitted.theta).zip(layout.are_intercepts());
+        for ((name, value), _) in named.filter(|(_, intercept)| !intercept) {
+            values.entry(name.to_owned()).or_default().push(*value);
+        }
+    }
+    let summary = |(name, values): (String, Vec<f64>)| {
+        let chosen = values.len() as u64;
+        let absent = std::iter::repeat_n(0.0, models.len() - values.len());
+        let all = sorted(values.into_iter().chain(absent).map(Some));
+        let at = |q: f64| quantile(&all, q).unwrap_or(0.0);
+        (name, ResampledParameter { chosen, low: at(0.025), high: at(0.975) })
+    };
+    values.into_iter().map(summary).collect()
+}
+
+/// Least number of distinct recordings of a resample: with fewer, no fold can be left out.
+const DISTINCT: usize = 3;
+/// Maximum number of draws for a resample with enough distinct recordings.
+const DRAWS: u32 = 1000;
+
+/// Indices drawn with replacement, as many of every kind. Depends on stream and number alone.
+pub fn draw_again(recordings: &[Recording], streams: &Streams, number: u32) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..recordings.len()).collect();
+    order.sort_by_key(|i| recordings[*i].kind());
+    let groups: Vec<&[usize]> =
+        order.chunk_by(|a, b| recordings[*a].kind() == recordings[*b].kind()).collect();
+    let mut drawn = Vec::new();
+    for attempt in 0..DRAWS {
+        drawn = Vec::with_capacity(recordings.len());
+        for (i, group) in groups.iter().enumerate() {
+            let channel = attempt * groups.len() as u32 + i as u32;
+            let choices = streams.choices(number, channel, group.len() as u32, group.len());
+            drawn.extend(choices.into_iter().map(|place| group[place as usize]));
+        }
+        drawn.sort_unstable();
+        if drawn.chunk_by(|a, b| a == b).count() >= DISTINCT.min(recordings.len()) {
+            break;
+        }
+    }
+    drawn
+}
+
+/// The folds of the recordings at `drawn`, in ascending order: one that was drawn several times is in one fold, since
+/// otherwise the models would be fitted to the recordings that are left out.
+pub fn folds_of_drawn(recordings: &[Recording], drawn: &[usize], count: usize) -> Vec<usize> {
+    let mut distinct = drawn.to_vec();
+    distinct.dedup();
+    let kept: Vec<&Recording> = distinct.iter().map(|i| &recordings[*i]).collect();
+    let dealt = folds(&kept, count.min(kept.len()));
+    drawn.iter().map(|i| dealt[distinct.partition_point(|drawn| drawn < i)]).collect()
 }

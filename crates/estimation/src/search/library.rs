@@ -1,11 +1,8 @@
 use refusal::Invalid;
-use ship::model::terms::add;
-use ship::model::{DegreeOfFreedom, Factor, Model, Term};
+use ship::model::terms::{add, listed};
+use ship::model::{Degree, DegreeOfFreedom, DerivedSpec, Factor, Formula, Model, Term};
 
-use crate::search::made::Made;
-use crate::search::pairs::with_pairs;
-use crate::search::roles::Roles;
-use crate::search::wind::with_wind;
+use super::roles::Roles;
 
 /// Terms of surge: even under reflection between port and starboard.
 const SURGE: &str = "u; u |u|; u^3; v r; v^2; r^2; |v|; |r|; u |v|; u |r|; u v^2; u r^2; u v r; |u| v r; |v| |r|; |v|^3; \
@@ -21,13 +18,7 @@ const SIDEWAYS: &str = "v; r; u v; u r; |u| v; |u| r; v |v|; r |r|; v |r|; |v| r
 
 /// The symbols in the lists above for channels by role.
 const SYMBOLS: [&str; 10] = ["u", "v", "r", "n", "na", "nr", "de", "even", "odd", "df"];
-const PROPELLER: usize = 3;
 const AHEAD: usize = 4;
-const ASTERN: usize = 5;
-const RUDDER: usize = 6;
-const EVEN: usize = 7;
-const ODD: usize = 8;
-const DIFFERENCE: usize = 9;
 
 /// Adds to `model` the channels that the library derives from pairs of thrusters and from the wind, and their roles
 /// to `roles`.
@@ -59,8 +50,7 @@ pub fn library(base: &Model, roles: &Roles) -> Model {
     model
 }
 
-/// The factors of a term of symbols in the vessel's channels; several if several channels have one role, none if no
-/// channel has it.
+/// The factors of a term of symbols in channels: several where channels share a role, none where it is free.
 fn meant(symbolic: &[Factor], roles: &Roles) -> Vec<Vec<Factor>> {
     let ahead = symbolic.iter().filter(|f| f.variable == AHEAD).count();
     let mut all = vec![Vec::new()];
@@ -77,31 +67,179 @@ fn meant(symbolic: &[Factor], roles: &Roles) -> Vec<Vec<Factor>> {
     let before = all[0].len();
     for factor in &rest {
         let channels = roles.playing(factor.variable);
-        let with = |own: &Vec<Factor>, variable: usize| {
+        let with = |taken: &Vec<Factor>, variable: usize| {
             // All factors of one symbol are one channel.
-            let other =
-                |(by, own): (&Factor, &Factor)| by.variable == factor.variable && own.variable != variable;
+            let other = |(by, taken): (&Factor, &Factor)| {
+                by.variable == factor.variable && taken.variable != variable
+            };
             let more = Factor { variable, modulus: factor.modulus };
-            let same = !rest.iter().zip(&own[before..]).any(other);
-            same.then(|| own.iter().copied().chain([more]).collect::<Vec<_>>())
+            let same = !rest.iter().zip(&taken[before..]).any(other);
+            same.then(|| taken.iter().copied().chain([more]).collect::<Vec<_>>())
         };
-        all = all.iter().flat_map(|own| channels.iter().filter_map(|v| with(own, *v))).collect();
+        all = all.iter().flat_map(|factors| channels.iter().filter_map(|v| with(factors, *v))).collect();
     }
     all
 }
 
 impl Roles {
-    /// The channels that a symbol stands for.
     fn playing(&self, symbol: usize) -> Vec<usize> {
-        match symbol {
-            PROPELLER => self.propellers.clone(),
-            AHEAD => self.ahead.clone(),
-            ASTERN => self.astern.clone(),
-            RUDDER => self.rudders.clone(),
-            EVEN => self.even.clone(),
-            ODD => self.odd.clone(),
-            DIFFERENCE => self.differences.clone(),
-            state => vec![state],
+        let (rudders, differences) = (&self.rudders, &self.differences);
+        let of_propellers = [&self.propellers, &self.ahead, &self.astern];
+        let others = [rudders, &self.even, &self.odd, differences];
+        let channels = symbol.checked_sub(3).and_then(|i| of_propellers.into_iter().chain(others).nth(i));
+        channels.map_or_else(|| vec![symbol], Clone::clone)
+    }
+}
+
+struct Made<'a> {
+    pub model: &'a Model,
+    specs: Vec<DerivedSpec>,
+}
+
+impl<'a> Made<'a> {
+    /// No derived channels yet.
+    pub fn new(model: &'a Model) -> Self {
+        Self { model, specs: Vec::new() }
+    }
+
+    /// The model with the derived channels.
+    ///
+    /// # Errors
+    /// A channel that cannot be computed.
+    pub fn finish(self) -> Result<Model, Invalid> {
+        self.model.with_derived(&self.specs)
+    }
+
+    /// The index of the channel that is computed by `formula`: the model's own, or a new one with this name.
+    pub fn channel(&mut self, mut name: String, unit: String, formula: String) -> usize {
+        let parsed = Formula::parse(&formula).ok();
+        if let Some(known) = self.model.derived.iter().find(|known| Some(&known.formula) == parsed.as_ref()) {
+            return known.variable;
+        }
+        while self.model.variables.iter().any(|taken| taken.name == name) {
+            name.push_str("_more");
+        }
+        self.specs.push(DerivedSpec { name, unit, formula });
+        self.model.variables.len() + self.specs.len() - 1
+    }
+
+    /// Whether the model computes `formula` up to a factor.
+    pub fn computes(&self, formula: &str) -> bool {
+        let parsed = Formula::parse(formula);
+        parsed
+            .is_ok_and(|wanted| self.model.derived.iter().any(|known| known.formula.is_multiple_of(&wanted)))
+    }
+}
+
+/// Adds the roles of the sums and differences of pairs of thrusters: of thrusts their sum and difference; of
+/// propeller speeds n the sum, and the sum and difference of n |n|, to which thrusts are proportional.
+fn with_pairs(made: &mut Made, mut roles: Roles) -> Roles {
+    for [port, starboard] in roles.pairs.clone() {
+        let [p, s] = [port, starboard].map(|variable| made.model.variables[variable].name.as_str());
+        let unit = made.model.variables[port].unit.as_str();
+        let named = |what: &str| format!("{p}_{what}_{s}");
+        let sum = made.channel(named("plus"), unit.to_owned(), format!("{p} + {s}"));
+        if unit.ends_with('N') {
+            let difference = made.channel(named("minus"), unit.to_owned(), format!("{p} - {s}"));
+            roles.thrusts.push(sum);
+            roles.differences.push(difference);
+        } else {
+            let square = format!("({unit})^2");
+            let [together, against] = [("pushes_with", "+"), ("pushes_against", "-")].map(|(what, sign)| {
+                made.channel(named(what), square.clone(), format!("{p} |{p}| {sign} {s} |{s}|"))
+            });
+            roles.propellers.push(sum);
+            roles.even.push(together);
+            roles.differences.push(against);
         }
     }
+    if roles.ahead.is_empty() && roles.astern.is_empty() {
+        roles.ahead.clone_from(&roles.propellers);
+    }
+    roles
+}
+
+/// Channels that the library derives from the relative wind's speed W and the angle γ that it comes from: name, the
+/// powers of cos γ and sin γ that multiply the square of W, and whether a reflection between port and starboard
+/// leaves it unchanged. They span all harmonics of γ up to the third: cos 2γ is 2 cos² γ − 1, and so on.
+const PRODUCTS: [(&str, i32, i32, bool); 7] = [
+    ("square", 0, 0, true),
+    ("cos", 1, 0, true),
+    ("sin", 0, 1, false),
+    ("cos_2", 2, 0, true),
+    ("cos_sin", 1, 1, false),
+    ("cos_3", 3, 0, true),
+    ("sin_3", 0, 3, false),
+];
+
+/// Adds the roles of channels derived from the wind, if there is one; those of the model are not derived again.
+fn with_wind(made: &mut Made, mut roles: Roles) -> Roles {
+    let (Some(wind), Some(from)) = (roles.wind, roles.wind_from) else { return roles };
+    let [wind, from] = [wind, from].map(|variable| &made.model.variables[variable]);
+    for (called, cosines, sines, even) in PRODUCTS {
+        let factor = |function: &str, power: i32| match power {
+            0 => String::new(),
+            1 => format!(" {function}({})", from.name),
+            _ => format!(" {function}({})^{power}", from.name),
+        };
+        let formula = format!("{}^2{}{}", wind.name, factor("cos", cosines), factor("sin", sines));
+        if made.computes(&formula) {
+            continue;
+        }
+        let (name, unit) = (format!("{}_{called}", wind.name), format!("({})^2", wind.unit));
+        let side = if even { &mut roles.even } else { &mut roles.odd };
+        side.push(made.channel(name, unit, formula));
+    }
+    roles
+}
+
+/// `model` with a core of terms in place of its own, or of its forces: resistance and drive in surge, `v` and `u r` in sway, `r` and
+/// what steers in yaw; with the channels and roles of [`with_channels`]. Propellers of the numbers `reversing` act apart ahead and
+/// astern. A model with terms whose channels do not say what steers keeps them.
+///
+/// # Errors
+/// A channel that cannot be computed.
+pub fn core(model: &Model, roles: &Roles, reversing: &[usize]) -> Result<(Model, Roles), Invalid> {
+    let (model, roles) = with_astern(model, roles.clone(), reversing)?;
+    let (model, roles) = with_channels(&model, &roles)?;
+    let steered = [&roles.rudders[..], &roles.differences].concat();
+    if model.forces.is_none() && steered.is_empty() {
+        return Ok((model, roles));
+    }
+    let name = |variable: &usize| model.variables[*variable].name.as_str();
+    let with = |first: &[&str], more: Vec<String>| {
+        first.iter().map(|&term| term.to_owned()).chain(more).collect::<Vec<_>>()
+    };
+    let speeds = roles.propellers.iter().map(|n| format!("{0} |{0}|", name(n)));
+    // Inputs of which nothing is known may drive.
+    let inputs = 3..3 + model.inputs;
+    let thrusts = roles.thrusts.iter().chain(roles.even.iter().filter(|channel| inputs.contains(channel)));
+    let thrusts = thrusts.map(|channel| name(channel).to_owned());
+    let rudders = roles.rudders.iter().map(|rudder| format!("u^2 {}", name(rudder)));
+    let differences = roles.differences.iter().map(|difference| name(difference).to_owned());
+    let surge = with(&["u", "u |u|"], speeds.chain(thrusts).collect());
+    let (sway, yaw) = (with(&["v", "u r"], Vec::new()), with(&["r"], rudders.chain(differences).collect()));
+    let degrees = [0, 1, 2].map(|_| Degree::default());
+    let bare = Model { degrees, constant: [0.0; 3], forces: None, ..model.clone() };
+    Ok((listed(&bare, [&surge, &sway, &yaw])?, roles))
+}
+
+/// The channels of propellers ahead and astern that are derived of those `reversing`, where none has these roles.
+fn with_astern(model: &Model, mut roles: Roles, reversing: &[usize]) -> Result<(Model, Roles), Invalid> {
+    let single: Vec<usize> = roles.propellers.iter().copied().filter(|p| reversing.contains(p)).collect();
+    let apart = roles.ahead.iter().any(|c| !roles.propellers.contains(c)) || !roles.astern.is_empty();
+    if single.is_empty() || apart {
+        return Ok((model.clone(), roles));
+    }
+    let mut made = Made::new(model);
+    roles.ahead.retain(|channel| !single.contains(channel));
+    for propeller in single {
+        let (name, unit) = (&model.variables[propeller].name, &model.variables[propeller].unit);
+        let mut of = |what: &str, part: &str| {
+            made.channel(format!("{name}_{what}"), unit.clone(), format!("{part}({name})"))
+        };
+        roles.ahead.push(of("ahead", "positive"));
+        roles.astern.push(of("reverse", "negative"));
+    }
+    Ok((made.finish()?, roles))
 }

@@ -1,19 +1,17 @@
 use std::collections::BTreeMap;
 
-use crate::pooled::Score;
+use numerics::{Watch, iterate};
 use rayon::prelude::*;
+use regression::{Equations, bounded};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::model::Model;
 
-use crate::search::minimum::{Ending, least_squares, minimum, minimum_from, started};
-use crate::search::problem::{Problem, limit};
-use crate::search::recording::{Laid, Recording};
-use crate::search::scores::{mean_fit, scores, standard_error, together};
+use super::problem::{Looked, LossSlopes, WindowProblem};
+use super::{Laid, Recording, limit, mean_fit, scores, standard_error, together};
+use crate::pooled::Score;
 
-/// For the fits of a path: the next ridge starts where they end.
 const ALONG: Ending = Ending { steps: 2, enough: 1e-3 };
-/// For the base structure.
 const BASE: Ending = Ending { steps: 20, enough: 1e-5 };
 /// No smaller ridge is tried after this many candidates worse than the best: with few recordings a large ridge may be
 /// better than its neighbours without being the best of all.
@@ -23,13 +21,13 @@ const WORSE: usize = 3;
 /// and on the KVLCC2 the fits with 0.05 and 0 were better than with 0.2, by 0.1 to 0.3.
 const TIE: f64 = 0.05;
 
-/// The models and recordings of a search.
+pub(crate) type Folds<'r> = [Vec<&'r Recording>];
+
 pub(crate) struct Study<'a> {
     /// Both with intercepts; the base's terms come first in each degree of freedom of the library.
     pub base: &'a Model,
     pub library: &'a Model,
     pub recordings: &'a [Recording],
-    /// By recording.
     pub folds: &'a [usize],
     pub ridges: &'a [f64],
     pub rate_hz: f64,
@@ -37,24 +35,19 @@ pub(crate) struct Study<'a> {
     pub std: [f64; 3],
     pub overlapping_std: [f64; 3],
     pub choosing_std: [f64; 3],
-    /// Whether whole runs are scored.
     pub whole_runs: bool,
 }
 
-/// For the resulting model.
 const DELIVERED: Ending = Ending { steps: 20, enough: 1e-6 };
 
-/// Fits without some folds, from the largest ridge on, each started from the one before, unless the base structure or
-/// least squares costs less.
+/// Fits without some folds, from the largest ridge on, each from the cheapest of the one before and two others.
 pub(crate) struct RidgePath<'a> {
-    problem: Problem<'a>,
+    problem: WindowProblem<'a>,
     pub limit: [f64; 3],
-    /// The base structure, fitted to the same recordings.
     pub base: Option<Vec<f64>>,
     /// Starts in scaled parameters of the library: that, the library's least squares, and zero.
     starts: Vec<Vec<f64>>,
     last: Option<Vec<f64>>,
-    /// By ridge; `None` if the fit failed.
     pub thetas: Vec<Option<Vec<f64>>>,
 }
 
@@ -72,7 +65,6 @@ pub struct Candidate {
     pub rejected: u64,
 }
 
-/// Candidates in the order in which they were tried, until the best is clear.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Choice {
     pub candidates: Vec<Candidate>,
@@ -89,7 +81,7 @@ impl Choice {
 
     fn highest(&self) -> Option<(usize, f64)> {
         let scores = self.candidates.iter().enumerate().filter_map(|(i, c)| Some((i, c.score?)));
-        scores.reduce(|best, own| if own.1 > best.1 { own } else { best })
+        scores.reduce(|best, candidate| if candidate.1 > best.1 { candidate } else { best })
     }
 
     fn add(&mut self, candidate: Candidate) {
@@ -98,14 +90,11 @@ impl Choice {
     }
 }
 
-/// A model.
 pub(crate) struct Fitted {
-    /// Its structure, with intercepts.
     pub model: Model,
     pub theta: Vec<f64>,
 }
 
-/// The choice by the whole algorithm, and its choices without each fold.
 pub(crate) struct Nested<'a> {
     pub all: Choice,
     pub without: Vec<Choice>,
@@ -120,7 +109,7 @@ impl<'a> Study<'a> {
 
     /// The recordings of `fold`.
     pub fn within(&self, fold: usize) -> Vec<&'a Recording> {
-        self.picked(|own| own == fold)
+        self.picked(|other| other == fold)
     }
 
     /// The folds except the one at `without`.
@@ -133,12 +122,11 @@ impl<'a> Study<'a> {
         self.recordings.iter().zip(self.folds).filter(|(_, fold)| keep(**fold)).map(|(r, _)| r).collect()
     }
 
-    /// The path without some folds, before its first ridge: fits the base structure by least squares, then by output
-    /// errors.
+    /// The path without some folds, before its first ridge: the base by least squares, then by output errors.
     pub fn path(&self, without: &[usize]) -> RidgePath<'a> {
         let recordings = self.picked(|fold| !without.contains(&fold));
         let base = started(self.base, &recordings, self.rate_hz, BASE);
-        let problem = Problem::new(self.library, &recordings, self.rate_hz);
+        let problem = WindowProblem::new(self.library, &recordings, self.rate_hz);
         let simple = least_squares(self.library, &recordings, self.rate_hz).map(|beta| problem.theta(&beta));
         let wide = base.as_ref().map(|base| widened(self.base, self.library, base));
         let problem = match &wide {
@@ -169,9 +157,9 @@ impl<'a> Study<'a> {
 
     /// Indices in the library of the base structure's parameters.
     pub fn base_places(&self) -> Vec<usize> {
-        let (own, all) = (self.base.layout(), self.library.layout());
+        let (base_layout, all) = (self.base.layout(), self.library.layout());
         let intercept = |d: usize| all.terms(d).end..all.degree(d).end;
-        let places = |d: usize| (all.degree(d).start..).take(own.terms(d).len()).chain(intercept(d));
+        let places = |d: usize| (all.degree(d).start..).take(base_layout.terms(d).len()).chain(intercept(d));
         (0..3).flat_map(places).collect()
     }
 
@@ -198,8 +186,7 @@ impl<'a> Study<'a> {
         choice
     }
 
-    /// Chooses the ridge by recordings that are left out; again without each fold, by the remaining folds. A fit
-    /// without two folds serves both.
+    /// Chooses the ridge by left-out recordings; again without each fold. A fit without two folds serves both.
     pub fn nested(&self, done: &(dyn Fn(usize) + Sync)) -> Nested<'a> {
         let count = self.all_folds().end;
         let sets: Vec<Vec<usize>> = (0..count)
@@ -240,7 +227,7 @@ impl<'a> Study<'a> {
             let mut set = [without, &[fold]].concat();
             set.sort_unstable();
             match self.followed(&paths[&set], fold) {
-                Some(own) => all.extend(own),
+                Some(followed) => all.extend(followed),
                 None => rejected += 1,
             }
         }
@@ -253,13 +240,12 @@ impl<'a> Study<'a> {
         }
     }
 
-    /// Scores the last fit of `path` on windows of the recordings of `fold`; `None` if it diverges over a window, or
-    /// over a run if whole runs are scored.
+    /// Scores the last fit on windows of the recordings of `fold`; `None` if it diverges over what is scored.
     fn followed(&self, path: &RidgePath, fold: usize) -> Option<Vec<Score>> {
         let (theta, recordings) = (path.last_theta()?, self.within(fold));
         let over = |laid| {
-            let own = scores(self.library, theta, &recordings, laid, path.limit);
-            Some(own).filter(|own| own.iter().all(|score| score.diverged == 0))
+            let followed = scores(self.library, theta, &recordings, laid, path.limit);
+            Some(followed).filter(|scores| scores.iter().all(|score| score.diverged == 0))
         };
         if self.whole_runs {
             over(Laid::SideBySide)?;
@@ -289,12 +275,138 @@ impl RidgePath<'_> {
 
 /// θ of `base` as θ of `library`, whose other terms are 0.
 pub(crate) fn widened(base: &Model, library: &Model, theta: &[f64]) -> Vec<f64> {
-    let (own, all) = (base.layout(), library.layout());
-    let (mut out, intercepts) = (vec![0.0; all.parameters()], own.intercepts(theta));
+    let (base_layout, all) = (base.layout(), library.layout());
+    let (mut out, intercepts) = (vec![0.0; all.parameters()], base_layout.intercepts(theta));
     for d in 0..3 {
-        let terms = &theta[own.terms(d)];
+        let terms = &theta[base_layout.terms(d)];
         out[all.terms(d)][..terms.len()].copy_from_slice(terms);
         out[all.terms(d).end..all.degree(d).end].fill(intercepts[d]);
     }
     out
+}
+
+/// Damping of the first step, and the largest one that is tried, as shares of the curvature.
+const DAMPING: [f64; 2] = [1e-6, 1e6];
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ending {
+    pub steps: usize,
+    pub enough: f64,
+}
+
+/// Minimises loss(β) + ridge |β|² within bounds by Levenberg and Marquardt's method; `None` from beyond limits.
+pub(crate) fn minimum(problem: &WindowProblem, start: Vec<f64>, ridge: f64, end: Ending) -> Option<Vec<f64>> {
+    let cost = |beta: &[f64], looked: &Looked| cost(beta, looked, ridge);
+    let mut beta = problem.within(start);
+    let mut looked = problem.look(&beta)?;
+    let mut damping = DAMPING[0];
+    iterate("Levenberg–Marquardt", end.steps, &Watch::default(), || {
+        let slopes = problem.slopes(&beta, &looked)?;
+        let before = cost(&beta, &looked);
+        let taken = loop {
+            let trial = stepped(problem, &beta, &slopes, [ridge, damping]);
+            let stepped = trial.and_then(|trial| problem.look(&trial).map(|looked| (trial, looked)));
+            match stepped.filter(|(trial, looked)| cost(trial, looked) <= before) {
+                Some(better) => break Some(better),
+                None if damping > DAMPING[1] => break None,
+                None => damping = (10.0 * damping).max(1e-3),
+            }
+        };
+        let (trial, at) = taken?;
+        let gained = before - cost(&trial, &at);
+        (beta, looked) = (trial, at);
+        damping = (0.1 * damping).max(DAMPING[0]);
+        let enough = gained <= end.enough * before;
+        (!enough).then_some(())
+    });
+    Some(beta)
+}
+
+fn cost(beta: &[f64], looked: &Looked, ridge: f64) -> f64 {
+    looked.loss + ridge * beta.iter().map(|b| b * b).sum::<f64>()
+}
+
+/// The minimum from the one of `starts` that costs least, so that a path recovers from a bad fit.
+fn minimum_from<'s>(
+    problem: &WindowProblem,
+    starts: impl Iterator<Item = &'s Vec<f64>>,
+    ridge: f64,
+    ending: Ending,
+) -> Option<Vec<f64>> {
+    let costs = starts.filter_map(|beta| Some((cost(beta, &problem.look(beta)?, ridge), beta)));
+    let (_, start) = costs.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    minimum(problem, start.clone(), ridge, ending)
+}
+
+/// β + (H + ridge I + damping diag H)⁻¹ (g − ridge β), or the minimum of the same quadratic within the bounds if that
+/// leaves them; terms without effect stay.
+fn stepped(
+    problem: &WindowProblem,
+    beta: &[f64],
+    slopes: &LossSlopes,
+    [ridge, damping]: [f64; 2],
+) -> Option<Vec<f64>> {
+    let p = beta.len();
+    let mut matrix = slopes.curvature.clone();
+    let mut step: Vec<f64> = (0..p).map(|i| slopes.descent[i] - ridge * beta[i]).collect();
+    for i in 0..p {
+        let pivot = &mut matrix[i * p + i];
+        *pivot = if *pivot > 0.0 { (1.0 + damping) * *pivot + ridge } else { 1.0 };
+    }
+    let bounds: BTreeMap<usize, [f64; 2]> = problem.bounded().collect();
+    let whole = (!bounds.is_empty()).then(|| (matrix.clone(), step.clone()));
+    numerics::solve(p, &mut matrix, &mut step)?;
+    if let Some((matrix, right)) = whole {
+        return limited(&matrix, &right, beta, &bounds, step);
+    }
+    let moved: Vec<f64> = beta.iter().zip(step).map(|(b, s)| b + s).collect();
+    moved.iter().all(|b| b.is_finite()).then_some(moved)
+}
+
+/// β and the step that solves its equations within `bounds` of β; `step` is the unbounded one.
+fn limited(
+    matrix: &[f64],
+    right: &[f64],
+    beta: &[f64],
+    bounds: &BTreeMap<usize, [f64; 2]>,
+    step: Vec<f64>,
+) -> Option<Vec<f64>> {
+    let p = beta.len();
+    let left: BTreeMap<usize, [f64; 2]> =
+        bounds.iter().map(|(i, ends)| (*i, ends.map(|end| end - beta[*i]))).collect();
+    let equations = Equations { a: matrix, b: right, bounds: &left };
+    let solve = |free: &[usize], mut right: Vec<f64>| {
+        let n = free.len();
+        let mut block: Vec<f64> = (0..n * n).map(|k| matrix[free[k / n] * p + free[k % n]]).collect();
+        let mut inverse = vec![0.0; n * n];
+        numerics::inverse(n, &mut block, &mut inverse).ok_or(0_usize)?;
+        right = numerics::times(&inverse, &right);
+        Ok((right, inverse))
+    };
+    let (step, _) = bounded(&equations, step, solve).ok()?;
+    let mut moved: Vec<f64> = beta.iter().zip(&step).map(|(b, s)| b + s).collect();
+    for (i, ends) in bounds {
+        // Exactly at a bound, without rounding.
+        let at = (0..2).find(|end| step[*i] == left[i][*end]);
+        moved[*i] = at.map_or(moved[*i].clamp(ends[0], ends[1]), |end| ends[end]);
+    }
+    moved.iter().all(|b| b.is_finite()).then_some(moved)
+}
+
+/// Weight of the penalty that keeps collinear terms of the base structure in place.
+const NEARLY_NONE: f64 = 1e-8;
+
+/// θ by output errors, nearly without a penalty, from least squares or, if that diverges, from zero.
+fn started(model: &Model, recordings: &[&Recording], rate_hz: f64, ending: Ending) -> Option<Vec<f64>> {
+    let none = vec![0.0; model.parameters()];
+    let least = least_squares(model, recordings, rate_hz)?;
+    let problem = WindowProblem::new(model, recordings, rate_hz);
+    let from = |start| minimum(&problem, start, NEARLY_NONE, ending);
+    from(least).or_else(|| from(none)).map(|beta| problem.theta(&beta))
+}
+
+fn least_squares(model: &Model, recordings: &[&Recording], rate_hz: f64) -> Option<Vec<f64>> {
+    let simple = WindowProblem::increments(model, recordings, rate_hz);
+    let none = vec![0.0; model.parameters()];
+    minimum(&simple, none, NEARLY_NONE, Ending { steps: 1, enough: 0.0 })
 }

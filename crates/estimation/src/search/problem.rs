@@ -1,20 +1,17 @@
-use crate::pooled::deviations;
-use crate::predictor::{Recordings, Step, free_sweep};
-use numerics::statistics::MeanTrajectory;
 use numerics::{LANES, Lane};
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 use regression::pooled::Part;
-use ship::engine::{Compiled, RunView, SideBySide, Weather, simulate};
+use ship::engine::{Compiled, RunView, SideBySide};
 use ship::model::Model;
 
-use crate::search::gram::Gram;
-use crate::search::recording::Recording;
+use super::{Recording, limit, squares};
+use crate::pooled::deviations;
+use crate::predictor::{Recordings, Step, free_sweep};
 
 /// If the RMS of a window's errors over the states' standard deviations exceeds this, they count linearly instead of
 /// squared: a single window may have a quarter of all squared errors.
 const USUAL: f64 = 0.2;
-/// A simulation has failed if it exceeds the largest measured state times this.
-const BEYOND: f64 = 5.0;
 /// Factor by which parameters of the base structure are penalised less than others; its square multiplies the ridge.
 const KNOWN: f64 = 0.03;
 /// Maximum number of chunks of windows for Jacobians: more than threads, and the same for any number of threads.
@@ -22,7 +19,7 @@ const CHUNKS: usize = 16;
 
 /// Output errors of free simulations over windows, as a function of scaled parameters β: θ = β · size.
 #[derive(Clone)]
-pub(crate) struct Problem<'a> {
+pub(crate) struct WindowProblem<'a> {
     pub model: &'a Model,
     /// Longest first, so that neighbours are about equally long.
     windows: Vec<RunView<'a>>,
@@ -32,28 +29,23 @@ pub(crate) struct Problem<'a> {
     pub sizes: Vec<f64>,
     /// Bounds of θ, infinite at open ends; empty without bounds.
     bounds: Vec<[f64; 2]>,
-    /// Number of errors.
     residuals: f64,
-    /// Interval in samples at which the curvature is summed.
     thin: usize,
 }
 
-/// A point after simulation.
 #[derive(Clone, Debug)]
 pub(crate) struct Looked {
-    /// Mean over all errors of the Huber loss of their window.
     pub loss: f64,
-    /// By window.
     weights: Vec<f64>,
 }
 
 /// Curvature and descent at a point, per error: H ≈ ∂²loss/∂β² / 2 and g = −∂loss/∂β / 2, of the free β.
-pub(crate) struct Slopes {
+pub(crate) struct LossSlopes {
     pub curvature: Vec<f64>,
     pub descent: Vec<f64>,
 }
 
-impl<'a> Problem<'a> {
+impl<'a> WindowProblem<'a> {
     pub fn new(model: &'a Model, recordings: &[&'a Recording], rate_hz: f64) -> Self {
         let mut windows: Vec<RunView> = recordings.iter().flat_map(|r| r.overlapping()).collect();
         windows.sort_by_key(|window| std::cmp::Reverse(window.samples()));
@@ -84,13 +76,12 @@ impl<'a> Problem<'a> {
 
     /// The same errors over some `recordings` alone.
     pub fn only(&self, recordings: &[&'a Recording]) -> Self {
-        let own = Self::new(self.model, recordings, 1.0);
-        Self { sizes: self.sizes.clone(), std: self.std, limit: self.limit, thin: self.thin, ..own }
+        let errors = Self::new(self.model, recordings, 1.0);
+        Self { sizes: self.sizes.clone(), std: self.std, limit: self.limit, thin: self.thin, ..errors }
     }
 
-    /// The same errors as a function of parameters scaled by their effect: at `theta` the curvature along each of
-    /// them alone is 1, so that a ridge Λ would shrink it by 1/(1 + Λ). For `known` ones it is larger, so that they
-    /// are hardly penalised. Unchanged if the simulation at `theta` fails.
+    /// The same errors by parameters scaled by their effect: at `theta` the curvature along each is 1, larger for
+    /// `known` ones, so that they are hardly penalised. Unchanged if the simulation fails.
     pub fn by_effect(mut self, theta: &[f64], known: &[bool]) -> Self {
         let beta = self.beta(theta);
         let Some(slopes) = self.look(&beta).and_then(|looked| self.slopes(&beta, &looked)) else {
@@ -98,9 +89,9 @@ impl<'a> Problem<'a> {
         };
         let p = self.sizes.len();
         for (i, size) in self.sizes.iter_mut().enumerate() {
-            let own = slopes.curvature[i * p + i].sqrt();
+            let effect = slopes.curvature[i * p + i].sqrt();
             let held = if known[i] { KNOWN } else { 1.0 };
-            *size = if own > 0.0 { *size / (own * held) } else { 0.0 };
+            *size = if effect > 0.0 { *size / (effect * held) } else { 0.0 };
         }
         self
     }
@@ -149,7 +140,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Which of β lie at a bound.
-    pub fn held(&self, beta: &[f64]) -> Vec<bool> {
+    pub fn at_bound(&self, beta: &[f64]) -> Vec<bool> {
         let mut held = vec![false; beta.len()];
         self.bounded().for_each(|(i, ends)| held[i] = ends.contains(&beta[i]));
         held
@@ -165,9 +156,9 @@ impl<'a> Problem<'a> {
         let theta: Vec<Lane> = self.theta(beta).into_iter().map(Lane::splat).collect();
         let groups: Vec<&[RunView]> = self.windows.chunks(LANES).collect();
         let errors = |group: &&[RunView]| squares(self.model, &theta, group, self.limit);
-        let found: Vec<Vec<Option<[f64; 3]>>> = groups.par_iter().map(errors).collect();
+        let all_squares: Vec<Vec<Option<[f64; 3]>>> = groups.par_iter().map(errors).collect();
         let (mut loss, mut weights) = (0.0, Vec::with_capacity(self.windows.len()));
-        for (group, squares) in groups.into_iter().zip(found) {
+        for (group, squares) in groups.into_iter().zip(all_squares) {
             for (window, squares) in group.iter().zip(squares) {
                 let squares = squares?;
                 let n = (3 * window.samples()) as f64;
@@ -184,7 +175,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Curvature and descent at the point `looked`.
-    pub fn slopes(&self, beta: &[f64], looked: &Looked) -> Option<Slopes> {
+    pub fn slopes(&self, beta: &[f64], looked: &Looked) -> Option<LossSlopes> {
         let p = beta.len();
         let theta: Vec<Lane> = self.theta(beta).into_iter().map(Lane::splat).collect();
         let groups: Vec<(&[RunView], &[f64])> =
@@ -192,9 +183,9 @@ impl<'a> Problem<'a> {
         let chunks: Vec<_> = groups.chunks(groups.len().div_ceil(CHUNKS).max(1)).collect();
         let parts: Vec<_> = chunks.par_iter().map(|groups| self.chunk_sums(&theta, groups)).collect();
         let (mut curvature, mut descent) = (vec![0.0; p * p], vec![0.0; p]);
-        for (own, slope) in parts {
-            curvature.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
-            descent.iter_mut().zip(slope).for_each(|(sum, own)| *sum += total(own));
+        for (products, slope) in parts {
+            curvature.iter_mut().zip(products).for_each(|(sum, entry)| *sum += entry);
+            descent.iter_mut().zip(slope).for_each(|(sum, entry)| *sum += total(entry));
         }
         for i in 0..p {
             let size = self.sizes[i] / self.residuals;
@@ -202,7 +193,7 @@ impl<'a> Problem<'a> {
             (0..p).for_each(|j| curvature[i * p + j] *= size * self.sizes[j]);
         }
         let finite = curvature.iter().chain(&descent).all(|x| x.is_finite());
-        finite.then_some(Slopes { curvature, descent })
+        finite.then_some(LossSlopes { curvature, descent })
     }
 
     /// Σ s sᵀ, at some samples, and Σ s e of `groups`, by θ.
@@ -254,67 +245,6 @@ fn total(lane: Lane) -> f64 {
     lane.0.iter().sum()
 }
 
-/// Squared errors of u, v, r of up to [`LANES`] windows; `None` for one that exceeds `limit`.
-pub(crate) fn squares(
-    model: &Model,
-    theta: &[Lane],
-    windows: &[RunView],
-    limit: [f64; 3],
-) -> Vec<Option<[f64; 3]>> {
-    let runs = SideBySide::of(windows);
-    errors(&states(model, theta, &runs), &runs, limit)
-}
-
-/// Squared errors of the mean trajectory of several models; `None` for a window in which one of them exceeds `limit`.
-pub(crate) fn squares_of_mean(
-    models: &[(&Model, Vec<Lane>)],
-    windows: &[RunView],
-    limit: [f64; 3],
-) -> Vec<Option<[f64; 3]>> {
-    let runs = SideBySide::of(windows);
-    let mut within = vec![true; windows.len()];
-    let mut mean = MeanTrajectory::default();
-    for (model, theta) in models {
-        let own = states(model, theta, &runs);
-        let found = errors(&own, &runs, limit);
-        within.iter_mut().zip(found).for_each(|(within, own)| *within &= own.is_some());
-        mean.add(&own);
-    }
-    let found = errors(mean.mean(), &runs, limit);
-    found.into_iter().zip(within).map(|(own, within)| own.filter(|_| within)).collect()
-}
-
-fn states(model: &Model, theta: &[Lane], runs: &SideBySide) -> Vec<Lane> {
-    let mut states = vec![Lane::ZERO; runs.measured.len()];
-    simulate(model, theta, runs.initial, &runs.exogenous, &Weather::CALM, &mut states);
-    states
-}
-
-fn errors(states: &[Lane], runs: &SideBySide, limit: [f64; 3]) -> Vec<Option<[f64; 3]>> {
-    let mut sums = vec![Some([0.0; 3]); runs.runs];
-    for (i, (state, measured)) in states.iter().zip(&runs.measured).enumerate().skip(3) {
-        let (k, d) = (i / 3, i % 3);
-        for (lane, sum) in sums.iter_mut().enumerate().filter(|(lane, _)| k <= runs.samples[*lane]) {
-            // NaN exceeds it too.
-            let within = state[lane].abs() <= limit[d];
-            *sum = sum.filter(|_| within).map(|mut sum: [f64; 3]| {
-                sum[d] += (measured[lane] - state[lane]).powi(2);
-                sum
-            });
-        }
-    }
-    sums
-}
-
-/// The limits of the states.
-pub(crate) fn limit(recordings: &[&Recording]) -> [f64; 3] {
-    let mut largest = [0.0_f64; 3];
-    for row in recordings.iter().flat_map(|r| &r.whole).flat_map(|p| p.measured.as_chunks::<3>().0) {
-        (0..3).for_each(|d| largest[d] = largest[d].max(row[d].abs()));
-    }
-    largest.map(|largest| BEYOND * largest)
-}
-
 /// rms(increment over 1 s) / rms(term), per parameter; 0 for a term that is always 0.
 fn sizes(model: &Model, recordings: &[&Recording], rate_hz: f64) -> Vec<f64> {
     let second = (rate_hz.round() as usize).max(1);
@@ -339,4 +269,112 @@ fn sizes(model: &Model, recordings: &[&Recording], rate_hz: f64) -> Vec<f64> {
         if square > 0.0 { gained[d] / (square / samples.max(1.0)).sqrt() } else { 0.0 }
     };
     squares.into_iter().zip(model.layout().degrees()).map(size).collect()
+}
+
+/// Rows that are multiplied at once: as many as fit the caches.
+const ROWS: usize = 48;
+/// Rows and columns of a tile, whose sums stay in registers.
+const TILE: usize = 4;
+
+/// Σ x xᵀ over rows of many signals. It is summed in tiles, so that each loaded number is used four times.
+struct Gram {
+    signals: usize,
+    rows: Vec<f64>,
+    filled: usize,
+    sums: Vec<f64>,
+}
+
+impl Gram {
+    pub fn new(signals: usize) -> Self {
+        let columns = signals.next_multiple_of(TILE);
+        let [rows, sums] = [columns * ROWS * LANES, columns * columns].map(|count| vec![0.0; count]);
+        Self { signals, rows, filled: 0, sums }
+    }
+
+    /// Signal `i` in this row.
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, value: Lane) {
+        let first = (i * ROWS + self.filled) * LANES;
+        self.rows[first..first + LANES].copy_from_slice(&value.0);
+    }
+
+    /// Moves to the next row, after every signal was set.
+    #[inline(always)]
+    pub fn advance(&mut self) {
+        self.filled += 1;
+        if self.filled == ROWS {
+            self.multiply();
+        }
+    }
+
+    #[inline(never)]
+    fn multiply(&mut self) {
+        self.filled = 0;
+        let columns = self.signals.next_multiple_of(TILE);
+        numerics::dispatch(Multiply { rows: &self.rows, columns, sums: &mut self.sums });
+    }
+
+    /// The sums over all rows and lanes: signals × signals.
+    pub fn finish(mut self) -> Vec<f64> {
+        for signal in self.rows.chunks_exact_mut(ROWS * LANES) {
+            signal[self.filled * LANES..].fill(0.0);
+        }
+        self.multiply();
+        let (n, columns) = (self.signals, self.signals.next_multiple_of(TILE));
+        let upper = |k: usize| (k / n).min(k % n) * columns + (k / n).max(k % n);
+        (0..n * n).map(|k| self.sums[upper(k)]).collect()
+    }
+}
+
+struct Multiply<'a> {
+    rows: &'a [f64],
+    columns: usize,
+    sums: &'a mut [f64],
+}
+
+impl WithSimd for Multiply<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let signal = |i: usize| S::as_simd_f64s(&self.rows[i * ROWS * LANES..(i + 1) * ROWS * LANES]).0;
+        for i in (0..self.columns).step_by(TILE) {
+            let signals = [signal(i), signal(i + 1), signal(i + 2), signal(i + 3)];
+            for j in (i..self.columns).step_by(TILE) {
+                let others = [signal(j), signal(j + 1), signal(j + 2), signal(j + 3)];
+                let tile = tile(simd, signals, others);
+                for (a, row) in tile.iter().enumerate() {
+                    for (b, sum) in row.iter().enumerate() {
+                        self.sums[(i + a) * self.columns + j + b] += sum;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Products of four signals with four. Every lane has its own sum, so that bits are the same everywhere.
+#[inline(always)]
+fn tile<S: Simd>(simd: S, signals: [&[S::f64s]; TILE], others: [&[S::f64s]; TILE]) -> [[f64; TILE]; TILE] {
+    let vectors = signals[0].len() / ROWS;
+    let mut tile = [[0.0; TILE]; TILE];
+    for vector in 0..vectors {
+        let mut sums = [[simd.splat_f64s(0.0); TILE]; TILE];
+        for row in 0..ROWS {
+            let at = row * vectors + vector;
+            let others = [others[0][at], others[1][at], others[2][at], others[3][at]];
+            for (sums, signal) in sums.iter_mut().zip(signals) {
+                for (sum, other) in sums.iter_mut().zip(others) {
+                    *sum = simd.add_f64s(*sum, simd.mul_f64s(signal[at], other));
+                }
+            }
+        }
+        for (out, sums) in tile.iter_mut().zip(&sums) {
+            for (out, sum) in out.iter_mut().zip(sums) {
+                let lanes: &[f64] = pulp::bytemuck::cast_slice(std::slice::from_ref(sum));
+                lanes.iter().for_each(|lane| *out += lane);
+            }
+        }
+    }
+    tile
 }

@@ -58,9 +58,7 @@ pub struct NamedRoles {
 /// The parts of names that distinguish channels of port and starboard.
 const SIDES: [[&str; 2]; 5] =
     [["port", "starboard"], ["port", "stbd"], ["left", "right"], ["_p", "_s"], ["_l", "_r"]];
-/// Units of propeller speeds.
 const SPEEDS: [&str; 5] = ["1/s", "rpm", "1/min", "rad/s", "Hz"];
-/// Units of thrusts.
 const FORCES: [&str; 2] = ["N", "kN"];
 
 impl Roles {
@@ -76,15 +74,15 @@ impl Roles {
         let names = || model.variables.iter().skip(3).map(|v| v.name.as_str());
         let place = |name: &String| {
             let unknown = || Invalid::unknown(format!("channel `{name}`"), name, names());
-            names().position(|own| own == name).map(|i| i + 3).ok_or_else(unknown)
+            names().position(|known| known == name).map(|i| i + 3).ok_or_else(unknown)
         };
         let all = |list: &[String]| list.iter().map(place).collect::<Result<Vec<_>, _>>();
         let one = |name: &Option<String>| name.as_ref().map(place).transpose();
         let (ports, starboards) = (all(&named.ports)?, all(&named.starboards)?);
         if ports.len() != starboards.len() {
-            let found = format!("{} of --port and {} of --starboard", ports.len(), starboards.len());
+            let counts = format!("{} of --port and {} of --starboard", ports.len(), starboards.len());
             let expected = "as many on either side";
-            return Err(Invalid::new("thrusters", found, expected, "name them in pairs, in the same order"));
+            return Err(Invalid::new("thrusters", counts, expected, "name them in pairs, in the same order"));
         }
         let mut roles = Self {
             rudders: all(&named.rudders)?,
@@ -122,23 +120,12 @@ impl Roles {
     }
 
     fn all(&self) -> Vec<usize> {
-        let lists = [
-            &self.rudders,
-            &self.propellers,
-            &self.ahead,
-            &self.astern,
-            &self.thrusts,
-            &self.even,
-            &self.odd,
-        ];
+        let inputs = [&self.rudders, &self.propellers, &self.ahead, &self.astern, &self.thrusts];
+        let lists = inputs.into_iter().chain([&self.even, &self.odd]);
         let single = [self.wind, self.wind_from].into_iter().flatten();
-        single
-            .chain(self.pairs.iter().flatten().copied())
-            .chain(lists.into_iter().flatten().copied())
-            .collect()
+        single.chain(self.pairs.iter().flatten().copied()).chain(lists.flatten().copied()).collect()
     }
 
-    /// Finds the pairs among thrusters that have no role yet.
     fn pair(&mut self, model: &Model) {
         let thruster =
             |i: &usize| [&SPEEDS[..], &FORCES].concat().contains(&model.variables[*i].unit.as_str());
@@ -146,7 +133,7 @@ impl Roles {
             (3..3 + model.inputs).filter(|i| thruster(i) && !self.all().contains(i)).collect();
         for (i, port) in free.iter().enumerate() {
             let other = |starboard: &usize| {
-                let taken = |variable: &usize| self.pairs.iter().flatten().any(|own| own == variable);
+                let taken = |variable: &usize| self.pairs.iter().flatten().any(|paired| paired == variable);
                 model.variables[*port].unit == model.variables[*starboard].unit
                     && !taken(port)
                     && !taken(starboard)
@@ -203,7 +190,6 @@ impl Roles {
     }
 }
 
-/// Two channels as port and starboard, if their names differ only in the side.
 fn sides(model: &Model, one: usize, other: usize) -> Option<[usize; 2]> {
     let [one_name, other_name] = [one, other].map(|i| model.variables[i].name.to_lowercase());
     let named = |port: &str, starboard: &str| {

@@ -1,17 +1,17 @@
 use numerics::Lane;
+use regression::Noise;
 use ship::engine::{Ambient, Compiled, Stepping};
 use ship::model::Model;
 
-use super::levels::{Flow, NoiseModel};
-use super::unknowns::Unknowns;
+use super::Unknowns;
 
 /// The state transition of the N states: u, v, r, then the current's two components (N = 5, 8), then three forces
 /// (N = 6, 8). With drifting sensors (N = 7) the first three states are the measured ones, including drift; the last
 /// three are the drift itself, and the one between them stays zero.
 #[derive(Clone, Debug)]
 pub(crate) struct Dynamics<'m, X: Stepping, const N: usize> {
-    model: Compiled<'m, X>,
-    motion: Motion<X, N>,
+    pub model: Compiled<'m, X>,
+    pub motion: Motion<X, N>,
 }
 
 /// The linear part of [`Dynamics`]: the transition of deviations of the states, and of the disturbances.
@@ -23,15 +23,13 @@ pub(crate) struct Motion<X, const N: usize> {
     drift: X,
 }
 
-/// The dynamics at one sample, for their derivative.
 #[derive(Clone, Copy)]
 pub(crate) struct Local<X> {
     pub slopes: [[X; 3]; 3],
     turn: Turn<X>,
 }
 
-/// A current over ground rotates relative to the vessel by the change of its heading: cosine and sine, and the
-/// derivatives of its components by r.
+/// A current over ground turns with the heading: cosine and sine, and the derivatives of its components by r.
 #[derive(Clone, Copy)]
 struct Turn<X> {
     cos: X,
@@ -52,30 +50,10 @@ const fn drift(n: usize) -> bool {
 }
 
 impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
-    /// Of `model` with `theta`, one number per parameter.
     pub(crate) fn new(model: &'m Model, theta: &[X], levels: Option<&NoiseModel<X>>) -> Self {
         Self { model: Compiled::new(model, theta), motion: Motion::new(levels) }
     }
 
-    /// Transposed products at the last point of [`Self::at`]: see [`Compiled::pull_back`].
-    #[inline(always)]
-    pub(crate) fn pull_back(&mut self, terms: &[X], slopes: &[[X; 3]; 3], out: &mut [X]) {
-        self.model.pull_back(terms, slopes, out);
-    }
-
-    /// The transition of deviations.
-    #[inline(always)]
-    pub(crate) fn motion(&self) -> &Motion<X, N> {
-        &self.motion
-    }
-
-    /// φ of parameter `i`.
-    #[inline(always)]
-    pub(crate) fn term(&self, i: usize) -> X {
-        self.model.term(i)
-    }
-
-    /// Evaluates the dynamics at the states `z`.
     #[inline(always)]
     pub(crate) fn at(&mut self, z: &[X; N], exogenous: &[X]) -> Local<X> {
         let water = if current(N) { Some([z[3], z[4]]) } else { None };
@@ -83,29 +61,15 @@ impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
         Local { slopes: self.model.slopes(), turn: self.motion.turn(z) }
     }
 
-    /// The next u, v, r, without derivatives.
     #[inline(always)]
     pub(crate) fn step(&mut self, state: [X; 3], exogenous: &[X]) -> [X; 3] {
         self.model.step(state, exogenous, Ambient::default())
     }
 
-    /// The next states, after [`Self::at`] of `z`.
     #[inline(always)]
     pub(crate) fn next(&self, z: &[X; N], local: &Local<X>) -> [X; N] {
         let forces = force(N).then(|| [z[N - 3], z[N - 2], z[N - 1]]);
         self.motion.next(z, self.model.next(vessel_state(z), forces), local)
-    }
-
-    /// A s, A being the derivative of the next states, for a column of s.
-    #[inline(always)]
-    pub(crate) fn forward(&self, local: &Local<X>, s: &[Lane; N]) -> [Lane; N] {
-        self.motion.forward(local, s)
-    }
-
-    /// Aᵀ λ for a column of λ.
-    #[inline(always)]
-    pub(crate) fn backward(&self, local: &Local<X>, adjoint: &[Lane; N]) -> [Lane; N] {
-        self.motion.backward(local, adjoint)
     }
 }
 
@@ -155,7 +119,6 @@ impl<X: Unknowns, const N: usize> Motion<X, N> {
         Turn { cos, sin, by_r: by_r.map(|by| self.turning * by) }
     }
 
-    /// The states after `z`, where `vessel` is u, v, r.
     #[inline(always)]
     pub(crate) fn next(&self, z: &[X; N], vessel: [X; 3], local: &Local<X>) -> [X; N] {
         let mut next = *z;
@@ -175,17 +138,17 @@ impl<X: Unknowns, const N: usize> Motion<X, N> {
         next
     }
 
-    /// See [`Dynamics::forward`].
+    /// A s, A being the derivative of the next states, for a column of s.
     #[inline(always)]
     pub(crate) fn forward(&self, local: &Local<X>, s: &[Lane; N]) -> [Lane; N] {
         let mut out = *s;
-        let mut own = [s[0], s[1], s[2]];
+        let mut vessel = [s[0], s[1], s[2]];
         if drift(N) {
-            (0..3).for_each(|d| own[d] = s[d] - s[N - 3 + d]);
+            (0..3).for_each(|d| vessel[d] = s[d] - s[N - 3 + d]);
         }
-        let (x, y) = if current(N) { (s[0] - s[3], s[1] - s[4]) } else { (own[0], own[1]) };
+        let (x, y) = if current(N) { (s[0] - s[3], s[1] - s[4]) } else { (vessel[0], vessel[1]) };
         for (d, slope) in local.slopes.iter().enumerate() {
-            let by_r = slope[2].lane().fused(own[2], own[d]);
+            let by_r = slope[2].lane().fused(vessel[2], vessel[d]);
             out[d] = slope[0].lane().fused(x, slope[1].lane().fused(y, by_r));
             if force(N) {
                 out[d] += s[N - 3 + d];
@@ -206,9 +169,9 @@ impl<X: Unknowns, const N: usize> Motion<X, N> {
         out
     }
 
-    /// See [`Dynamics::backward`].
+    /// Aᵀ λ for a column of λ.
     #[inline(always)]
-    fn backward(&self, local: &Local<X>, adjoint: &[Lane; N]) -> [Lane; N] {
+    pub(crate) fn backward(&self, local: &Local<X>, adjoint: &[Lane; N]) -> [Lane; N] {
         let mut out = *adjoint;
         let [surge, sway, yaw] = &local.slopes;
         let through = |i: usize, start: Lane| {
@@ -237,13 +200,11 @@ impl<X: Unknowns, const N: usize> Motion<X, N> {
 }
 
 impl<X: Unknowns> Turn<X> {
-    /// Components one sample later.
     #[inline(always)]
     fn of(&self, [along, across]: [X; 2]) -> [X; 2] {
         [self.cos * along + self.sin * across, self.cos * across - self.sin * along]
     }
 
-    /// The same for columns of sensitivities, to r too.
     #[inline(always)]
     fn forward(&self, [along, across]: [Lane; 2], r: Lane) -> [Lane; 2] {
         let [cos, sin, by_along, by_across] = self.lanes();
@@ -253,5 +214,163 @@ impl<X: Unknowns> Turn<X> {
     #[inline(always)]
     fn lanes(&self) -> [Lane; 4] {
         [self.cos, self.sin, self.by_r[0], self.by_r[1]].map(X::lane)
+    }
+}
+
+/// Correlation of neighbouring samples from which a current counts as constant.
+const LASTING: f64 = 1.0 - 1e-6;
+
+/// The known disturbances of a run; `X`: of runs in lanes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoiseModel<X = f64> {
+    /// Standard deviations of white noise in the measured u, v \[m/s\] and r \[rad/s\].
+    pub measurement: [X; 3],
+    /// The current.
+    pub current: Flow<X>,
+    /// Forces that no term describes, such as wind.
+    pub force: Option<ForceNoise<X>>,
+    /// Correlated errors of the sensors; not together with forces or a correlated current.
+    pub drift: Option<Drift<X>>,
+}
+
+/// A current's components, independent of each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Flow<X = f64> {
+    /// Still water.
+    Still,
+    /// New at every sample, in body axes.
+    White {
+        /// Standard deviation of each component \[m/s\].
+        std: X,
+    },
+    /// A Gauss–Markov process c(k+1) = factor · c(k) + white noise, stationary.
+    Markov {
+        /// Standard deviation of each component \[m/s\].
+        std: X,
+        /// Correlation of neighbouring samples; 1: constant over a run.
+        factor: X,
+        /// Sampling interval \[s\] if the process is in earth axes and turns with the heading, 0 in body axes.
+        turning: X,
+    },
+}
+
+/// Forces as Gauss–Markov processes in body axes. Constant ones are left to the intercepts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForceNoise<X = f64> {
+    /// Standard deviations of the increments of u, v \[m/s\] and r \[rad/s\] per sample.
+    pub std: [X; 3],
+    /// Correlation of neighbouring samples of each, below 1.
+    pub factor: [X; 3],
+}
+
+/// Errors of the sensors of u, v, r as Gauss–Markov processes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drift<X = f64> {
+    /// Standard deviations \[m/s, m/s, rad/s\].
+    pub std: [X; 3],
+    /// Correlation of neighbouring samples, of all three.
+    pub factor: X,
+}
+
+/// Calls a function that is generic over the number of states with this one, and takes a field of its result.
+macro_rules! with_states {
+    ($states:expr, $function:ident $arguments:tt $($field:tt)*) => {
+        match $states {
+            3 => $function::<3> $arguments $($field)*,
+            5 => $function::<5> $arguments $($field)*,
+            6 => $function::<6> $arguments $($field)*,
+            7 => $function::<7> $arguments $($field)*,
+            _ => $function::<8> $arguments $($field)*,
+        }
+    };
+}
+
+pub(crate) use with_states;
+
+impl NoiseModel {
+    /// The same as white noise; `None` with a force or a correlated current.
+    pub fn white(&self) -> Option<Noise> {
+        let current = match (self.current, self.force, self.drift) {
+            (Flow::Still, None, None) => 0.0,
+            (Flow::White { std }, None, None) => std,
+            _ => return None,
+        };
+        Some(Noise { measurement: self.measurement, current })
+    }
+
+    /// The filter's noise and current, in words; samples are `interval_s` \[s\] apart.
+    pub(crate) fn words(&self, interval_s: f64) -> String {
+        let [u, v, r] = self.measurement;
+        let current = match self.current {
+            Flow::Still => "still water".to_owned(),
+            Flow::White { std } => format!("a current of {std:.2e} m/s that is new at every sample"),
+            Flow::Markov { std, factor, .. } if factor < LASTING => {
+                format!(
+                    "a current of {std:.2e} m/s that changes over {:.3} s",
+                    -interval_s / libm::log(factor)
+                )
+            }
+            Flow::Markov { std, .. } => format!("a current of {std:.2e} m/s that stays"),
+        };
+        let over = |factor: f64| format!("{:.3} s", -interval_s / libm::log(factor));
+        let three = |std: [f64; 3]| format!("{:.2e}, {:.2e} m/s and {:.2e} rad/s", std[0], std[1], std[2]);
+        let force = self.gusts().map_or(String::new(), |force| {
+            let [a, b, c] = force.factor.map(over);
+            let times = if a == b && b == c { a } else { format!("{a}, {b} and {c}") };
+            format!(", forces that add {} in a sample and drift over {times}", three(force.std))
+        });
+        let drift = self.drift.map_or(String::new(), |drift| {
+            format!(", sensors that drift by {} over {}", three(drift.std), over(drift.factor))
+        });
+        format!(
+            "most likely disturbances: noise of {u:.2e}, {v:.2e} m/s and {r:.2e} rad/s, {current}{force}{drift}"
+        )
+    }
+
+    /// Number of states: 3, plus 2 for a correlated current, plus 3 for gusts; 7 for drifting sensors.
+    pub(crate) fn states(&self) -> usize {
+        if self.drift.is_some() {
+            return 7;
+        }
+        let current = if matches!(self.current, Flow::Markov { .. }) { 2 } else { 0 };
+        3 + current + if self.gusts().is_some() { 3 } else { 0 }
+    }
+
+    fn gusts(&self) -> Option<ForceNoise> {
+        self.force.filter(|force| force.factor.iter().all(|factor| *factor < 1.0))
+    }
+
+    /// The same in other numbers, without constant forces, which are left to the intercepts.
+    pub(crate) fn spread<X: From<f64>>(&self) -> NoiseModel<X> {
+        NoiseModel { force: self.gusts(), ..*self }.map(X::from)
+    }
+}
+
+impl<X: Copy> NoiseModel<X> {
+    pub(crate) fn map<Y>(self, of: impl Fn(X) -> Y) -> NoiseModel<Y> {
+        let current = match self.current {
+            Flow::Still => Flow::Still,
+            Flow::White { std } => Flow::White { std: of(std) },
+            Flow::Markov { std, factor, turning } => {
+                Flow::Markov { std: of(std), factor: of(factor), turning: of(turning) }
+            }
+        };
+        let force =
+            |force: ForceNoise<X>| ForceNoise { std: force.std.map(&of), factor: force.factor.map(&of) };
+        let drift = |drift: Drift<X>| Drift { std: drift.std.map(&of), factor: of(drift.factor) };
+        let (force, drift) = (self.force.map(force), self.drift.map(drift));
+        NoiseModel { measurement: self.measurement.map(&of), current, force, drift }
+    }
+
+    /// The Gauss–Markov processes among N [`NoiseModel::spread`] states: state, standard deviation, correlation.
+    #[inline(always)]
+    pub(crate) fn processes<const N: usize>(self) -> impl Iterator<Item = (usize, X, X)> {
+        let current = match self.current {
+            Flow::Markov { std, factor, .. } => Some([(3, std, factor), (4, std, factor)]),
+            _ => None,
+        };
+        let gusts = self.force.map(|g| [0, 1, 2].map(|d: usize| (N - 3 + d, g.std[d], g.factor[d])));
+        let drift = self.drift.map(|b| [0, 1, 2].map(|d: usize| (N - 3 + d, b.std[d], b.factor)));
+        current.into_iter().flatten().chain([gusts, drift].into_iter().flatten().flatten())
     }
 }

@@ -11,12 +11,10 @@ use numerics::{LANES, Lane, lanes};
 use regression::Noise;
 use ship::model::Model;
 
-use super::adjoint::{add_draws, backward};
-use super::levels::{Flow, NoiseModel};
+use super::dynamics::{Flow, NoiseModel};
 use super::products::Products;
-use super::recordings::Recordings;
-use super::sweep::{Sensitivities, Step, sweep};
-use super::unknowns::Unknowns;
+use super::sweep::{Sensitivities, Step, add_draws, backward, sweep};
+use super::{Recordings, Unknowns};
 
 /// Information of one run about the parameters with intercepts, per sample: n × n matrices, row-major, symmetric, in the order
 /// of [`ship::model::ParameterLayout`].
@@ -24,8 +22,7 @@ use super::unknowns::Unknowns;
 pub struct OutputInformation {
     /// F.
     pub information: Vec<f64>,
-    /// E: the contribution of measurement errors to the meat of the sandwich; F if every channel is weighted by its
-    /// variance.
+    /// E: the meat of measurement errors; F if every channel is weighted by its variance.
     pub measurement: Vec<f64>,
     /// P: the contribution of the current.
     pub process: Vec<f64>,
@@ -54,8 +51,7 @@ pub fn output_information(
         .mean(run.longest(), |entry| *entry)
 }
 
-/// A run to be simulated: with the parameters `theta` from its initial state by its exogenous signals, see
-/// [`output_information`].
+/// A run to be simulated with the parameters `theta`, see [`output_information`].
 #[derive(Clone, Copy, Debug)]
 pub struct Simulated<'a> {
     /// θ.
@@ -76,36 +72,32 @@ pub fn output_informations(
     let layout = model.layout();
     let width = model.exogenous().max(1);
     let samples: Vec<usize> = runs.iter().map(|run| run.exogenous.len() / width).collect();
-    let mut found = Vec::with_capacity(runs.len());
+    let mut means = Vec::with_capacity(runs.len());
     let mut path = Sensitivities::default();
     for group in lanes::groups(&samples) {
-        let (own, samples) = (&runs[group.clone()], samples[group.start]);
-        let parameters: Vec<Vec<f64>> = own.iter().map(|run| layout.woven(run.theta, [0.0; 3])).collect();
+        let (group_runs, samples) = (&runs[group.clone()], samples[group.start]);
+        let parameters: Vec<Vec<f64>> = group_runs.iter().map(|r| layout.woven(r.theta, [0.0; 3])).collect();
         let parameters = lanes::interleave(&parameters.iter().map(Vec::as_slice).collect::<Vec<_>>());
-        let rows: Vec<&[f64]> = own.iter().map(|run| run.exogenous).collect();
+        let rows: Vec<&[f64]> = group_runs.iter().map(|run| run.exogenous).collect();
         let exogenous = lanes::interleave(&rows);
-        let initial = [0, 1, 2].map(|d: usize| lanes::lane(own.len(), |run| own[run].initial[d]));
+        let initial =
+            [0, 1, 2].map(|d: usize| lanes::lane(group_runs.len(), |run| group_runs[run].initial[d]));
         let samples_of = [samples; LANES];
         let run =
             Recordings { model: &model, measured: &[], exogenous: &exogenous, initial, samples: samples_of };
         let sums = RunInformation::by(&run, &parameters, noise, path, |_| ());
-        found.extend((0..own.len()).map(|lane| sums.mean(samples, |entry| entry[lane])));
+        means.extend((0..group_runs.len()).map(|lane| sums.mean(samples, |entry| entry[lane])));
         path = sums.path;
     }
-    found
+    means
 }
 
 /// Mean over the samples of Sᵀ S, n × n, rows and columns of intercepts zero: the variance of a free run due to
 /// errors of the parameters, summed over the states, is tr(cov G). `None` if the simulation is not finite.
-pub fn prediction_weights(
-    model: &Model,
-    theta: &[f64],
-    initial: [f64; 3],
-    exogenous: &[f64],
-) -> Option<Vec<f64>> {
+pub fn prediction_weights(model: &Model, theta: &[f64], initial: [f64; 3], rows: &[f64]) -> Option<Vec<f64>> {
     let model = model.with_intercepts();
     let layout = model.layout();
-    let run = Recordings::simulated(&model, initial, exogenous);
+    let run = Recordings::simulated(&model, initial, rows);
     let mut path = Sensitivities::default();
     let [squares] = followed(&run, &layout.woven(theta, [0.0; 3]), [[1.0; 3]], &mut path);
     let (n, share) = (layout.parameters(), 1.0 / run.longest().max(1) as f64);
@@ -118,7 +110,6 @@ pub fn prediction_weights(
 /// The information of a run, or of many in lanes, about the parameters: sums over samples, n × n each.
 pub(crate) struct RunInformation<X = f64> {
     pub path: Sensitivities<X>,
-    /// F, E and P.
     pub information: Vec<X>,
     pub measurement: Vec<X>,
     pub process: Vec<X>,
@@ -145,8 +136,7 @@ impl<X: Unknowns> RunInformation<X> {
         finite.then_some(OutputInformation { information, measurement, process })
     }
 
-    /// The information of `run`, simulated with `parameters`; its path overwrites `path`. `keep` is called with the
-    /// columns of λ(k), for k from N to 1, if there is a current.
+    /// The information of `run`; its path overwrites `path`. `keep` is called with λ(k), k from N to 1, in a current.
     pub(crate) fn by(
         run: &Recordings<X>,
         parameters: &[X],
@@ -219,5 +209,5 @@ fn followed<X: Unknowns, const W: usize>(
             }
         },
     );
-    squares.map(|own| own.finish().square())
+    squares.map(|products| products.finish().square())
 }

@@ -1,21 +1,16 @@
 use numerics::Lane;
 
-use super::dynamics::{Dynamics, Local, Motion};
-use super::levels::{Flow, NoiseModel};
-use super::recordings::Recordings;
-use super::unknowns::Unknowns;
+use super::dynamics::{Dynamics, Flow, Local, Motion, NoiseModel};
+use super::{Recordings, Unknowns};
 
-/// The gain of an extended Kalman filter at a measurement.
 #[derive(Clone, Debug)]
 pub(crate) struct Gain<X, const N: usize> {
-    /// Gain of each state for each error: N × 3.
     rows: [[X; 3]; N],
     /// W with W Λ Wᵀ = 1 for the innovations' covariance Λ, lower triangle by rows.
     whitening: [X; 6],
 }
 
 impl<X: Unknowns, const N: usize> Gain<X, N> {
-    /// Corrects the states.
     #[inline(always)]
     pub(crate) fn correct(&self, z: &mut [X; N], error: &[X; 3]) {
         for (z, row) in z.iter_mut().zip(&self.rows) {
@@ -23,7 +18,6 @@ impl<X: Unknowns, const N: usize> Gain<X, N> {
         }
     }
 
-    /// Corrects a column of sensitivities.
     #[inline(always)]
     pub(crate) fn correct_column(&self, s: &mut [Lane; N]) {
         let (u, v, r) = (Lane::ZERO - s[0], Lane::ZERO - s[1], Lane::ZERO - s[2]);
@@ -47,6 +41,9 @@ impl<const N: usize> Gain<Lane, N> {
     }
 }
 
+/// The covariance of the states.
+type P<const N: usize> = [[Lane; N]; N];
+
 /// Variance of an unknown initial state over that of its measurement.
 const UNKNOWN: f64 = 1e6;
 
@@ -57,20 +54,10 @@ pub(crate) fn filter<const N: usize>(
     levels: &NoiseModel,
     known_start: bool,
 ) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
-    filter_each(recordings, unknowns, &levels.spread(), known_start)
+    filter_along(recordings, unknowns, &levels.spread(), known_start, |_| ())
 }
 
-/// The same with separate levels for every recording.
-pub(crate) fn filter_each<const N: usize>(
-    recordings: &Recordings,
-    unknowns: &[Lane],
-    levels: &NoiseModel<Lane>,
-    known_start: bool,
-) -> (Vec<Gain<Lane, N>>, Vec<Lane>) {
-    filter_along(recordings, unknowns, levels, known_start, |_| ())
-}
-
-/// The same; `each` is called with the states at every sample, corrected by the measurement there.
+/// The same with separate levels for every recording; `each` is called with the states at every sample, corrected by the measurement there.
 pub(crate) fn filter_along<const N: usize>(
     recordings: &Recordings,
     unknowns: &[Lane],
@@ -113,14 +100,13 @@ fn filtered<const N: usize>(
         }
         let local = dynamics.at(&z, recordings.exogenous(k));
         z = dynamics.next(&z, &local);
-        p = moved(dynamics.motion(), &local, &p);
+        p = moved(&dynamics.motion, &local, &p);
         add_noise(&mut p, &local, levels);
     }
     (gains, innovations)
 }
 
-/// The covariance before the first measurement.
-pub(crate) fn start<const N: usize>(levels: &NoiseModel<Lane>, known: bool) -> [[Lane; N]; N] {
+pub(crate) fn start<const N: usize>(levels: &NoiseModel<Lane>, known: bool) -> P<N> {
     let mut p = [[Lane::ZERO; N]; N];
     if !known {
         for (d, std) in levels.measurement.into_iter().enumerate() {
@@ -133,7 +119,7 @@ pub(crate) fn start<const N: usize>(levels: &NoiseModel<Lane>, known: bool) -> [
 
 /// K = P Hᵀ Λ⁻¹ by the Cholesky factor of Λ = H P Hᵀ + R.
 #[inline(always)]
-pub(crate) fn gain<const N: usize>(p: &[[Lane; N]; N], noise: &[Lane; 3]) -> Gain<Lane, N> {
+pub(crate) fn gain<const N: usize>(p: &P<N>, noise: &[Lane; 3]) -> Gain<Lane, N> {
     let l00 = (p[0][0] + noise[0]).sqrt().recip();
     let l10 = p[1][0] * l00;
     let l20 = p[2][0] * l00;
@@ -159,7 +145,7 @@ pub(crate) fn gain<const N: usize>(p: &[[Lane; N]; N], noise: &[Lane; 3]) -> Gai
 /// P − K H P, symmetric.
 #[inline(always)]
 #[allow(clippy::needless_range_loop)] // Both triangles at once.
-pub(crate) fn shrink<const N: usize>(p: &mut [[Lane; N]; N], gain: &Gain<Lane, N>) {
+pub(crate) fn shrink<const N: usize>(p: &mut P<N>, gain: &Gain<Lane, N>) {
     let known = [p[0], p[1], p[2]];
     for i in 0..N {
         for j in 0..=i {
@@ -173,11 +159,7 @@ pub(crate) fn shrink<const N: usize>(p: &mut [[Lane; N]; N], gain: &Gain<Lane, N
 
 /// A P Aᵀ.
 #[inline(always)]
-pub(crate) fn moved<const N: usize>(
-    motion: &Motion<Lane, N>,
-    local: &Local<Lane>,
-    p: &[[Lane; N]; N],
-) -> [[Lane; N]; N] {
+pub(crate) fn moved<const N: usize>(motion: &Motion<Lane, N>, local: &Local<Lane>, p: &P<N>) -> P<N> {
     // P is symmetric: its rows are its columns.
     let (mut half, mut whole) = ([[Lane::ZERO; N]; N], [[Lane::ZERO; N]; N]);
     for j in 0..N {
@@ -192,13 +174,8 @@ pub(crate) fn moved<const N: usize>(
     whole
 }
 
-/// Adds the contribution of a sample's disturbances to the covariance.
 #[inline(always)]
-pub(crate) fn add_noise<const N: usize>(
-    p: &mut [[Lane; N]; N],
-    local: &Local<Lane>,
-    levels: &NoiseModel<Lane>,
-) {
+pub(crate) fn add_noise<const N: usize>(p: &mut P<N>, local: &Local<Lane>, levels: &NoiseModel<Lane>) {
     if let Flow::White { std } = levels.current {
         let variance = std * std;
         for (row, a) in p.iter_mut().zip(&local.slopes) {
@@ -214,7 +191,7 @@ pub(crate) fn add_noise<const N: usize>(
 
 /// Adds a draw of this variance of the process in state `i`; that of a sensor is measured at once.
 #[inline(always)]
-fn add_draw<const N: usize>(p: &mut [[Lane; N]; N], i: usize, variance: Lane, measured: bool) {
+fn add_draw<const N: usize>(p: &mut P<N>, i: usize, variance: Lane, measured: bool) {
     p[i][i] += variance;
     if measured {
         let d = i + 3 - N;

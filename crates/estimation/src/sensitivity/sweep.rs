@@ -1,11 +1,9 @@
-use numerics::Lane;
-use ship::model::Model;
+use numerics::{LANES, Lane};
 
-use super::dynamics::Dynamics;
+use super::dynamics::{Dynamics, Flow, Local, NoiseModel};
 use super::kalman::Gain;
-use super::levels::NoiseModel;
-use super::recordings::Recordings;
-use super::unknowns::Unknowns;
+use super::products::{Backward, Products};
+use super::{Recordings, Unknowns};
 
 /// One pass over recordings: predicts, compares, and propagates the sensitivities. `unknowns`: one number each, as
 /// [`Recordings::unknowns`] orders them, then the initial disturbances if not zero; `free`: those whose sensitivities
@@ -64,11 +62,10 @@ fn go_along<X: Unknowns, const N: usize>(
         z[d] = if d < 3 { recordings.initial[d] + *offset } else { *offset };
     }
     let mut sensitivities = vec![[Lane::ZERO; N]; free.len().div_ceil(X::PER_COLUMN)];
-    let effects: Vec<Effect> = free.iter().map(|i| Effect::of(*i, model)).collect();
-    for (i, effect) in effects.iter().enumerate() {
-        if let Effect::Initial(d) = effect {
-            X::ONE.add_to(&mut sensitivities[i / X::PER_COLUMN][*d], i);
-        }
+    // The state that the term of a parameter moves; none of a shift of the initial state.
+    let moves: Vec<Option<usize>> = free.iter().map(|i| model.layout().degrees().nth(*i)).collect();
+    for (i, unknown) in free.iter().enumerate().filter(|(i, _)| moves[*i].is_none()) {
+        X::ONE.add_to(&mut sensitivities[i / X::PER_COLUMN][unknown - model.parameters()], i);
     }
     let last = recordings.longest();
     for k in 0..=last {
@@ -87,29 +84,12 @@ fn go_along<X: Unknowns, const N: usize>(
             if let Some(gain) = gain {
                 gain.correct_column(s);
             }
-            *s = dynamics.forward(&local, s);
+            *s = dynamics.motion.forward(&local, s);
         }
-        for (i, effect) in effects.iter().enumerate() {
-            if let Effect::Term(parameter, d) = effect {
-                dynamics.term(*parameter).add_to(&mut sensitivities[i / X::PER_COLUMN][*d], i);
+        for (i, (unknown, d)) in free.iter().zip(&moves).enumerate() {
+            if let Some(d) = d {
+                dynamics.model.term(*unknown).add_to(&mut sensitivities[i / X::PER_COLUMN][*d], i);
             }
-        }
-    }
-}
-
-/// The effect of an unknown on the next state.
-enum Effect {
-    /// Multiplies its term in this degree of freedom.
-    Term(usize, usize),
-    /// Shifts this state once, at the start.
-    Initial(usize),
-}
-
-impl Effect {
-    fn of(unknown: usize, model: &Model) -> Self {
-        match model.layout().degrees().nth(unknown) {
-            Some(d) => Self::Term(unknown, d),
-            None => Self::Initial(unknown - model.parameters()),
         }
     }
 }
@@ -133,8 +113,7 @@ impl<X> Default for Sensitivities<X> {
 }
 
 impl<X: Unknowns> Sensitivities<X> {
-    /// The sensitivities of `recordings` simulated with `unknowns`, to those in `free`. Sample 0 counts where
-    /// `from_start`.
+    /// The sensitivities of `recordings` to unknowns in `free`; sample 0 counts where `from_start`.
     pub fn of(recordings: &Recordings<X>, unknowns: &[X], free: &[usize], from_start: bool) -> Self {
         let mut kept = Self::default();
         kept.follow(recordings, unknowns, free, from_start);
@@ -142,13 +121,7 @@ impl<X: Unknowns> Sensitivities<X> {
     }
 
     /// Simulates other recordings, overwriting the previous ones, see [`Self::of`].
-    pub(crate) fn follow(
-        &mut self,
-        recordings: &Recordings<X>,
-        unknowns: &[X],
-        free: &[usize],
-        from_start: bool,
-    ) {
+    pub(crate) fn follow(&mut self, recordings: &Recordings<X>, unknowns: &[X], free: &[usize], start: bool) {
         self.clear(free.len(), recordings.longest());
         sweep(
             recordings,
@@ -158,15 +131,11 @@ impl<X: Unknowns> Sensitivities<X> {
             &[],
             #[inline(always)]
             |step: Step<'_, X, 3>| {
-                self.keep(
-                    &step,
-                    if step.k == 0 && !from_start { X::ZERO } else { recordings.lasting(step.k) },
-                );
+                self.keep(&step, if step.k == 0 && !start { X::ZERO } else { recordings.lasting(step.k) });
             },
         );
     }
 
-    /// Clears and reserves buffers for other recordings.
     pub(crate) fn clear(&mut self, free: usize, samples: usize) {
         let rows = samples + 1;
         self.free = free;
@@ -178,7 +147,6 @@ impl<X: Unknowns> Sensitivities<X> {
         self.columns.reserve(rows * free.div_ceil(X::PER_COLUMN));
     }
 
-    /// Stores a sample with the weight `counts`.
     #[inline(always)]
     pub(crate) fn keep(&mut self, step: &Step<'_, X, 3>, counts: X) {
         let [u, v, r] = step.error;
@@ -200,20 +168,207 @@ impl<X: Unknowns> Sensitivities<X> {
         self.at(k)[i / X::PER_COLUMN].map(|column| X::of_column(column, i))
     }
 
-    /// Number of columns.
     pub(crate) fn columns(&self) -> usize {
         self.free.div_ceil(X::PER_COLUMN)
     }
 
-    /// The columns of sample `k`.
     #[inline(always)]
     pub(crate) fn at(&self, k: usize) -> &[[Lane; 3]] {
         &self.columns[k * self.columns()..(k + 1) * self.columns()]
     }
 
-    /// The states at sample `k`.
     #[inline(always)]
     pub(crate) fn state(&self, k: usize) -> &[X; 3] {
         &self.states.as_chunks().0[k]
     }
+}
+
+/// The backward pass over `path`: adjoints λ(k) = Aᵀλ(k+1) + W s(k) are the derivatives of Σ sᵀWx by the states at k.
+/// `between` is called for k from N − 1 to 0 with λ(k+1); λ(0) is returned.
+pub(crate) fn backward<X: Unknowns, const N: usize>(
+    recordings: &Recordings<X>,
+    unknowns: &[X],
+    path: &Sensitivities<X>,
+    weights: [X; 3],
+    levels: Option<&NoiseModel>,
+    between: impl FnMut(&Local<X>, &[[Lane; N]]),
+) -> Vec<[Lane; N]> {
+    let (model, (theta, _)) = (recordings.model, unknowns.split_at(recordings.model.parameters()));
+    let spread = levels.map(NoiseModel::spread);
+    let dynamics = Dynamics::new(model, theta, spread.as_ref());
+    numerics::vectorized!(narrow: backward_pass(dynamics, recordings, path, weights, between))
+}
+
+#[inline(always)]
+fn backward_pass<X: Unknowns, const N: usize>(
+    mut dynamics: Dynamics<X, N>,
+    recordings: &Recordings<X>,
+    path: &Sensitivities<X>,
+    weights: [X; 3],
+    mut between: impl FnMut(&Local<X>, &[[Lane; N]]),
+) -> Vec<[Lane; N]> {
+    let weights = weights.map(X::lane);
+    let mut adjoints = vec![[Lane::ZERO; N]; path.columns()];
+    for k in (0..=recordings.longest()).rev() {
+        let mut slopes = None;
+        if k < recordings.longest() {
+            let mut z = [X::ZERO; N];
+            z[..3].copy_from_slice(path.state(k));
+            let local = dynamics.at(&z, recordings.exogenous(k));
+            between(&local, &adjoints);
+            if N == 3 {
+                slopes = Some(local.slopes.map(|slope| slope.map(X::lane)));
+            } else {
+                adjoints.iter_mut().for_each(|a| *a = dynamics.motion.backward(&local, a));
+            }
+        }
+        let sensitivities = path.at(k);
+        numerics::dispatch_narrow(Backward { slopes, weights, sensitivities, adjoints: &mut adjoints });
+    }
+    adjoints
+}
+
+/// Adds the effect of the draws between two samples; `adjoints` are those of the later one.
+#[inline(always)]
+pub(crate) fn add_draws<X: Unknowns, const N: usize>(
+    draws: &mut Products<X>,
+    adjoints: &[[Lane; N]],
+    local: &Local<X>,
+    levels: &NoiseModel,
+) {
+    if let Flow::White { std } = levels.current {
+        for i in 0..2 {
+            let [surge, sway, yaw] = &local.slopes;
+            let std = X::from(std);
+            let (by_u, by_v, by_r) = (std * surge[i], std * sway[i], std * yaw[i]);
+            draws.weigh(adjoints, [by_u, by_v, by_r].map(X::lane));
+            draws.advance();
+        }
+    }
+    let measured = levels.drift.is_some();
+    for (i, std, factor) in levels.spread::<f64>().processes::<N>() {
+        add_state(draws, adjoints, i, std * (1.0 - factor * factor).max(0.0).sqrt(), measured);
+    }
+}
+
+pub(crate) fn add_start<X: Unknowns, const N: usize>(
+    draws: &mut Products<X>,
+    adjoints: &[[Lane; N]],
+    levels: &NoiseModel,
+) {
+    let all = levels.spread::<f64>().processes::<N>();
+    let measured = levels.drift.is_some();
+    all.for_each(|(i, std, _)| add_state(draws, adjoints, i, std, measured));
+}
+
+/// Adds the effect of a change `std` in state `i`; that of a sensor's drift is `measured` at once.
+#[inline(always)]
+fn add_state<X: Unknowns, const N: usize>(
+    draws: &mut Products<X>,
+    adjoints: &[[Lane; N]],
+    i: usize,
+    std: f64,
+    measured: bool,
+) {
+    if std <= 0.0 {
+        return;
+    }
+    if measured {
+        for (column, adjoint) in adjoints.iter().enumerate() {
+            draws.set(column, Lane::splat(std) * (adjoint[i + 3 - N] + adjoint[i]));
+        }
+    } else {
+        draws.scale(adjoints, i, Lane::splat(std));
+    }
+    draws.advance();
+}
+
+/// Squared errors of a free simulation, and their gradient by the unknowns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Slopes {
+    /// Σ e² of u, v, r.
+    pub squares: [f64; 3],
+    /// Σ_d w_d Σ s_d e_d, an entry per free unknown.
+    pub gradient: Vec<f64>,
+}
+
+/// The gradient for `recordings` simulated with `unknowns`, per lane, by the unknowns in `free`. `weights` is called
+/// with lane and squared errors, `path` is a buffer for the states. Sample 0 counts where `from_start`. One adjoint, λ(k) = Aᵀλ(k+1) + W e(k), replaces
+/// all sensitivities: a parameter's entry is Σ φ(k) λ(k+1).
+pub fn slopes(
+    recordings: &Recordings,
+    unknowns: &[Lane],
+    free: &[usize],
+    from_start: bool,
+    weights: impl Fn(usize, [f64; 3]) -> [f64; 3],
+    path: &mut Vec<[Lane; 3]>,
+) -> Vec<Slopes> {
+    let (model, first) = (recordings.model, usize::from(!from_start));
+    let theta = &unknowns[..model.parameters()];
+    let dynamics = Dynamics::new(model, theta, None);
+    let (squares, gradient) =
+        numerics::vectorized!(narrow: there_and_back(dynamics, recordings, unknowns, first, weights, path));
+    let lane_slopes = |lane: usize| Slopes {
+        squares: squares.map(|sum| sum[lane]),
+        gradient: free.iter().map(|i| gradient[*i][lane]).collect(),
+    };
+    (0..LANES).map(lane_slopes).collect()
+}
+
+/// Squared errors and their gradient by every unknown, of samples from `first` on.
+#[inline(always)]
+fn there_and_back(
+    mut dynamics: Dynamics<Lane, 3>,
+    recordings: &Recordings,
+    unknowns: &[Lane],
+    first: usize,
+    weights: impl Fn(usize, [f64; 3]) -> [f64; 3],
+    path: &mut Vec<[Lane; 3]>,
+) -> ([Lane; 3], Vec<Lane>) {
+    let (layout, last) = (recordings.model.layout(), recordings.longest());
+    let (all, degrees) = (layout.parameters(), [0, 1, 2].map(|d| layout.degree(d)));
+    let even = recordings.samples.iter().all(|samples| *samples == last);
+    let counted = |k: usize, z: [Lane; 3]| {
+        let error = recordings.error(k, z);
+        if even { error } else { error.map(|e| e * recordings.lasting(k)) }
+    };
+    let mut z = [0, 1, 2].map(|d: usize| recordings.initial[d] + unknowns[all + d]);
+    path.clear();
+    path.reserve(last + 1);
+    let mut squares = [Lane::ZERO; 3];
+    for k in 0..=last {
+        path.push(z);
+        if k >= first {
+            let error = counted(k, z);
+            for d in 0..3 {
+                squares[d] = error[d].fused(error[d], squares[d]);
+            }
+        }
+        if k < last {
+            z = dynamics.step(z, recordings.exogenous(k));
+        }
+    }
+    let by_lane: [[f64; 3]; LANES] = std::array::from_fn(|lane| weights(lane, squares.map(|sum| sum[lane])));
+    let weights = [0, 1, 2].map(|d: usize| Lane(by_lane.map(|weights| weights[d])));
+    let mut gradient = vec![Lane::ZERO; all + 3];
+    let mut adjoint = [Lane::ZERO; 3];
+    for (k, z) in path.iter().enumerate().rev() {
+        if k < last {
+            let local = dynamics.at(z, recordings.exogenous(k));
+            for d in 0..3 {
+                for i in degrees[d].clone() {
+                    gradient[i] = dynamics.model.term(i).fused(adjoint[d], gradient[i]);
+                }
+            }
+            adjoint = dynamics.motion.backward(&local, &adjoint);
+        }
+        if k >= first {
+            let error = counted(k, *z);
+            for d in 0..3 {
+                adjoint[d] += weights[d] * error[d];
+            }
+        }
+    }
+    gradient[all..].copy_from_slice(&adjoint);
+    (squares, gradient)
 }

@@ -1,6 +1,6 @@
 //! Statements about estimates that their covariance cannot distinguish.
 
-use estimation::pooled::{Covariance, Delivered, entangled};
+use estimation::pooled::{Covariance, Delivered, collinear};
 use ship::model::Vessel;
 
 /// Sentences about two parameters of these values, standard errors and correlation.
@@ -23,7 +23,7 @@ fn sentences(values: [f64; 2], errors: [f64; 2], correlation: f64) -> Vec<String
         recordings: Vec::new(),
         covered: Vec::new(),
     };
-    entangled(&delivered, vessel.model.layout())
+    collinear(&delivered, vessel.model.layout())
 }
 
 /// The combination that a sentence says is known best, and its standard error in percent.

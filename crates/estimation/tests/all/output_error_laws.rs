@@ -1,7 +1,7 @@
 //! Properties of estimates by simulation and prediction.
 
 use estimation::predictor::{
-    Fit, Fitted, Flow, ForceNoise, InitialState, NoiseModel, Recordings, Sensitivities, Spread, Unknown,
+    Fitted, Flow, ForceNoise, InitialState, NoiseModel, Recordings, RunFit, Sensitivities, Spread, Unknown,
     output_error, prediction_error,
 };
 use estimation::runs::{AdditionalUnknowns, UnknownCurrent};
@@ -34,9 +34,9 @@ fn recordings<'a>(model: &'a Model, experiment: &'a Experiment, measured: &'a [L
     }
 }
 
-fn converged(fits: Vec<Fit>) -> Vec<Fitted> {
-    let found = |fit: Fit| match fit {
-        Fit::Converged(found) => found,
+fn converged(fits: Vec<RunFit>) -> Vec<Fitted> {
+    let found = |fit: RunFit| match fit {
+        RunFit::Converged(found) => found,
         other => panic!("{other:?}"),
     };
     fits.into_iter().map(found).collect()
@@ -62,7 +62,12 @@ fn starts(vessel: &Vessel, theta: &[f64]) -> Vec<Vec<Vec<f64>>> {
 }
 
 /// Output error of every lane, from the nominal model.
-fn free_fits(vessel: &Vessel, experiment: &Experiment, measured: &[Lane], initial: InitialState) -> Vec<Fit> {
+fn free_fits(
+    vessel: &Vessel,
+    experiment: &Experiment,
+    measured: &[Lane],
+    initial: InitialState,
+) -> Vec<RunFit> {
     let runs = runs(experiment, measured);
     let (model, starts) = (vessel.model.with_intercepts(), starts(vessel, &vessel.nominal));
     output_error(&model, &runs, &starts, initial, Spread::Blocks)
@@ -174,12 +179,12 @@ fn a_run_that_never_turns_is_not_identifiable_and_a_wild_start_does_not_converge
     let experiment = Experiment::of_maneuvers(&dictionary(&vessel), &[(1, 300)]);
     let measured = splat(&experiment.states(&vessel, Source::Value));
     let fits = free_fits(&vessel, &experiment, &measured, InitialState::Known);
-    assert!(matches!(fits[0], Fit::NotIdentifiable(_)), "{:?}", fits[0]);
+    assert!(matches!(fits[0], RunFit::NotIdentifiable(_)), "{:?}", fits[0]);
     let wild = starts(&vessel, &vec![5.0; vessel.model.parameters()]);
     let runs = runs(&experiment, &measured);
     let fits =
         output_error(&vessel.model.with_intercepts(), &runs, &wild, InitialState::Known, Spread::Blocks);
-    assert!(matches!(fits[0], Fit::NotConverged(_)), "{:?}", fits[0]);
+    assert!(matches!(fits[0], RunFit::NotConverged(_)), "{:?}", fits[0]);
 }
 
 /// Without process noise the filter is a simulation: both estimate the same.

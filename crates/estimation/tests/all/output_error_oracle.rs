@@ -1,7 +1,7 @@
 //! Output error and the Kalman filter against numbers computed independently: `fixtures/oracle/output_error.json`.
 
 use estimation::predictor::{
-    Drift, Fit, Fitted, Flow, ForceNoise, InitialState, NoiseModel, Recordings, Sensitivities, Spread,
+    Drift, Fitted, Flow, ForceNoise, InitialState, NoiseModel, Recordings, RunFit, Sensitivities, Spread,
     innovations, output_error,
 };
 use numerics::{LANES, Lane, dot, quadratic};
@@ -73,8 +73,8 @@ impl Run {
             initial: self.initial.map(|x| x[0]),
         };
         let fits = output_error(&model, &[run; LANES], &starts, initial, spread);
-        let converged = |fit: Fit| match fit {
-            Fit::Converged(found) => found,
+        let converged = |fit: RunFit| match fit {
+            RunFit::Converged(found) => found,
             other => panic!("{other:?}"),
         };
         fits.into_iter().map(converged).collect()
@@ -143,7 +143,7 @@ fn law_an_estimate_does_not_depend_on_the_runs_that_are_searched_for_beside_it()
     let starts: Vec<Vec<Vec<f64>>> =
         (0..runs.len()).map(|i| vec![start(factors[i % 4]), start(0.9)]).collect();
     let together = output_error(&model, &runs, &starts, InitialState::Known, Spread::Blocks);
-    assert!(together.iter().any(|fit| matches!(fit, Fit::Converged(_))));
+    assert!(together.iter().any(|fit| matches!(fit, RunFit::Converged(_))));
     for (i, fit) in together.iter().enumerate() {
         let alone = output_error(&model, &runs[i..=i], &starts[i..=i], InitialState::Known, Spread::Blocks);
         assert_eq!(alone, std::slice::from_ref(fit), "run {i}");

@@ -4,7 +4,7 @@ use approx::assert_relative_eq;
 use estimation::Estimator;
 use estimation::pooled::{Follow, Pool, Searched, least_errors};
 use estimation::predictor::{
-    Fit, Fitted, Flow, InitialState, NoiseModel, Spread, Unknown, output_error, prediction_error,
+    Fitted, Flow, InitialState, NoiseModel, RunFit, Spread, Unknown, output_error, prediction_error,
 };
 use estimation::runs::{AdditionalUnknowns, Intercepts, UnknownCurrent};
 use numerics::Lane;
@@ -98,9 +98,9 @@ fn law_the_current_of_every_run_is_found_with_the_parameters_of_all() {
     assert!(pairs.any(|(found, truth)| (found / truth - 1.0).abs() > 0.05));
 }
 
-fn converged(fits: Vec<Fit>) -> Fitted {
+fn converged(fits: Vec<RunFit>) -> Fitted {
     match fits.into_iter().next() {
-        Some(Fit::Converged(found)) => found,
+        Some(RunFit::Converged(found)) => found,
         other => panic!("{other:?}"),
     }
 }

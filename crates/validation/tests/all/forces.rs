@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use estimation::fitting::{Inputs, Prior, Problem, Recording, Settings};
+use estimation::fitting::{Inputs, Prior, Problem, RecordingView as Recording, Settings};
 use estimation::pooled::{Covariance, Uncertain};
 use maneuver::{DictionaryFile, Generator};
 use regression::pooled::PooledRuns;

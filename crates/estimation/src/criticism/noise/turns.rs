@@ -3,23 +3,18 @@ use rayon::prelude::*;
 use ship::engine::RunView;
 use ship::model::Model;
 
-use super::begin::{Seen, after};
-use super::kind::{Guess, NoiseKind};
-use super::line::Line;
-use super::pass::Found;
-use super::search::{Best, STEPS, Search};
+use super::likelihood::{Likelihoods, Line};
+use super::search::{Best, LikelihoodSearch, STEPS, Seen, after};
+use super::{Guess, NoiseKind};
 
-/// Maximum number of alternations between noise and parameters.
 const TURNS: usize = 8;
 /// All kinds are compared before these turns.
 const COMPARED: [usize; 3] = [0, 1, 4];
-/// Maximum number of steps of a search continued in a later turn.
 const AGAIN: usize = 10;
 /// Parameters have converged if they change by less than this many standard errors.
 const REST: f64 = 0.2;
 /// Penalty of a level in twice the log-likelihood.
 const A_LEVEL: f64 = 2.0;
-/// Maximum number of halvings of a step.
 const SHORTER: i32 = 6;
 /// Share of the motion that is the least noise.
 const FLOOR: f64 = 1e-6;
@@ -33,7 +28,6 @@ const NEAR: f64 = 6.0;
 /// Kinds that were less likely by more than this are not searched again.
 const FAR: f64 = 15.0;
 
-/// Finds noise and parameters of runs whose noise is not stated.
 pub(crate) struct Turns<'a> {
     pub model: &'a Model,
     pub runs: Vec<RunView<'a>>,
@@ -43,15 +37,14 @@ pub(crate) struct Turns<'a> {
 
 /// Kinds of noise, the likeliest first, with twice their restricted log-likelihood less the penalty of their levels.
 pub(crate) type Kinds = Vec<(Guess, f64)>;
+/// Kinds that were found for nearly the same model.
+pub(crate) type Earlier = [(Guess, f64)];
 
-/// The noise that was found.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Noise {
     pub guess: Guess,
     pub kinds: Kinds,
-    /// Number of alternations.
     pub turns: usize,
-    /// Whether the parameters converged.
     pub at_rest: bool,
     /// Standard errors of the parameters, and the largest among all plausible kinds.
     pub errors: Vec<f64>,
@@ -71,32 +64,30 @@ impl Noise {
     }
 }
 
-/// Runs with their paths, and the result under each kind.
 struct State<'a> {
     theta: Vec<f64>,
     lines: Vec<Line<'a>>,
-    found: Vec<Best>,
+    kinds: Vec<Best>,
     best: Best,
 }
 
 impl<'a> Turns<'a> {
-    /// Noise and parameters, found alternately from `theta` until the parameters converge. `before`: the kinds that
-    /// were found for nearly the same model, the likeliest first. `None` if the filter's numbers are not finite, or
-    /// the parameters cannot be distinguished.
-    pub fn found(&self, theta: &[f64], before: &[(Guess, f64)]) -> Option<(Vec<f64>, Noise)> {
+    /// Noise and parameters, found alternately from `theta`; `None` if the filter's numbers are not finite, or the
+    /// parameters cannot be distinguished.
+    pub fn alternate(&self, theta: &[f64], before: &Earlier) -> Option<(Vec<f64>, Noise)> {
         let lines: Vec<Line> = self.runs.iter().map(|run| Line::free(self.model, theta, *run)).collect();
-        let (found, best) = self.compared(&lines, before)?;
-        let mut state = State { theta: theta.to_vec(), lines, found, best };
+        let (kinds, best) = self.compared(&lines, before)?;
+        let mut state = State { theta: theta.to_vec(), lines, kinds, best };
         for turn in 0..TURNS {
             if turn > 0 && COMPARED.contains(&turn) {
-                let before: Kinds = state.found.iter().map(|own| (own.guess, value(own))).collect();
-                (state.found, state.best) = self.compared(&state.lines, &before)?;
+                let before: Kinds = state.kinds.iter().map(|best| (best.guess, value(best))).collect();
+                (state.kinds, state.best) = self.compared(&state.lines, &before)?;
             } else if turn > 0 {
                 let search = self.search(&state.lines, (ENOUGH, RISE));
                 let again = search.climb(state.best.guess, AGAIN)?;
                 let kind = again.guess.kind;
-                state.found.iter_mut().filter(|own| own.guess.kind == kind).for_each(|own| {
-                    *own = again.clone();
+                state.kinds.iter_mut().filter(|best| best.guess.kind == kind).for_each(|best| {
+                    *best = again.clone();
                 });
                 state.best = again;
             }
@@ -116,8 +107,7 @@ impl<'a> Turns<'a> {
         self.search(&lines, (usize::MAX, RISE)).sums(&[guess; LANES], None).likelihood[0]
     }
 
-    /// A search over the first samples of the runs.
-    fn search<'l>(&self, lines: &'l [Line<'l>], (most, rise): (usize, f64)) -> Search<'l> {
+    fn search<'l>(&self, lines: &'l [Line<'l>], (most, rise): (usize, f64)) -> LikelihoodSearch<'l> {
         let mut left = most;
         let mut chosen = Vec::new();
         for line in lines {
@@ -128,7 +118,7 @@ impl<'a> Turns<'a> {
             }
         }
         let floor = Seen::of(lines).motion.map(|size| (FLOOR * size).max(1e-12));
-        Search {
+        LikelihoodSearch {
             layout: self.model.layout(),
             lines: chosen,
             rate_hz: self.rate_hz,
@@ -138,9 +128,9 @@ impl<'a> Turns<'a> {
         }
     }
 
-    /// The most likely levels of every kind, and those of the best. Kinds found `before` continue from there; if they
-    /// were far less likely, they keep their distance.
-    fn compared(&self, lines: &[Line], before: &[(Guess, f64)]) -> Option<(Vec<Best>, Best)> {
+    /// The most likely levels of every kind, and of the best. Kinds `before` continue; far less likely ones keep their
+    /// distance.
+    fn compared(&self, lines: &[Line], before: &Earlier) -> Option<(Vec<Best>, Best)> {
         let search = self.search(lines, if before.is_empty() { FIRST } else { (ENOUGH, RISE) });
         let seen = Seen::of(lines);
         let earlier = |kind: NoiseKind| before.iter().filter(move |(guess, _)| guess.kind == kind);
@@ -153,35 +143,32 @@ impl<'a> Turns<'a> {
             None => search.best(&others),
         };
         let each = |kind: &NoiseKind| begun(kind, seen.starts(*kind, self.rate_hz));
-        let mut found: Vec<Best> = first.par_iter().filter_map(each).collect();
-        let mut simple: Vec<Guess> = found.iter().map(|own| own.guess).collect();
+        let mut bests: Vec<Best> = first.par_iter().filter_map(each).collect();
+        let mut simple: Vec<Guess> = bests.iter().map(|best| best.guess).collect();
         simple.extend(before.iter().map(|(guess, _)| *guess).filter(|guess| far(guess.kind)));
         let each = |kind: &NoiseKind| begun(kind, after(*kind, &simple));
-        found.extend(later.par_iter().filter_map(each).collect::<Vec<_>>());
-        let best = found.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?.clone();
-        found.extend(before.iter().filter(|(guess, _)| far(guess.kind)).map(|(guess, own)| Best {
+        bests.extend(later.par_iter().filter_map(each).collect::<Vec<_>>());
+        let best = bests.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?.clone();
+        bests.extend(before.iter().filter(|(guess, _)| far(guess.kind)).map(|(guess, likelihood)| Best {
             guess: *guess,
-            likelihood: best.likelihood - cost(&best.guess) + cost(guess) + own - highest,
+            likelihood: best.likelihood - cost(&best.guess) + cost(guess) + likelihood - highest,
             change: vec![0.0; best.change.len()],
         }));
-        Some((found, best))
+        Some((bests, best))
     }
 
     /// The change of the parameters to the least white errors of all runs, and its maximum in standard errors.
     fn step(&self, state: &State) -> Option<(Vec<f64>, f64)> {
         let (change, errors) = self.all(state, &state.best.guess).change()?;
-        let moved =
-            change.iter().zip(&errors).map(|(change, error)| (change / error).abs()).fold(0.0, f64::max);
+        let moved = change.iter().zip(&errors).map(|(c, e)| (c / e).abs()).fold(0.0, f64::max);
         moved.is_finite().then_some((change, moved))
     }
 
-    /// Sums of all runs.
-    fn all(&self, state: &State, guess: &Guess) -> Found {
+    fn all(&self, state: &State, guess: &Guess) -> Likelihoods {
         self.search(&state.lines, (usize::MAX, RISE)).sums(&[*guess; LANES], None)
     }
 
-    /// Changes the parameters and filters the runs with them; shortens the change if the filter's numbers are not
-    /// finite.
+    /// Changes the parameters and filters the runs with them; by less if the filter's numbers are not finite.
     fn follow(&self, state: &mut State<'a>, change: &[f64], rests: bool) -> Option<()> {
         let bounds = self.model.bounds().unwrap_or_default();
         for share in (0..SHORTER).map(|halved| 0.5_f64.powi(halved)) {
@@ -204,28 +191,27 @@ impl<'a> Turns<'a> {
 
     fn ended(&self, state: State, turns: usize, at_rest: bool) -> Option<(Vec<f64>, Noise)> {
         let errors = |guess: &Guess| {
-            let found = self.all(&state, guess);
+            let sums = self.all(&state, guess);
             let freedom = self.runs.iter().map(RunView::samples).sum::<usize>() * 3;
-            let (change, errors) = found.change()?;
-            let explained: f64 = change.iter().zip(&found.gradient).map(|(a, b)| a * b).sum();
+            let (change, errors) = sums.change()?;
+            let explained: f64 = change.iter().zip(&sums.gradient).map(|(a, b)| a * b).sum();
             let freedom = (freedom as f64 - change.len() as f64).max(1.0);
-            let variance = ((found.squares - explained) / freedom).max(0.0);
+            let variance = ((sums.squares - explained) / freedom).max(0.0);
             Some(errors.into_iter().map(|error| error * variance.sqrt()).collect::<Vec<f64>>())
         };
-        let own = errors(&state.best.guess)?;
-        let near = state.found.iter().filter(|own| value(own) >= value(&state.best) - NEAR);
-        let mut widest = own.clone();
-        for errors in near.filter_map(|own| errors(&own.guess)) {
+        let standard_errors = errors(&state.best.guess)?;
+        let near = state.kinds.iter().filter(|best| value(best) >= value(&state.best) - NEAR);
+        let mut widest = standard_errors.clone();
+        for errors in near.filter_map(|best| errors(&best.guess)) {
             widest.iter_mut().zip(errors).for_each(|(most, error)| *most = most.max(error));
         }
-        let mut kinds: Kinds = state.found.iter().map(|own| (own.guess, value(own))).collect();
+        let mut kinds: Kinds = state.kinds.iter().map(|best| (best.guess, value(best))).collect();
         kinds.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let noise = Noise { guess: state.best.guess, kinds, turns, at_rest, errors: own, widest };
+        let noise = Noise { guess: state.best.guess, kinds, turns, at_rest, errors: standard_errors, widest };
         Some((state.theta, noise))
     }
 }
 
-/// The value by which kinds are compared.
 fn value(best: &Best) -> f64 {
     best.likelihood - cost(&best.guess)
 }

@@ -7,16 +7,401 @@
 //! cost by g²/H. Windows, or pieces of them, are independent units: z = g/√V, V the sum of their squared scores. The
 //! probability counts all candidates: signs of the units are drawn anew, and the largest |z| of a draw is compared.
 
-mod chance;
-mod columns;
-mod criticise;
-mod late;
-mod products;
-mod scores;
-mod turn;
-mod turned;
+mod candidates;
+mod sign_test;
 
-pub use criticise::{AbsentTerm, Channels, Criticism, LEVEL};
-pub use late::{LateInput, Lateness};
-pub use turn::Turn;
-pub use turned::TurnedSign;
+use numerics::scaled_inverse;
+use rand::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+use ship::forces::{Channel, Forces};
+
+use super::sums::{AT_ONCE, Reduced, WindowSums};
+use super::{Fit, Pass, Problem, Unfit, at_bound, block};
+use candidates::{CandidateBlock, Column, ForceProduct, Measure, listed, products};
+use sign_test::Alternative;
+
+pub use sign_test::{LateInput, Lateness, Turn, TurnedSign};
+
+/// A model is rejected where chance makes any candidate look as likely with less than this probability.
+pub const LEVEL: f64 = 0.05;
+/// Candidates whose gain is at least this share of the largest may be what is missing, too.
+const CLOSE: f64 = 0.8;
+/// Most inputs for which lag and dead time are compared.
+const MOST_LATE: usize = 3;
+
+/// The channels of a ship, in the order of a row.
+#[derive(Clone, Copy, Debug)]
+pub struct Channels<'a> {
+    /// Inputs, then measured disturbances.
+    pub all: &'a [Channel],
+    /// Number of inputs.
+    pub inputs: usize,
+    /// Terms of surge, sway and yaw to test in place of the usual products.
+    pub listed: Option<&'a [Vec<String>; 3]>,
+}
+
+impl Channels<'_> {
+    fn products(&self, forces: &Forces) -> Result<Vec<ForceProduct>, Unfit> {
+        match self.listed {
+            Some(lists) => listed(forces, self.all, lists),
+            None => Ok(products(forces, self.all, self.inputs)),
+        }
+    }
+
+    /// The number of products that `forces` lacks.
+    ///
+    /// # Errors
+    /// A listed text that is no term.
+    pub fn lacking(&self, forces: &Forces) -> Result<usize, Unfit> {
+        self.products(forces).map(|products| products.len())
+    }
+}
+
+/// A product that an equation lacks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AbsentTerm {
+    /// 0 surge, 1 sway, 2 yaw.
+    pub degree: usize,
+    /// As it is written.
+    pub term: String,
+    /// Its number if it were added, in SI units.
+    pub value: f64,
+    /// The standard error of that.
+    pub standard_error: f64,
+    /// Its SI unit.
+    pub unit: String,
+    /// What one of the prime system is in SI units; none with channels that the prime system does not scale.
+    pub prime: Option<f64>,
+    /// By which share the cost would fall.
+    pub share: f64,
+    /// How probable it is in a right model that any candidate seems as likely.
+    pub p_value: f64,
+    /// Whether it may be what is missing: no other lowers the cost by much more.
+    pub candidate: bool,
+}
+
+/// What is wrong with a fitted ship.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Criticism {
+    /// Signs that were turned, the one with the lowest cost first.
+    pub signs: Vec<TurnedSign>,
+    /// Inputs, the one that lowers the cost most first. None where a sign is wrong.
+    pub late: Vec<LateInput>,
+    /// Products, those that are not chance first, and then by how much they lower the cost. None where a sign is wrong.
+    pub terms: Vec<AbsentTerm>,
+    /// Candidates that the fitted numbers explain, in words.
+    pub hidden: Vec<String>,
+    /// Independent units of the scores.
+    pub units: usize,
+    /// Whether these are whole windows; else pieces of them.
+    pub whole: bool,
+    /// How probable it is in a right model that any candidate seems as likely; none where a sign is wrong.
+    pub p_value: Option<f64>,
+}
+
+impl Criticism {
+    /// Whether a sign is wrong.
+    pub fn has_wrong_sign(&self) -> bool {
+        self.signs.iter().any(|sign| sign.wrong)
+    }
+
+    /// Whether something is wrong beyond chance.
+    pub fn rejects(&self) -> bool {
+        self.has_wrong_sign() || self.p_value.is_some_and(|p_value| p_value < LEVEL)
+    }
+}
+
+impl Problem<'_> {
+    /// What is wrong with the ship of this `fit`.
+    ///
+    /// # Errors
+    /// A start of a window or a number that nothing determines.
+    pub fn criticise(&self, fit: &Fit, channels: Channels) -> Result<Criticism, Unfit> {
+        let mut criticism = Criticism { signs: self.signs(fit, channels.all), ..Criticism::default() };
+        if !criticism.has_wrong_sign() {
+            self.scored(fit, channels, &mut criticism)?;
+        }
+        Ok(criticism)
+    }
+
+    /// Why the fit from `theta` failed by `error`: a wrong sign, where one explains that it came to no end.
+    pub fn explained(&self, error: Unfit, theta: &[f64], channels: Channels) -> Unfit {
+        let Unfit::Unfinished(steps) = error else { return error };
+        let Ok((fit, _)) = Pass::new(self, None).search(theta, self.settings.most_steps) else {
+            return error;
+        };
+        let first = self.signs(&fit, channels.all).into_iter().find(|sign| sign.wrong);
+        first.map_or(error, |sign| Unfit::WrongSign(steps, sign.turn.to_string()))
+    }
+
+    fn signs(&self, fit: &Fit, channels: &[Channel]) -> Vec<TurnedSign> {
+        let alternatives = Alternative::all(self.forces, channels);
+        let count = alternatives.len();
+        let mut signs: Vec<TurnedSign> =
+            alternatives.iter().map(|alternative| self.sign_test(fit, alternative, count)).collect();
+        let gain = |sign: &TurnedSign| sign.share.unwrap_or(f64::NEG_INFINITY);
+        signs.sort_by(|one, other| gain(other).total_cmp(&gain(one)));
+        signs
+    }
+
+    fn scored(&self, fit: &Fit, channels: Channels, criticism: &mut Criticism) -> Result<(), Unfit> {
+        let inputs = inputs(self.forces, channels.inputs);
+        let terms = channels.products(self.forces)?;
+        let (blocks, measures) = self.blocks(&inputs, &terms, channels.all)?;
+        let (all, units, whole) = Pass::new(self, fit.first).scores(fit, &blocks)?;
+        let testable: Vec<&Score> = all.iter().flatten().collect();
+        let mut probabilities = probabilities(&testable).into_iter();
+        let judged = all.iter().map(|s| s.as_ref().zip(s.as_ref().and_then(|_| probabilities.next())));
+        let (late, others): (Vec<_>, Vec<_>) = judged.enumerate().partition(|(i, _)| *i < inputs.len());
+        criticism.p_value =
+            late.iter().chain(&others).filter_map(|(_, j)| j.map(|(_, p)| p)).reduce(f64::min);
+        let late = late.into_iter().filter_map(|(i, judged)| Some((&channels.all[inputs[i]], judged?)));
+        let late_input = |(channel, (score, p_value)): (&Channel, (&Score, f64))| {
+            let ((late_s, standard_error), share) = (score.value(), fit.share(score.gain()));
+            let input = channel.name.clone();
+            LateInput { input, late_s, standard_error, share, p_value, best: None, other: None }
+        };
+        criticism.late = late.map(late_input).collect();
+        self.compare_late(fit, channels.all, &mut criticism.late);
+        for ((product, (unit, prime)), (_, judged)) in terms.into_iter().zip(measures).zip(others) {
+            let ForceProduct { degree, text: term, .. } = product;
+            let Some((score, p_value)) = judged else {
+                criticism.hidden.push(format!("`{term}` in {}", ["surge", "sway", "yaw"][degree]));
+                continue;
+            };
+            let ((value, standard_error), share) = (score.value(), fit.share(score.gain()));
+            criticism.terms.push(AbsentTerm {
+                degree,
+                term,
+                value,
+                standard_error,
+                unit,
+                prime,
+                share,
+                p_value,
+                candidate: false,
+            });
+        }
+        sort(&mut criticism.terms);
+        (criticism.units, criticism.whole) = (units, whole);
+        Ok(())
+    }
+
+    fn blocks(
+        &self,
+        inputs: &[usize],
+        terms: &[ForceProduct],
+        channels: &[Channel],
+    ) -> Result<(Vec<CandidateBlock>, Vec<Measure>), Unfit> {
+        let late = inputs.chunks(AT_ONCE).map(|chunk| CandidateBlock::Late(chunk.to_vec()));
+        let (mut blocks, mut measures): (Vec<_>, Vec<_>) = (late.collect(), Vec::new());
+        for chunk in terms.chunks(AT_ONCE) {
+            let (block, more) = CandidateBlock::terms(self.forces, chunk, channels)?;
+            blocks.push(block);
+            measures.extend(more);
+        }
+        Ok((blocks, measures))
+    }
+
+    fn compare_late(&self, fit: &Fit, channels: &[Channel], late: &mut [LateInput]) {
+        late.sort_by(|one, other| other.share.total_cmp(&one.share));
+        let certain = late.iter_mut().filter(|input| input.p_value < LEVEL && input.late_s > 0.0);
+        for input in certain.take(MOST_LATE) {
+            let Some(channel) = channels.iter().position(|channel| channel.name == input.input) else {
+                continue;
+            };
+            let of = |kind| {
+                self.delay_test(fit, channel, kind, input.late_s).map(|(time, share)| (kind, time, share))
+            };
+            let mut kinds: Vec<_> = [Lateness::DeadTime, Lateness::Lag].into_iter().filter_map(of).collect();
+            kinds.sort_by(|one, other| other.2.total_cmp(&one.2));
+            input.best = kinds.first().copied();
+            input.other = kinds.get(1).map(|(_, _, share)| *share);
+        }
+    }
+}
+
+/// Inputs whose lateness can be tested: those that do not go around.
+fn inputs(forces: &Forces, count: usize) -> Vec<usize> {
+    let description = forces.description();
+    let azimuths = (0..description.thruster.len()).filter_map(|i| Some(forces.thruster_inputs(i).1?.channel));
+    let winds = (0..description.wind.len()).map(|i| forces.wind_inputs(i)[1].channel);
+    let around: Vec<usize> = azimuths.chain(winds).collect();
+    (0..count).filter(|input| !around.contains(input)).collect()
+}
+
+/// Those that are not chance first, then by their gain; marks those that may be what is missing.
+fn sort(terms: &mut [AbsentTerm]) {
+    let certain = |term: &AbsentTerm| term.p_value < LEVEL;
+    terms.sort_by(|one, other| certain(other).cmp(&certain(one)).then(other.share.total_cmp(&one.share)));
+    let most = terms.first().filter(|term| certain(term)).map(|first| first.share);
+    for term in terms.iter_mut() {
+        term.candidate = certain(term) && most.is_some_and(|most| term.share >= CLOSE * most);
+    }
+}
+
+/// A candidate whose derivatives the fitted numbers explain but for this share cannot be told from them.
+const LEFT: f64 = 1e-6;
+/// Share of the weight of priors that is kept: more would let candidates make up for them.
+const KEPT: f64 = 1e-4;
+/// Windows are the independent units where there are so many for each number that they determine; else pieces are.
+const ENOUGH: f64 = 4.0;
+
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Score {
+    /// g: half the derivative of the cost by its number.
+    pub gradient: f64,
+    /// H: half its second derivative.
+    pub curvature: f64,
+    pub units: Vec<f64>,
+}
+
+impl Score {
+    /// z: the gradient in its standard deviations.
+    pub fn standardised(&self) -> f64 {
+        self.gradient / self.variance().sqrt().max(f64::MIN_POSITIVE)
+    }
+
+    /// V.
+    pub fn variance(&self) -> f64 {
+        self.units.iter().map(|part| part * part).sum()
+    }
+
+    /// By how much the cost would fall if it were added.
+    pub fn gain(&self) -> f64 {
+        self.gradient * self.gradient / self.curvature
+    }
+
+    /// Its number if it were added, and the standard error of that.
+    pub fn value(&self) -> (f64, f64) {
+        (-self.gradient / self.curvature, self.variance().sqrt() / self.curvature)
+    }
+}
+
+/// The inverse second derivatives of half the cost by the free numbers, and what is left of its first ones.
+struct Fitted {
+    free: Vec<usize>,
+    inverse: Vec<f64>,
+    gradient: Vec<f64>,
+    used: f64,
+}
+
+/// The sums of a window, what is left of them by θ, and its columns of all candidates.
+type Windowed<'a> = (&'a WindowSums, &'a Reduced, &'a Vec<Column>);
+
+impl Pass<'_> {
+    /// The scores of candidates, none where fitted numbers explain one; the number of units, and whether these are
+    /// windows.
+    #[allow(clippy::type_complexity)]
+    fn scores(
+        &self,
+        fit: &Fit,
+        blocks: &[CandidateBlock],
+    ) -> Result<(Vec<Option<Score>>, usize, bool), Unfit> {
+        let groups: Vec<_> = self.groups.iter().zip(&fit.starts).collect();
+        let each = groups.par_iter().map(|(group, starts)| self.columns(group, (&fit.theta, starts), blocks));
+        let each = each.collect::<Result<Vec<_>, Unfit>>()?;
+        let (sums, columns): (Vec<_>, Vec<_>) = each.into_iter().unzip();
+        let reduced = self.determined(&sums)?;
+        let fitted = self.fitted(fit, &sums, &reduced)?;
+        let all = sums.iter().flatten().zip(reduced.iter().flatten()).zip(columns.iter().flatten());
+        let windows: Vec<Windowed> = all.map(|((sums, reduced), columns)| (sums, reduced, columns)).collect();
+        let whole = windows.len() as f64 >= ENOUGH * fitted.used;
+        let count = blocks.iter().map(CandidateBlock::count).sum();
+        let of = |j: usize| self.score(&fitted, &windows, j, whole);
+        let all: Vec<Option<Score>> = (0..count).into_par_iter().map(of).collect();
+        let units = match whole {
+            true => windows.len(),
+            false => windows.iter().map(|(sums, _, _)| sums.pieces.len()).sum(),
+        };
+        Ok((all, units, whole))
+    }
+
+    fn fitted(&self, fit: &Fit, sums: &[Vec<WindowSums>], reduced: &[Vec<Reduced>]) -> Result<Fitted, Unfit> {
+        let n = fit.theta.len();
+        let (data, mut gradient) = self.information(n, sums, reduced);
+        let pulls = self.prior_gradient(&fit.theta);
+        let whole: Vec<f64> = gradient.iter().zip(&pulls).map(|(slope, [_, pull])| slope + pull).collect();
+        let held = at_bound(self.forces, &fit.theta, &whole);
+        gradient.iter_mut().zip(&pulls).for_each(|(sum, [_, slope])| *sum += KEPT * slope);
+        let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
+        let m = free.len();
+        let mut bread = block(&data, n, &free);
+        (0..m).for_each(|i| bread[i * m + i] += KEPT * pulls[free[i]][0]);
+        let inverse = scaled_inverse(m, &bread).ok_or_else(|| self.undetermined(&free, &bread))?;
+        let used = m as f64 - (0..m).map(|i| KEPT * inverse[i * m + i] * pulls[free[i]][0]).sum::<f64>();
+        let gradient = free.iter().map(|i| gradient[*i]).collect();
+        Ok(Fitted { free, inverse, gradient, used })
+    }
+
+    fn score(&self, fitted: &Fitted, windows: &[Windowed], j: usize, whole: bool) -> Option<Score> {
+        let n = self.forces.parameters().len();
+        let (mut total, mut square, mut gradient) = (vec![0.0; n], 0.0, 0.0);
+        for (sums, _, columns) in windows {
+            let (weight, column) = (self.weight(&sums.errors), &columns[j]);
+            total.iter_mut().zip(&column.across).for_each(|(sum, entry)| *sum += weight * entry);
+            square += weight * column.square;
+            gradient += weight * column.scores.iter().sum::<f64>();
+        }
+        let across: Vec<f64> = fitted.free.iter().map(|i| total[*i]).collect();
+        let m = across.len();
+        // How the fitted numbers would follow the candidate.
+        let follows: Vec<f64> =
+            (0..m).map(|i| numerics::dot(&fitted.inverse[i * m..(i + 1) * m], &across)).collect();
+        let curvature = square - numerics::dot(&follows, &across);
+        if !(curvature > LEFT * square && curvature.is_finite()) {
+            return None;
+        }
+        let gradient = gradient - numerics::dot(&follows, &fitted.gradient);
+        let mut units = Vec::new();
+        for (sums, reduced, columns) in windows {
+            let weight = self.weight(&sums.errors);
+            let pieces = sums.scores(reduced, n).into_iter().zip(&columns[j].scores).map(|(known, score)| {
+                let known: f64 = fitted.free.iter().zip(&follows).map(|(i, part)| part * known[*i]).sum();
+                weight * (score - known)
+            });
+            match whole {
+                true => units.push(pieces.sum()),
+                false => units.extend(pieces),
+            }
+        }
+        // Numbers that the recordings determine use up units.
+        let count = units.len() as f64;
+        let correction = (count / (count - fitted.used).max(1.0)).sqrt();
+        units.iter_mut().for_each(|unit| *unit *= correction);
+        Some(Score { gradient, curvature, units })
+    }
+}
+
+const DRAWS: usize = 2000;
+
+/// For each score the probability that any is as large by chance: signs of units are drawn, the same for all.
+fn probabilities(scores: &[&Score]) -> Vec<f64> {
+    let rows = scores.first().map_or(0, |score| score.units.len());
+    let deviations: Vec<f64> = scores.iter().map(|s| s.variance().sqrt().max(f64::MIN_POSITIVE)).collect();
+    let standardised: Vec<Vec<f64>> = (0..rows)
+        .map(|row| scores.iter().zip(&deviations).map(|(score, std)| score.units[row] / std).collect())
+        .collect();
+    let draws: Vec<f64> =
+        (0..DRAWS as u64).into_par_iter().map(|seed| largest(&standardised, seed)).collect();
+    let probability = |score: &&Score| {
+        let as_large = draws.iter().filter(|draw| **draw >= score.standardised().abs()).count();
+        (as_large + 1) as f64 / (DRAWS + 1) as f64
+    };
+    scores.iter().map(probability).collect()
+}
+
+fn largest(rows: &[Vec<f64>], seed: u64) -> f64 {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let mut sums = vec![0.0; rows.first().map_or(0, Vec::len)];
+    let mut bits = 0;
+    for (k, row) in rows.iter().enumerate() {
+        if k % 64 == 0 {
+            bits = random.next_u64();
+        }
+        let sign = if bits >> (k % 64) & 1 == 0 { 1.0 } else { -1.0 };
+        sums.iter_mut().zip(row).for_each(|(sum, entry)| *sum += sign * entry);
+    }
+    sums.iter().fold(0.0, |most, sum| sum.abs().max(most))
+}

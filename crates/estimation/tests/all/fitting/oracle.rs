@@ -1,6 +1,6 @@
 //! Costs and their minimum by `scripts/independent/force_fit.py`.
 
-use estimation::fitting::{Problem, Recording, Settings, Starts};
+use estimation::fitting::{Problem, RecordingView, Settings, Starts};
 use serde_json::Value;
 
 use crate::fitting::ship::forces;
@@ -25,7 +25,8 @@ fn oracle_the_cost_and_its_minimum_are_those_of_an_independent_program() {
     let rows = all["recordings"].as_array().unwrap();
     let rows: Vec<[Vec<f64>; 2]> =
         rows.iter().map(|own| ["inputs", "measured"].map(|key| numbers(&own[key]))).collect();
-    let recordings = rows.iter().map(|[inputs, measured]| Recording { name: "recording", inputs, measured });
+    let recordings =
+        rows.iter().map(|[inputs, measured]| RecordingView { name: "recording", inputs, measured });
     let problem = Problem::new(&forces, recordings.collect(), 2, settings).unwrap();
     for own in all["costs"].as_array().unwrap() {
         let found = problem.cost(&numbers(&own["theta"]));

@@ -1,6 +1,6 @@
 //! The tanker KVLCC2, and simulated recordings of hers.
 
-use estimation::fitting::Recording;
+use estimation::fitting::RecordingView;
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use ship::forces::{Channel, Description, Forces};
@@ -37,8 +37,8 @@ pub struct Recorded {
 }
 
 impl Recorded {
-    pub fn recording(&self) -> Recording<'_> {
-        Recording { name: &self.name, inputs: &self.inputs, measured: &self.measured }
+    pub fn recording(&self) -> RecordingView<'_> {
+        RecordingView { name: &self.name, inputs: &self.inputs, measured: &self.measured }
     }
 }
 

@@ -7,8 +7,8 @@
 use numerics::{add_outer, congruence, scaled_inverse};
 use ship::forces::{Body, Dual, Forces};
 
-use crate::fitting::Inputs;
-use crate::fitting::estimates::conditioned;
+use super::fit::conditioned;
+use super::{Inputs, Prior, Unfit, at_bound, block, clamped_step, distance, prior_gradient};
 
 /// Parameters by which derivatives are computed at once.
 const AT_ONCE: usize = 13;
@@ -57,7 +57,7 @@ pub struct PredictedErrors {
 
 /// The derivatives of a simulated run's states by θ.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Slopes {
+pub struct StateSlopes {
     /// u, v \[m/s\], r \[rad/s\]: N + 1 rows.
     pub states: Vec<[f64; 3]>,
     /// ∂x/∂θ: for each row of `states` three rows of as many numbers as θ has.
@@ -81,23 +81,22 @@ impl SimulatedRun<'_> {
     }
 
     /// The states of `forces` with parameters `theta`, and their derivatives; `None` where they are not finite.
-    pub fn slopes(&self, forces: &Forces, theta: &[f64]) -> Option<Slopes> {
+    pub fn slopes(&self, forces: &Forces, theta: &[f64]) -> Option<StateSlopes> {
         self.slopes_by(forces, theta, Inputs::Held)
     }
 
     /// As [`Self::slopes`], where inputs do this between samples; linear ones are held after the last row.
-    pub fn slopes_by(&self, forces: &Forces, theta: &[f64], inputs: Inputs) -> Option<Slopes> {
+    pub fn slopes_by(&self, forces: &Forces, theta: &[f64], inputs: Inputs) -> Option<StateSlopes> {
         let (n, rows) = (theta.len(), 3 * (self.samples() + 1));
         let mut by_theta = vec![0.0; rows * n];
         let mut states = Vec::new();
         for first in (0..n.max(1)).step_by(AT_ONCE) {
             states = self.columns(forces, theta, (first, inputs), &mut by_theta);
         }
-        let finite = states.iter().flatten().chain(&by_theta).all(|own| own.is_finite());
-        finite.then_some(Slopes { states, by_theta })
+        let finite = states.iter().flatten().chain(&by_theta).all(|entry| entry.is_finite());
+        finite.then_some(StateSlopes { states, by_theta })
     }
 
-    /// Fills the columns of the parameters from `first` on.
     fn columns(
         &self,
         forces: &Forces,
@@ -106,8 +105,8 @@ impl SimulatedRun<'_> {
         out: &mut [f64],
     ) -> Vec<[f64; 3]> {
         let (n, width) = (theta.len(), self.width);
-        let own = |(i, value): (usize, &f64)| Dual::<f64, AT_ONCE>::unknown(*value, i.wrapping_sub(first));
-        let parameters: Vec<_> = theta.iter().enumerate().map(own).collect();
+        let dual = |(i, value): (usize, &f64)| Dual::<f64, AT_ONCE>::unknown(*value, i.wrapping_sub(first));
+        let parameters: Vec<_> = theta.iter().enumerate().map(dual).collect();
         let body = forces.body(&parameters);
         let mut state = self.initial.map(Dual::constant);
         let mut states = vec![self.initial];
@@ -121,11 +120,11 @@ impl SimulatedRun<'_> {
                     body.step(state, row, end, self.sample_s)
                 }
             };
-            for (d, own) in state.iter().enumerate() {
+            for (d, dual) in state.iter().enumerate() {
                 let to = &mut out[(3 * (k + 1) + d) * n + first..(3 * (k + 1) + d + 1) * n];
-                to.iter_mut().zip(own.tangents).for_each(|(to, tangent)| *to = tangent);
+                to.iter_mut().zip(dual.tangents).for_each(|(to, tangent)| *to = tangent);
             }
-            states.push(state.map(|own| own.value));
+            states.push(state.map(|dual| dual.value));
         }
         states
     }
@@ -134,8 +133,7 @@ impl SimulatedRun<'_> {
         &self.inputs[k * self.width..(k + 1) * self.width]
     }
 
-    /// The information of the run about θ under `noise`; `None` where the simulation is not finite. The start is known, and
-    /// errors of samples after it count.
+    /// The information about θ under `noise` of samples after the known start; `None` where a simulation is not finite.
     pub fn information(&self, forces: &Forces, theta: &[f64], noise: &WhiteNoise) -> Option<RunInformation> {
         let slopes = self.slopes(forces, theta)?;
         let n = theta.len();
@@ -145,7 +143,7 @@ impl SimulatedRun<'_> {
             true => self.carried(forces, theta, &slopes, (weights, noise.current)),
             false => vec![0.0; n * n],
         };
-        let finite = measurement.iter().chain(&current).all(|own| own.is_finite());
+        let finite = measurement.iter().chain(&current).all(|entry| entry.is_finite());
         finite.then_some(RunInformation { measurement, current })
     }
 
@@ -154,18 +152,18 @@ impl SimulatedRun<'_> {
         &self,
         forces: &Forces,
         theta: &[f64],
-        slopes: &Slopes,
+        slopes: &StateSlopes,
         (weights, std): ([f64; 3], f64),
     ) -> Vec<f64> {
         let n = theta.len();
-        let constants: Vec<Dual<f64, 5>> = theta.iter().map(|own| Dual::constant(*own)).collect();
+        let constants: Vec<Dual<f64, 5>> = theta.iter().map(|value| Dual::constant(*value)).collect();
         let body = forces.body(&constants);
         let (mut sum, mut draw) = (vec![0.0; n * n], vec![0.0; n]);
         let mut adjoint = vec![0.0; 3 * n];
         for k in (0..self.samples()).rev() {
-            let own = &slopes.by_theta[3 * (k + 1) * n..3 * (k + 2) * n];
+            let slope = &slopes.by_theta[3 * (k + 1) * n..3 * (k + 2) * n];
             for (d, weight) in weights.iter().enumerate() {
-                (0..n).for_each(|i| adjoint[d * n + i] += weight * own[d * n + i]);
+                (0..n).for_each(|i| adjoint[d * n + i] += weight * slope[d * n + i]);
             }
             let (by_state, by_current) = self.transition(&body, slopes.states[k], k);
             for column in by_current {
@@ -191,7 +189,7 @@ impl SimulatedRun<'_> {
         let by_state =
             [0, 1, 2].map(|d: usize| [0, 1, 2].map(|j: usize| change[d].tangents[j] + stays(d, j)));
         // The state relative to the water is that over the ground less the current.
-        let by_current = [0, 1].map(|i: usize| change.map(|own| own.tangents[3 + i] - own.tangents[i]));
+        let by_current = [0, 1].map(|i: usize| change.map(|x| x.tangents[3 + i] - x.tangents[i]));
         (by_state, by_current)
     }
 }
@@ -200,30 +198,27 @@ impl SimulatedRun<'_> {
 type Transition = ([[f64; 3]; 3], [[f64; 3]; 2]);
 
 impl RunInformation {
-    /// The errors of an output-error estimate whose priors know `prior`, 1/σ² of each parameter, of those parameters that are
-    /// `free`; `None` where nothing determines one.
+    /// Errors of an output-error estimate of `free` parameters with 1/σ² of the `prior`; `None` where one is open.
     pub fn errors(&self, prior: &[f64], free: &[bool]) -> Option<PredictedErrors> {
         let (n, places) = (prior.len(), (0..prior.len()).filter(|i| free[*i]).collect::<Vec<_>>());
         let m = places.len();
-        let inner =
-            |of: &[f64]| -> Vec<f64> { (0..m * m).map(|k| of[places[k / m] * n + places[k % m]]).collect() };
-        let own = inner(&self.measurement);
-        let mut bread = own.clone();
+        let information = block(&self.measurement, n, &places);
+        let mut bread = information.clone();
         (0..m).for_each(|i| bread[i * m + i] += prior[places[i]]);
         let inverted = scaled_inverse(m, &bread)?;
-        let meat: Vec<f64> = bread.iter().zip(inner(&self.current)).map(|(own, more)| own + more).collect();
+        let meat: Vec<f64> = bread.iter().zip(block(&self.current, n, &places)).map(|(a, b)| a + b).collect();
         let known = congruence(m, &inverted, &meat);
         let mut covariance = vec![0.0; n * n];
         (0..m * m).for_each(|k| covariance[places[k / m] * n + places[k % m]] = known[k]);
         let scaled: Vec<f64> =
             (0..m * m).map(|k| bread[k] / (bread[k / m * (m + 1)] * bread[k % m * (m + 1)]).sqrt()).collect();
-        let weakest = numerics::weakest(m, &scaled).map_or(0, |own| own.dominant(m));
+        let weakest = numerics::weakest(m, &scaled).map_or(0, |weakest| weakest.dominant(m));
         let weakest = places.get(weakest).copied().unwrap_or(0);
-        Some(PredictedErrors { covariance, condition: conditioned(m, &own).0, weakest })
+        Some(PredictedErrors { covariance, condition: conditioned(m, &information).0, weakest })
     }
 }
 
-impl Slopes {
+impl StateSlopes {
     /// Σ SᵀS over all states and samples: with the covariance of θ its trace is the sum of squared errors of a free run.
     pub fn squares(&self, parameters: usize) -> Vec<f64> {
         self.weighted(parameters, [1.0; 3])
@@ -233,10 +228,138 @@ impl Slopes {
     pub(crate) fn weighted(&self, parameters: usize, weights: [f64; 3]) -> Vec<f64> {
         let (n, roots) = (parameters, weights.map(f64::sqrt));
         let (mut sum, mut scaled) = (vec![0.0; n * n], vec![0.0; n]);
-        for (row, own) in self.by_theta.chunks_exact(n.max(1)).enumerate() {
-            scaled.iter_mut().zip(own).for_each(|(to, own)| *to = roots[row % 3] * own);
+        for (row, row_slopes) in self.by_theta.chunks_exact(n.max(1)).enumerate() {
+            scaled.iter_mut().zip(row_slopes).for_each(|(to, slope)| *to = roots[row % 3] * slope);
             add_outer(&mut sum, &scaled, &scaled);
         }
         sum
+    }
+}
+
+/// The search has ended where Newton's step promises less than this, in squares of standard errors.
+const ENOUGH: f64 = 1e-3;
+const DAMPING: [f64; 2] = [1e-3, 1e10];
+const MOST_STEPS: usize = 300;
+
+/// A simulated run that was measured.
+#[derive(Clone, Copy, Debug)]
+pub struct MeasuredRun<'a> {
+    /// The run, which starts from a known state.
+    pub run: SimulatedRun<'a>,
+    /// Measured u, v \[m/s\] and r \[rad/s\]: N + 1 rows; the first one does not count.
+    pub measured: &'a [f64],
+    /// Standard deviations of the errors of u, v \[m/s\], r \[rad/s\], above 0, white in every sample.
+    pub noise: [f64; 3],
+}
+
+/// Second and first derivatives of half the cost.
+type Normal = (Vec<f64>, Vec<f64>);
+
+struct Search<'a> {
+    of: &'a MeasuredRun<'a>,
+    forces: &'a Forces,
+    priors: &'a [Option<Prior>],
+}
+
+impl MeasuredRun<'_> {
+    /// θ of least squares of errors over the noise, plus those of distances from the priors over their deviations; the search
+    /// begins at `theta`.
+    ///
+    /// # Errors
+    /// No free number, no sample, a simulation at the start that diverges, a number that nothing determines, no end of the
+    /// search.
+    pub fn most_probable(
+        &self,
+        forces: &Forces,
+        priors: &[Option<Prior>],
+        theta: &[f64],
+    ) -> Result<Vec<f64>, Unfit> {
+        if theta.is_empty() {
+            return Err(Unfit::NoParameter);
+        }
+        if self.run.samples() == 0 {
+            return Err(Unfit::NoSample);
+        }
+        Search { of: self, forces, priors }.from(theta)
+    }
+}
+
+impl Search<'_> {
+    fn from(&self, theta: &[f64]) -> Result<Vec<f64>, Unfit> {
+        let (mut theta, mut cost, mut damping) = (theta.to_vec(), self.cost(theta), DAMPING[0]);
+        if !cost.is_finite() {
+            return Err(Unfit::Diverged { recording: "run".to_owned(), first_s: 0.0 });
+        }
+        for _ in 0..MOST_STEPS {
+            let normal = self.normal(&theta).ok_or(Unfit::Unfinished(MOST_STEPS))?;
+            let held = at_bound(self.forces, &theta, &normal.1);
+            let free: Vec<usize> = (0..theta.len()).filter(|i| !held[*i]).collect();
+            let newton = self.step(&normal, &free, 0.0)?;
+            let promised: f64 = free.iter().zip(&newton).map(|(i, step)| -normal.1[*i] * step).sum();
+            if promised < ENOUGH {
+                return Ok(theta);
+            }
+            loop {
+                let step = self.step(&normal, &free, damping)?;
+                let next = clamped_step(self.forces, &theta, &free, step.into_iter());
+                let next_cost = self.cost(&next);
+                if next_cost < cost {
+                    (theta, cost, damping) = (next, next_cost, 0.1 * damping);
+                    break;
+                }
+                damping *= 5.0;
+                if damping > DAMPING[1] {
+                    // Where flow across a rudder changes its sign, the cost has an edge: no step is lower.
+                    return Ok(theta);
+                }
+            }
+        }
+        Err(Unfit::Unfinished(MOST_STEPS))
+    }
+
+    /// Squares of errors over the noise, and of distances from the priors.
+    fn cost(&self, theta: &[f64]) -> f64 {
+        let MeasuredRun { run, measured, noise } = self.of;
+        let states = run.states(self.forces, theta);
+        let errors = states.iter().zip(measured.as_chunks::<3>().0).skip(1);
+        let square = |(state, measured): (&[f64; 3], &[f64; 3])| -> f64 {
+            (0..3).map(|d| ((state[d] - measured[d]) / noise[d]).powi(2)).sum()
+        };
+        errors.map(square).sum::<f64>() + distance(theta, self.priors)
+    }
+
+    fn normal(&self, theta: &[f64]) -> Option<Normal> {
+        let MeasuredRun { run, measured, noise } = self.of;
+        let (n, slopes) = (theta.len(), run.slopes(self.forces, theta)?);
+        let weights = noise.map(|std| 1.0 / (std * std));
+        let (mut products, mut gradient) = (slopes.weighted(n, weights), vec![0.0; n]);
+        for (row, by_theta) in slopes.by_theta.chunks_exact(n).enumerate() {
+            let (k, d) = (row / 3, row % 3);
+            let error = weights[d] * (slopes.states[k][d] - measured[row]);
+            gradient.iter_mut().zip(by_theta).for_each(|(sum, slope)| *sum += error * slope);
+        }
+        for (i, [pull, slope]) in prior_gradient(theta, self.priors, 1.0).into_iter().enumerate() {
+            products[i * n + i] += pull;
+            gradient[i] += slope;
+        }
+        Some((products, gradient))
+    }
+
+    /// The step of the `free` parameters, with this share of the diagonal added to it.
+    fn step(&self, (products, gradient): &Normal, free: &[usize], damping: f64) -> Result<Vec<f64>, Unfit> {
+        let (n, m) = (gradient.len(), free.len());
+        let entry = |i: usize, j: usize| products[free[i] * n + free[j]];
+        if let Some(i) = (0..m).find(|i| entry(*i, *i) <= 0.0) {
+            return Err(self.undetermined(free[i]));
+        }
+        let damped = |k: usize| entry(k / m, k % m) * if k / m == k % m { 1.0 + damping } else { 1.0 };
+        let products: Vec<f64> = (0..m * m).map(damped).collect();
+        let inverse = scaled_inverse(m, &products).ok_or_else(|| self.undetermined(free[0]))?;
+        let row = |i: usize| -> f64 { (0..m).map(|j| -inverse[i * m + j] * gradient[free[j]]).sum() };
+        Ok((0..m).map(row).collect())
+    }
+
+    fn undetermined(&self, i: usize) -> Unfit {
+        Unfit::Undetermined(self.forces.parameters()[i].name.clone())
     }
 }
