@@ -2,8 +2,8 @@ use argmin::core::{Error, IterState, KV, Problem, Solver, TerminationReason, Ter
 use serde::{Deserialize, Serialize};
 
 use crate::Evaluation;
-use crate::bounds::{Bounds, largest};
-use crate::objective::Objective;
+use crate::candidates::Objective;
+use crate::certificate::{Bounds, largest};
 
 /// State of the solver as argmin keeps it: the shares as parameter, −log|det| as cost.
 pub(crate) type State = IterState<Vec<f64>, (), (), (), (), f64>;

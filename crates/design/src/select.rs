@@ -1,8 +1,7 @@
 //! Designs with few candidates, each with a least share.
 
-use crate::bounds::largest;
+use crate::certificate::largest;
 use crate::design::{from_points, loss};
-use crate::subset::Subset;
 use crate::{Bounds, Design, Error, Method, Objective, Options};
 
 /// Restrictions on shares in addition to their bounds.
@@ -221,5 +220,57 @@ impl<O: Objective> Search<'_, O> {
                 members[i] = members[i - 1] + 1;
             }
         }
+    }
+}
+
+/// An [`Objective`] over some of its candidates; the others have no share.
+struct Subset<'a, O> {
+    pub objective: &'a O,
+    pub members: Vec<usize>,
+}
+
+impl<O: Objective> Subset<'_, O> {
+    /// Shares of all candidates.
+    pub(crate) fn whole(&self, shares: &[f64]) -> Vec<f64> {
+        let mut whole = vec![0.0; self.objective.len()];
+        self.members.iter().zip(shares).for_each(|(q, w)| whole[*q] = *w);
+        whole
+    }
+}
+
+impl<O: Objective> Objective for Subset<'_, O> {
+    type Point = O::Point;
+
+    fn len(&self) -> usize {
+        self.members.len()
+    }
+
+    fn degree(&self) -> f64 {
+        self.objective.degree()
+    }
+
+    fn size(&self) -> usize {
+        self.objective.size()
+    }
+
+    fn exponent(&self) -> f64 {
+        self.objective.exponent()
+    }
+
+    fn evaluate(&self, shares: &[f64], at: &mut O::Point) -> Option<f64> {
+        self.objective.evaluate(&self.whole(shares), at)
+    }
+
+    fn value(&self, shares: &[f64], at: &mut O::Point) -> Option<f64> {
+        self.objective.value(&self.whole(shares), at)
+    }
+
+    fn sensitivity(&self, q: usize, at: &O::Point) -> f64 {
+        self.objective.sensitivity(self.members[q], at)
+    }
+
+    fn curvature(&self, members: &[usize], at: &O::Point) -> Vec<f64> {
+        let mapped: Vec<usize> = members.iter().map(|q| self.members[*q]).collect();
+        self.objective.curvature(&mapped, at)
     }
 }

@@ -238,7 +238,7 @@ impl Pass {
                 place: (i, q),
                 entries: block.candidate(q).to_vec(),
             };
-            let best = crate::bounds::largest(0..block.len(), &sensitivities, JOINING[0]);
+            let best = crate::certificate::largest(0..block.len(), &sensitivities, JOINING[0]);
             let largest = sensitivities.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             Ok(Self {
                 largest,

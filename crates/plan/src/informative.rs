@@ -1,7 +1,7 @@
 use refusal::Invalid;
 use ship::engine::Pose;
 
-use crate::grid::{around, wrap};
+use crate::leg::{around, wrap};
 use crate::repertoire::{Best, Farthest, Outcome, Settled, Unsettled};
 use crate::sampled_vessel::{Crew, Failed, Underway};
 use crate::{Leg, Phase, Purpose, Repertoire, Sailed, SampledVessel, Side};

@@ -1,11 +1,10 @@
 //! Laws of the bound, and comparison of the searches on maps.
 
-use crate::lattice::bound::Bound;
+use super::beam::{Bound, Left, Packing};
+use super::watch::RadixHeap;
 use crate::lattice::graph::{Graph, Reach, WITHIN_PER_POSE, within};
 use crate::lattice::layered::Levels;
-use crate::lattice::radix_heap::RadixHeap;
 use crate::lattice::seconds::with_seconds;
-use crate::lattice::uses::{Left, Packing};
 use crate::lattice::watch::Watch;
 use crate::lattice::{Demand, Limit, Options, Problem, dense, layered, plan, synthetic};
 

@@ -1,15 +1,20 @@
 //! The information of a segment of a trajectory about the parameters: sums of lifted moments per degree of
 //! freedom, of a ship with forces that of her free numbers.
 
+use std::collections::BTreeMap;
+
 use numerics::{LANES, Lane};
 use refusal::Invalid;
 use regression::{Batch, Noise, moments};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use ship::engine::simulate_one;
 use ship::model::Vessel;
-
-use super::task::Brief;
 use trial::Piece;
 use trial::moments::ForcesPrediction;
+
+use super::error::VoyageError;
+use super::task::Brief;
 
 /// Σ φ̃ ζ̃ᵀ per degree of freedom, row-major; of a ship with forces one matrix Σ SᵀWS. The sums of two segments add up to
 /// those of both.
@@ -152,7 +157,7 @@ impl MomentSums {
 
     /// tr(M⁻¹ M_other)/p over all degrees of freedom: the share of `other` in this sum, if it is part of it. With priors M has
     /// them, and p is tr(M⁻¹ M_own) of what was sailed alone. `None` where a direction is not excited.
-    pub(super) fn share_of(&self, other: &Self) -> Option<f64> {
+    fn share_of(&self, other: &Self) -> Option<f64> {
         if !self.log_det().is_finite() {
             return None;
         }
@@ -186,3 +191,89 @@ impl MomentSums {
 /// with forces for each number.
 const LEAST: f64 = -60.0;
 const LEAST_OF_FORCES: f64 = -10.0;
+
+// How much of a plan's information its done maneuvers have.
+
+/// The planned information of the maneuvers that are done, of that of all in the plan, by the D-criterion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Gathered {
+    /// Σ of the shares of what is done: 1 where all is, whatever priors know. Absent where the whole plan leaves a direction unexcited.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub share: Option<f64>,
+    /// exp((log|det| of what is done − that of the plan)/p): 0 until every direction is excited, 1 where all is done.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub efficiency: Option<f64>,
+    /// p.
+    pub dimension: u64,
+    /// Every maneuver of the plan.
+    pub maneuvers: Vec<GatheredManeuver>,
+}
+
+/// A maneuver of a plan.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GatheredManeuver {
+    /// Its name.
+    pub name: String,
+    /// Its uses in the plan.
+    pub planned: u64,
+    /// Those that are done.
+    pub done: u64,
+    /// tr(M⁻¹ M_q)/p of all its uses in the plan, with the information M of all maneuvers: what the D-criterion grows by, to
+    /// first order. With priors, which M then has, p is tr(M⁻¹ M_q) summed over the maneuvers. Absent as above.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub share: Option<f64>,
+}
+
+impl Brief {
+    /// The planned information of `done` uses of maneuvers, of that of the `planned` ones: each use adds the moments of its
+    /// piece, by the nominal model in still water.
+    ///
+    /// # Errors
+    /// A planned maneuver that the task or the dictionary lacks.
+    pub fn gathered(
+        &self,
+        planned: &BTreeMap<String, u64>,
+        done: &BTreeMap<String, u64>,
+    ) -> Result<Gathered, VoyageError> {
+        let (wanted, summing) = (self.wanted()?, self.summing()?);
+        let mut own: Vec<(MomentSums, GatheredManeuver)> = Vec::new();
+        for (name, count) in planned {
+            let Some(piece) = wanted.iter().map(|own| &own.piece).find(|piece| piece.maneuver == *name)
+            else {
+                let known = wanted.iter().map(|own| own.piece.maneuver.clone()).collect();
+                return Err(VoyageError::UnknownManeuver { name: name.clone(), known });
+            };
+            let done = done.get(name).copied().unwrap_or(0);
+            let maneuver = GatheredManeuver { name: name.clone(), planned: *count, done, share: None };
+            own.push((summing.of_piece(piece), maneuver));
+        }
+        Ok(of_pieces(own))
+    }
+}
+
+/// Of the moments of one use of each maneuver.
+fn of_pieces(mut own: Vec<(MomentSums, GatheredManeuver)>) -> Gathered {
+    let (mut all, mut so_far) = (MomentSums::default(), MomentSums::default());
+    for (moments, maneuver) in &own {
+        all.add(moments, maneuver.planned as f64);
+        so_far.add(moments, maneuver.done as f64);
+    }
+    for (moments, maneuver) in &mut own {
+        maneuver.share = all.share_of(moments).map(|share| share * maneuver.planned as f64);
+    }
+    let part = |gathered_maneuver: &GatheredManeuver| {
+        Some(
+            gathered_maneuver.share? * gathered_maneuver.done as f64
+                / gathered_maneuver.planned.max(1) as f64,
+        )
+    };
+    let efficiency = libm::exp((so_far.log_det() - all.log_det()) / all.dimension() as f64);
+    Gathered {
+        share: own.iter().map(|(_, own)| part(own)).sum(),
+        efficiency: Some(efficiency).filter(|own| own.is_finite()),
+        dimension: all.dimension() as u64,
+        maneuvers: own.into_iter().map(|(_, own)| own).collect(),
+    }
+}

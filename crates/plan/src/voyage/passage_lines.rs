@@ -5,9 +5,8 @@ use std::ops::Range;
 use chart::Dangers;
 use chart::route::{Route, Timestamp, Waypoint};
 
-use super::drafts::{Draft, Line, STRAIGHT, append_leg, distance};
-use super::passage::{NearestDanger, Passage, PassageLeg};
-use super::sailed_plan::SailedPlan;
+use super::passage::{Draft, Line, NearestDanger, Passage, PassageLeg, STRAIGHT, append_leg, distance};
+use super::sailing::SailedPlan;
 use crate::{Fix, Phase, Sample, Side};
 
 /// Waypoints that are nearer than this are one \[m\].

@@ -1,18 +1,21 @@
 //! The lattice problem of a trial, and its solution.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::lattice::{Lattice, MoveId, NoPlan, Poll, Pose, Problem, Reason, Solution};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-use super::error::VoyageError;
-use super::front::FrontPoint;
-use super::moves::Moves;
-use super::off_nominal::parameters_in_words;
+use super::error::{Search, VoyageError, parameters_in_words, reason_in_words};
+use super::moment_sums::MomentSums;
 use super::prepared::Prepared;
-use super::search::{Search, in_words};
-use super::settled_legs::SettledLeg;
-use super::task::Secondary;
-use super::waters::Waters;
+use super::settled_legs::{SettledLeg, Wanted};
+use super::task::{CostRule, Primary, Secondary};
+use super::waters::{CLEARANCE_CLASSES, Waters};
+use crate::lattice::{
+    Action, Cost, Lattice, Move, MoveId, NoPlan, Poll, Pose, Problem, Reason, Solution, Step,
+};
+use crate::{Leg, Purpose};
 
 /// The nodes around one, the nearest first.
 const AROUND: [[isize; 2]; 8] = [[1, 0], [0, 1], [-1, 0], [0, -1], [1, 1], [-1, 1], [-1, -1], [1, -1]];
@@ -146,7 +149,7 @@ impl Prepared {
 
     /// Why there is no plan, and the most informative feasible counts.
     fn infeasible(&self, reason: &Reason, front: &[FrontPoint]) -> String {
-        let mut text = in_words(reason, |pose| self.words(pose), self.grid.cell_m);
+        let mut text = reason_in_words(reason, |pose| self.words(pose), self.grid.cell_m);
         if !self.brief.task.speed_limits.is_empty() {
             text += "; legs faster than a [[speed_limit]] count as without room in it";
         }
@@ -162,4 +165,141 @@ impl Prepared {
             }
         }
     }
+}
+
+// Fewer uses for less time: the front of cost and information.
+
+/// Counts with what they cost and tell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FrontPoint {
+    /// Uses of every maneuver.
+    pub counts: BTreeMap<String, u64>,
+    /// Cost of the best plan with them.
+    pub cost: f64,
+    /// Time in informative legs \[s\].
+    pub informative_s: f64,
+    /// log|det| of their information.
+    pub log_det: f64,
+}
+
+impl Prepared {
+    /// Counts that no others beat in both cost and information, cheapest first; empty if the search is not
+    /// exhaustive. A known `plan` beats all that are dearer, since more uses never carry less information.
+    pub(super) fn front(
+        &self,
+        problem: &Problem,
+        plan: Option<&Solution>,
+        moves: &Moves,
+        search: &Search,
+    ) -> Vec<FrontPoint> {
+        let order = self.pieces_in_order(moves);
+        let all = search.affordable(problem, plan).into_iter().map(|found| self.front_point(&order, found));
+        let mut points: Vec<FrontPoint> = all.filter(|p| p.log_det.is_finite()).collect();
+        let time = |p: &FrontPoint| match self.brief.task.cost.primary {
+            Primary::BasicMoves => p.informative_s,
+            Primary::Seconds => 0.0,
+        };
+        points.sort_by(|a, b| {
+            a.cost.total_cmp(&b.cost).then(b.log_det.total_cmp(&a.log_det)).then(time(a).total_cmp(&time(b)))
+        });
+        let mut best = f64::NEG_INFINITY;
+        points.retain(|p| {
+            let better = p.log_det > best;
+            best = best.max(p.log_det);
+            better
+        });
+        points
+    }
+
+    /// The piece of every informative action, in the order of the lattice's counts.
+    fn pieces_in_order(&self, moves: &Moves) -> Vec<usize> {
+        let informative = moves.actions.iter().filter(|a| a.required > 0);
+        let piece = |name: &String| self.wanted.iter().position(|w| w.piece.maneuver == *name);
+        informative.filter_map(|action| piece(&action.name)).collect()
+    }
+
+    fn front_point(&self, order: &[usize], (uses, cost): (Vec<u32>, f64)) -> FrontPoint {
+        let mut information = MomentSums::default();
+        let mut counts = BTreeMap::new();
+        let mut informative_s = 0.0;
+        for (piece, count) in order.iter().zip(&uses) {
+            information.add(&self.information[*piece], f64::from(*count));
+            counts.insert(self.wanted[*piece].piece.maneuver.clone(), u64::from(*count));
+            informative_s += f64::from(*count) * self.shortest_leg_s(*piece);
+        }
+        FrontPoint { counts, cost, informative_s, log_det: information.log_det() }
+    }
+
+    /// Time of the shortest leg that uses a piece \[s\].
+    pub(super) fn shortest_leg_s(&self, wanted: usize) -> f64 {
+        let uses =
+            |purpose: &Purpose| matches!(purpose, Purpose::Informative { piece, .. } if *piece == wanted);
+        let own = self.legs.iter().filter(|leg| uses(&leg.leg.purpose));
+        own.map(|own| own.seconds(self.brief.vessel.sample_rate_hz)).fold(f64::INFINITY, f64::min)
+    }
+}
+
+// Legs as moves of the lattice, with their costs.
+
+/// The lattice's actions, and the legs of their moves.
+#[derive(Clone, Debug)]
+pub struct Moves {
+    /// The actions.
+    pub actions: Vec<Action>,
+    /// Per action and move: index of the leg, and its clearance class.
+    pub(super) legs: Vec<Vec<(usize, usize)>>,
+}
+
+impl Moves {
+    /// Groups legs by name; costs follow `rule`.
+    pub(super) fn new(legs: &[Arc<SettledLeg>], wanted: &[Wanted], rule: &CostRule, rate_hz: f64) -> Self {
+        let mut moves = Self { actions: Vec::new(), legs: Vec::new() };
+        let classes = if rule.secondary == Secondary::Clearance { CLEARANCE_CLASSES } else { 1 };
+        for (index, leg) in legs.iter().enumerate() {
+            let action = moves.action(leg, wanted);
+            // The time of a maneuver that reacts differs by vessel: the cost bounds it.
+            let reacts = leg.leg.purpose.piece().is_some_and(|piece| wanted[piece].piece.helm.is_some());
+            let seconds = if reacts { leg.longest as f64 / rate_hz } else { leg.seconds(rate_hz) };
+            for class in 0..classes {
+                let cost = cost(leg, rule, class, seconds);
+                let Leg { from, di, dj, to, .. } = leg.leg;
+                moves.actions[action].moves.push(Move { from, di, dj, to, cost });
+                moves.legs[action].push((index, class));
+            }
+        }
+        moves
+    }
+
+    fn action(&mut self, settled_leg: &SettledLeg, wanted: &[Wanted]) -> usize {
+        if let Some(known) = self.actions.iter().position(|a| a.name == settled_leg.name) {
+            return known;
+        }
+        let required = settled_leg.leg.purpose.piece().map_or(0, |piece| wanted[piece].count);
+        self.actions.push(Action { name: settled_leg.name.clone(), required, moves: Vec::new() });
+        self.legs.push(Vec::new());
+        self.actions.len() - 1
+    }
+
+    /// The leg of a step.
+    pub(super) fn leg_of_step(&self, step: &Step) -> usize {
+        let moves = self.actions[step.action].moves.iter().enumerate();
+        let own = moves.filter(|(_, m)| m.from == step.from.layer);
+        let index = own.map(|(index, _)| index).nth(step.variant).unwrap_or(0);
+        self.legs[step.action][index].0
+    }
+}
+
+fn cost(settled_leg: &SettledLeg, rule: &CostRule, class: usize, seconds: f64) -> Cost {
+    let primary = match rule.primary {
+        Primary::BasicMoves => f64::from(u8::from(!settled_leg.is_informative())),
+        Primary::Seconds => seconds,
+    };
+    let secondary = match rule.secondary {
+        Secondary::Seconds if rule.primary == Primary::Seconds => 0.0,
+        Secondary::Seconds => seconds,
+        Secondary::Turns => f64::from(u8::from(settled_leg.name.starts_with("turn-"))),
+        Secondary::Clearance => class as f64,
+    };
+    Cost { primary, secondary }
 }

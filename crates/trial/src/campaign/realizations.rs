@@ -10,12 +10,9 @@ use ship::engine::{Helm, Segment, Streams, refuse_endless};
 use ship::model::Vessel;
 
 use super::Refusal;
-use super::designed::{Designed, Parts, too_short};
-use super::own_loop::OwnLoop;
-use super::plays::{Plan, drawable, left_out};
-use super::practice::{not_sailed, practice};
-use super::sea::{Group, Sea, SimulatedRun, States, Wanted};
-use super::together::{Experiment, Together};
+use super::designed::{Designed, Parts, Plan, drawable, left_out, too_short};
+use super::sea::{Group, OwnLoop, Sea, SimulatedRun, States, Wanted};
+use super::together::{Experiment, Together, not_sailed, practice};
 
 /// Channel of the random stream that draws a random design's maneuvers.
 const MANEUVER_CHANNEL: u32 = 100;

@@ -1,13 +1,14 @@
+use std::ops::Range;
+
 use numerics::lanes::{buffer, by_lane, interleave, lane, lane_of};
 use numerics::{LANES, Lane, Wide};
 use refusal::Invalid;
 use ship::engine::{
     Current, Disturbances, Diverged, Driven, Driving, Helm, Recording, Run, Streams, Wind, diverged_lanes,
-    simulate_commanded, simulate_disturbed,
+    simulate_command, simulate_commanded, simulate_disturbed,
 };
-use ship::model::{Source, Vessel};
-
-use super::Refusal;
+use ship::model::{Model, Source, Vessel};
+use thiserror::Error;
 
 /// The true vessel and its disturbances. Simulates up to [`LANES`] runs in lanes.
 pub struct Sea<'a> {
@@ -229,5 +230,83 @@ impl Group<'_> {
 
     fn start(&self) -> [Lane; 3] {
         [0, 1, 2].map(|d: usize| lane(self.runs.len(), |run| self.initial[run][d]))
+    }
+}
+
+/// Why a trial cannot be simulated, by the part at fault.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum Refusal {
+    /// The vessel: a parameter without a true value, a motion that diverges.
+    #[error("vessel: {0}")]
+    Vessel(Invalid),
+    /// The dictionary: a motion that the model cannot hold, limits that no maneuver keeps.
+    #[error("dictionary: {0}")]
+    Dictionary(Invalid),
+    /// The campaign's numbers.
+    #[error("campaign: {0}")]
+    Campaign(Invalid),
+    /// The current or the wind, if the vessel diverges only in these.
+    #[error("sea: {0}")]
+    Sea(Invalid),
+    /// The design's shares or order.
+    #[error("design: {0}")]
+    Design(Invalid),
+    /// The design has a maneuver that the dictionary does not have.
+    #[error("design: found maneuver `{name}`, which the dictionary does not have")]
+    UnknownManeuver {
+        /// Its name.
+        name: String,
+        /// Whether it is in the design's order, or else in its shares.
+        ordered: bool,
+    },
+    /// The design's order is for an experiment of another length.
+    #[error("design: found an order of {ordered} samples, expected {samples}")]
+    OtherLength {
+        /// Samples of the order.
+        ordered: usize,
+        /// Samples of a run.
+        samples: usize,
+    },
+}
+
+/// The inputs of the nominal ship under the controllers of an experiment, in still water: the instruments of tracked motions. There
+/// recorded inputs follow all that the controller saw.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OwnLoop {
+    /// N × exogenous, row-major.
+    exogenous: Vec<f64>,
+    /// The samples at which motions are tracked. Inputs that change when a heading is reached are instruments as they are: the
+    /// nominal ship would reach it at another time.
+    tracked: Vec<Range<usize>>,
+}
+
+impl OwnLoop {
+    /// Of `parts`, each for so many samples, from `initial`; `None` where none of them tracks a motion.
+    pub fn new(vessel: &Vessel, initial: [f64; 3], parts: &[(Helm, usize)]) -> Option<Self> {
+        let mut end = 0;
+        let mut range = |(helm, samples): &(Helm, usize)| {
+            end += samples;
+            helm.tracks().then_some(end - samples..end)
+        };
+        let tracked: Vec<Range<usize>> = parts.iter().filter_map(&mut range).collect();
+        if tracked.is_empty() {
+            return None;
+        }
+        let (model, rate_hz) = (&vessel.model, vessel.sample_rate_hz);
+        let helm = Helm::sequence(parts.to_vec());
+        let run = simulate_command(model, &vessel.nominal, initial, end, rate_hz, &helm);
+        Some(Self { exogenous: run.exogenous, tracked })
+    }
+
+    /// What instruments are simulated with in a run with these `recorded` inputs and measured disturbances, N × exogenous.
+    pub fn instruments(&self, model: &Model, recorded: &[f64]) -> Vec<f64> {
+        let (width, inputs) = (model.exogenous(), model.inputs);
+        let mut rows = recorded.to_vec();
+        for k in self.tracked.iter().cloned().flatten() {
+            let row = &mut rows[width * k..width * (k + 1)];
+            row[..inputs].copy_from_slice(&self.exogenous[width * k..][..inputs]);
+            model.complete(row);
+        }
+        rows
     }
 }

@@ -2,9 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use design::{Candidates, CriterionName, Dictionary};
+use design::{
+    Bounds, Candidates, Criterion, CriterionName, Dictionary, NoDesign, Norm, Options, Rivals,
+    WeightedFigure, solve_within,
+};
 use refusal::Invalid;
 use regression::MeanRemoval;
+use ship::engine::Streams;
 use ship::model::Source;
 
 use super::{DegreeMoments, Moments, OutputErrorMoments};
@@ -295,4 +299,95 @@ fn is_covariance(b: &[f64], n: usize) -> bool {
                 && one.abs() <= size(i, j) * (1.0 + 1e-9)
                 && (one - other).abs() <= 1e-9 * size(i, j)
         })
+}
+
+/// A criterion and what it is of.
+#[derive(Clone, Debug)]
+pub struct CriterionOf<'a> {
+    /// Its name.
+    pub name: CriterionName,
+    /// The estimate.
+    pub estimated: Estimated,
+    /// The parameters that errors are relative to.
+    pub relative_to: Source,
+    /// The figures of [`CriterionName::Figures`], and the parameters, not 0, that these were differentiated at.
+    pub figures: (&'a [WeightedFigure], &'a [f64]),
+}
+
+/// Why moments have no criterion.
+#[derive(Clone, Debug, thiserror::Error, PartialEq)]
+pub enum NoCriterion {
+    /// What the moments lack.
+    #[error("{0}")]
+    Moments(Invalid),
+    /// A covariance that is not defined.
+    #[error(transparent)]
+    Design(#[from] NoDesign),
+}
+
+impl From<Invalid> for NoCriterion {
+    fn from(invalid: Invalid) -> Self {
+        Self::Moments(invalid)
+    }
+}
+
+impl Moments {
+    /// The criterion over the maneuvers of `dictionary`, and B_q of these where it is one of the covariance.
+    ///
+    /// # Errors
+    /// Moments without what the criterion is computed from; a singular covariance.
+    pub fn criterion(
+        &self,
+        dictionary: &Dictionary,
+        of: &CriterionOf,
+    ) -> Result<(Criterion, Option<Candidates>), NoCriterion> {
+        if of.name == CriterionName::DHessian {
+            return Ok((Criterion::Information(dictionary.information.clone()), None));
+        }
+        // Checked before the meat: its refusals name the parameter.
+        let weights = match of.name {
+            CriterionName::ARelative => self.squares(of.relative_to)?.iter().map(|s| 1.0 / s).collect(),
+            _ => vec![1.0; dictionary.parameters()],
+        };
+        let meat = self.middle(of.estimated)?;
+        let criterion = match of.name {
+            CriterionName::V => Criterion::of_free_runs(dictionary, &meat, self.free_run_weights()?),
+            CriterionName::Figures => Criterion::of_figures(dictionary, &meat, of.figures.0, of.figures.1),
+            CriterionName::D => Criterion::of_covariance(dictionary, &meat, weights, Norm::LogDet),
+            _ => Criterion::of_covariance(dictionary, &meat, weights, Norm::Trace),
+        };
+        Ok((criterion?, Some(meat)))
+    }
+}
+
+/// Random designs for the median.
+const RANDOM: u32 = 400;
+/// Segments of a random design, as in the paper.
+const SEGMENTS: u32 = 5;
+
+impl Moments {
+    /// The designs for comparison: the shares of the paper's criterion, and random designs of equally long
+    /// segments, each any maneuver.
+    pub fn rivals(&self, removal: MeanRemoval, seed: u64) -> Rivals {
+        let streams = Streams::new(seed, "random designs");
+        let count = self.maneuvers.len();
+        let random = |run: u32| {
+            let mut shares = vec![0.0; count];
+            for q in streams.choices(run, 0, count as u32, SEGMENTS as usize) {
+                shares[q as usize] += 1.0 / f64::from(SEGMENTS);
+            }
+            shares
+        };
+        Rivals {
+            paper: self.papers_shares(removal),
+            random: (0..RANDOM).map(random).collect(),
+            random_segments: SEGMENTS,
+        }
+    }
+
+    fn papers_shares(&self, removal: MeanRemoval) -> Option<Vec<f64>> {
+        let dictionary = self.dictionary(Estimated::Iv(removal)).ok()?;
+        let options = Options { random_starts: 0, tolerance: 1e-8, ..Options::default() };
+        solve_within(&dictionary.information, &Bounds::default(), &options).ok().map(|design| design.shares)
+    }
 }

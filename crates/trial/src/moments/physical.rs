@@ -4,17 +4,19 @@ use std::collections::BTreeMap;
 
 use design::Degree;
 use estimation::fitting::{SimulatedRun, WhiteNoise};
+use estimation::output_information;
+use estimation::pooled::Covariance;
 use maneuver::Generator;
 use numerics::scaled_inverse;
 use refusal::Invalid;
-use regression::Noise;
-use ship::engine::Run;
-use ship::model::{ForceModel, Vessel};
+use regression::{Batch, Noise, middle, moments};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use ship::engine::{Run, Segment};
+use ship::model::{DegreeOfFreedom, ForceModel, Model, Vessel};
 
-use super::free_runs::{Unpredictable, diverges};
-use super::prediction::DICTIONARY;
-use super::prior::PriorInformation;
-use super::{FreeRunModel, ManeuverMoments, Moments, OutputErrorMoments, by_name};
+use super::matrices::{Unpredictable, diverges};
+use super::{DegreeMoments, Expected, FreeRunModel, ManeuverMoments, Moments, OutputErrorMoments, by_name};
 
 /// A ship with forces whose maneuvers are simulated, and what disturbs the measured ones.
 #[derive(Clone, Debug)]
@@ -195,5 +197,155 @@ impl Moments {
         let parameters = self.degrees.iter().flat_map(|degree| &degree.parameters);
         let place = |name: &String| rows.iter().position(|own| own == name);
         parameters.map(|name| Some((name.clone(), share(place(name)?).clamp(0.0, 1.0)))).collect()
+    }
+}
+
+// What is known of parameters before a trial.
+
+/// What is known of parameters before the trial: it counts once for the whole trial, as `F` times samples does.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PriorInformation {
+    /// The parameters that something is known of.
+    pub parameters: Vec<String>,
+    /// The inverse of their covariance, row-major: that of a fit, or 1/σ² of each by its prior, σ its standard deviation.
+    pub information: Vec<f64>,
+}
+
+impl PriorInformation {
+    /// The information in `covariance` about the parameters of `names` that it knows, whatever others are; what else `known` has
+    /// is 1/σ². `None` where there is nothing.
+    pub fn new<'n>(
+        names: impl Iterator<Item = &'n str>,
+        covariance: Option<&Covariance>,
+        known: impl Fn(&str) -> Option<f64>,
+    ) -> Option<Self> {
+        let place = |name: &str| {
+            let own = covariance?;
+            let place = own.names.iter().position(|other| other == name)?;
+            // Estimates at bounds have no variance.
+            (own.entries[place * (own.names.len() + 1)] > 0.0).then_some(place)
+        };
+        let all: Vec<(&str, Option<usize>)> = names
+            .map(|name| (name, place(name)))
+            .filter(|(name, place)| place.is_some() || known(name).is_some())
+            .collect();
+        let n = all.len();
+        let variances = |k: usize| match (all[k / n], all[k % n]) {
+            ((_, Some(row)), (_, Some(column))) => {
+                covariance.map_or(0.0, |own| own.entries[row * own.names.len() + column])
+            }
+            ((name, None), _) if k / n == k % n => known(name).map_or(0.0, |sigma| sigma * sigma),
+            _ => 0.0,
+        };
+        let variances: Vec<f64> = (0..n * n).map(variances).collect();
+        let information = scaled_inverse(n, &variances)?;
+        let parameters = all.into_iter().map(|(name, _)| name.to_owned()).collect();
+        (n > 0).then_some(Self { parameters, information })
+    }
+
+    /// Adds its part in each of `samples` to `matrix`, whose rows and columns are `rows`.
+    pub(crate) fn add_to(&self, matrix: &mut [f64], rows: &[String], samples: f64) {
+        let place = |name: &String| rows.iter().position(|own| own == name);
+        let (n, places) = (rows.len(), self.parameters.iter().map(place).collect::<Vec<_>>());
+        let of = |k: usize| Some((places[k / places.len()]?, places[k % places.len()]?));
+        for (k, known) in self.information.iter().enumerate() {
+            if let Some((row, column)) = of(k) {
+                matrix[row * n + column] += known / samples;
+            }
+        }
+    }
+}
+
+/// Name of the design of a dictionary's runs.
+const DICTIONARY: &str = "dictionary";
+
+/// The predictions about estimates, besides the moments themselves.
+#[derive(Clone, Debug)]
+pub struct Prediction<'a> {
+    model: &'a Model,
+    /// The expected disturbances and the parameters that the residual is linearised with: for the matrices B.
+    noise: Option<(Noise, Vec<f64>)>,
+    /// The parameters of free simulations: for output error, with the same disturbances.
+    free_runs: Option<Vec<f64>>,
+}
+
+/// A measured run as one run per segment, each from its first measured state; a run of a dictionary
+/// unchanged.
+fn segments(run: &Run) -> Vec<Run> {
+    if run.design == DICTIONARY || run.segments.len() < 2 {
+        return vec![run.clone()];
+    }
+    let ends = run.segments.iter().skip(1).map(|s| s.start).chain([run.samples()]);
+    let part = |(segment, end): (&Segment, usize)| {
+        let part = run.view().part(segment.start..end);
+        Run {
+            design: run.design.clone(),
+            run: run.run,
+            segments: vec![Segment { maneuver: segment.maneuver.clone(), start: 0 }],
+            exogenous: part.exogenous.to_vec(),
+            instrument_exogenous: part.own_instrument_inputs(),
+            measured: part.measured.to_vec(),
+            initial: if segment.start == 0 { run.initial } else { part.initial },
+        }
+    };
+    run.segments.iter().zip(ends).map(part).collect()
+}
+
+impl<'a> Prediction<'a> {
+    /// With the matrices B if disturbances are `expected`, and output error's information if there is a model for it.
+    pub fn new(model: &'a Model, expected: Option<&Expected>, output_error: Option<&FreeRunModel>) -> Self {
+        let theta = |by_name: &BTreeMap<String, f64>| -> Vec<f64> {
+            model.parameter_names().map(|name| by_name[name]).collect()
+        };
+        let noise = expected.map(|e| (e.noise(), theta(&e.parameters)));
+        Self { model, noise, free_runs: output_error.map(|o| theta(&o.parameters)) }
+    }
+
+    /// The runs whose moments are computed: the segments of measured ones, each with instruments of its own.
+    pub fn runs(&self, recorded: &[Run]) -> Vec<Run> {
+        recorded.iter().flat_map(segments).collect()
+    }
+
+    /// The moments of every run of a batch, each one maneuver, and whether they may be pooled with others of
+    /// the same name: those of measured runs may, but not those of a dictionary, where each name has one run.
+    ///
+    /// # Errors
+    /// A free simulation that diverges.
+    pub fn moments(&self, batch: &Batch, runs: &[Run]) -> Result<Vec<(bool, ManeuverMoments)>, Invalid> {
+        let mut middles = self.noise.as_ref().map(|(noise, theta)| middle(batch, theta, noise).into_iter());
+        let of = |(run, found): (&Run, regression::ManeuverMoments)| {
+            let mut middle = middles.as_mut().and_then(Iterator::next).into_iter().flatten();
+            let degree = |((d, m), nonstationarity): ((DegreeOfFreedom, Vec<f64>), f64)| DegreeMoments {
+                name: d.name().to_owned(),
+                shape: [m.len().isqrt() as u64; 2],
+                m,
+                nonstationarity,
+                b: middle.next(),
+            };
+            let matrices = DegreeOfFreedom::ALL.into_iter().zip(found.matrices);
+            let maneuver = ManeuverMoments {
+                name: run.segments[0].maneuver.clone(),
+                samples: found.samples,
+                degrees: matrices.zip(found.nonstationarity).map(degree).collect(),
+                output_error: self.output_error(run)?,
+            };
+            Ok((run.design != DICTIONARY, maneuver))
+        };
+        runs.iter().zip(moments(batch)).map(of).collect()
+    }
+
+    fn output_error(&self, run: &Run) -> Result<Option<OutputErrorMoments>, Invalid> {
+        let Some(((noise, _), theta)) = self.noise.as_ref().zip(self.free_runs.as_ref()) else {
+            return Ok(None);
+        };
+        let found = output_information(self.model, theta, run.initial, &run.exogenous, noise)
+            .ok_or_else(|| diverges(&format!("maneuver `{}`", run.segments[0].maneuver)))?;
+        let weighted = noise.measurement.iter().all(|std| *std > 0.0);
+        Ok(Some(OutputErrorMoments {
+            f: found.information,
+            e: (!weighted).then_some(found.measurement),
+            p: (noise.current > 0.0).then_some(found.process),
+        }))
     }
 }

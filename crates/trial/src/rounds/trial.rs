@@ -9,10 +9,8 @@ use regression::Noise;
 use ship::engine::{Run, Streams, check_diverged, refuse_endless, simulate_one};
 use ship::model::{Source, Vessel};
 
-use super::growing_run::GrowingRun;
-use super::knowledge::Knowledge;
-use super::planner::{Planner, SoFar};
-use super::row::{Arm, Outcome, Row, Shared};
+use super::planner::{GrowingRun, Knowledge, Planner, SoFar};
+use super::{Arm, Outcome, Row, Shared};
 use crate::campaign::{
     Group, Parts, Plan, Refusal, Sea, drawable, even_lengths, random_segments, shared_out,
 };

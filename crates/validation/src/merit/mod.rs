@@ -1,6 +1,5 @@
 //! Figures of merit of standard maneuvers over many runs, or of a model with uncertain parameters.
 
-mod slopes;
 mod summary;
 
 use std::collections::BTreeMap;
@@ -12,8 +11,7 @@ use refusal::Invalid;
 use ship::engine::{Run, Streams, check_runaway, simulate_command};
 use ship::model::Vessel;
 
-pub use slopes::FigureSlopes;
-pub use summary::{FigureMerit, ManeuverMerit, ShipTrack};
+pub use summary::{FigureMerit, FigureSlopes, ManeuverMerit, ShipTrack};
 
 /// The figures of one maneuver in one run.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,10 +2,8 @@
 
 use refusal::Invalid;
 
-use super::super::drafts::distance;
-use super::along::Along;
-use super::limits::FollowLimits;
-use super::track::{ShipPosition, median, turned_deg};
+use super::track::{Along, FollowLimits, ShipPosition, median, turned_deg};
+use crate::voyage::passage::distance;
 
 /// Parts of the way take so long \[s\], and are so long \[m\].
 const PART_S: [f64; 2] = [10.0, 120.0];

@@ -1,13 +1,115 @@
+//! Cross-validation: models simulated over runs or recordings that were left out of their estimate.
+
+use estimation::pooled::{Estimated, FreeRunErrors, NoEstimate, Pool, Score, deviations};
+use estimation::{Contender, Estimator, Recommendation, ScoreStatus};
 use rayon::prelude::*;
-use refusal::listed;
+use refusal::{Invalid, listed, names_in, nearest};
 use regression::pooled::{Drawn, Part, PooledRuns};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use ship::model::Model;
+use thiserror::Error;
 
-use super::error::CrossError;
-use super::folds::Folds;
-use estimation::pooled::{Estimated, FreeRunErrors, NoEstimate, Pool, Score, deviations};
-use estimation::{Contender, Estimator, Recommendation, ScoreStatus};
+/// Why nothing can be left out.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum CrossError {
+    /// There is only one run or recording, or all are left out.
+    #[error("no run or recording that could be left out, or none that would be left")]
+    OneSource,
+    /// No run is as long as a window.
+    #[error("no run is as long as a window")]
+    NoWindow,
+    /// No run or recording has the name that a fold names.
+    #[error("no run or recording `{name}`; the nearest is `{nearest}`")]
+    Unknown {
+        /// The name.
+        name: String,
+        /// The nearest known name.
+        nearest: String,
+    },
+    /// A run or recording is in two folds.
+    #[error("`{0}` stands in two folds")]
+    Twice(String),
+}
+
+impl CrossError {
+    /// What is invalid.
+    pub fn invalid(&self) -> Invalid {
+        let (expected, remedy) =
+            ("at least two, so that one can be left out", "add runs, or leave out fewer");
+        match self {
+            Self::OneSource => Invalid::new("runs or recordings", "one", expected, remedy),
+            Self::NoWindow => {
+                Invalid::new("windows", "no run as long as a window", "at least one", "shorten --window-s")
+            }
+            Self::Unknown { name, nearest } => Invalid::new(
+                format!("run or recording `{name}`"),
+                "no such run or recording",
+                "one of those that are read",
+                format!("did you mean `{nearest}`?"),
+            ),
+            Self::Twice(name) => Invalid::new(
+                format!("run or recording `{name}`"),
+                "in two folds",
+                "each left out once",
+                "name it in one --fold",
+            ),
+        }
+    }
+}
+
+/// How runs or recordings are left out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Folds {
+    /// Each on its own.
+    Each,
+    /// Dealt in turn into this number of folds.
+    Dealt(usize),
+    /// Named groups together, each a name or several with commas between; those not named are in every estimate.
+    Named(Vec<Vec<String>>),
+}
+
+impl Folds {
+    /// The indices of `sources` that each fold leaves out of the estimate, and simulates over.
+    ///
+    /// # Errors
+    /// A name that no source has, or that occurs twice; a fold that leaves nothing to estimate from.
+    pub fn left_out(&self, sources: &[&str]) -> Result<Vec<Vec<usize>>, CrossError> {
+        let all = sources.len();
+        let dealt = |count: usize| {
+            let count = count.min(all);
+            (0..count).map(|i| (i..all).step_by(count.max(1)).collect()).collect()
+        };
+        match self {
+            Self::Each => Ok(dealt(all)),
+            Self::Dealt(count) => Ok(dealt(*count)),
+            Self::Named(folds) => named(sources, folds),
+        }
+    }
+}
+
+fn named(sources: &[&str], folds: &[Vec<String>]) -> Result<Vec<Vec<usize>>, CrossError> {
+    let mut taken = vec![false; sources.len()];
+    let mut place = |name: &String| {
+        let Some(place) = sources.iter().position(|source| source == name) else {
+            let nearest = nearest(name, sources.iter().copied()).unwrap_or_default().to_owned();
+            return Err(CrossError::Unknown { name: name.clone(), nearest });
+        };
+        if std::mem::replace(&mut taken[place], true) {
+            return Err(CrossError::Twice(name.clone()));
+        }
+        Ok(place)
+    };
+    let known = |name: &str| sources.contains(&name);
+    let fold = |names: &Vec<String>| {
+        names.iter().flat_map(|name| names_in(name, known)).map(|name| place(&name)).collect()
+    };
+    let folds: Vec<Vec<usize>> = folds.iter().map(fold).collect::<Result<_, _>>()?;
+    match folds.iter().any(|left_out| left_out.len() == sources.len()) {
+        true => Err(CrossError::OneSource),
+        false => Ok(folds),
+    }
+}
 
 /// Options of a cross-validation.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -78,7 +180,7 @@ pub struct SourceScore {
 }
 
 /// The data, cut for simulating.
-pub(super) struct Cut {
+struct Cut {
     /// Per source.
     pub windows: Vec<(String, Vec<Part>)>,
     std: [f64; 3],
@@ -86,7 +188,7 @@ pub(super) struct Cut {
 
 /// One estimator in one fold.
 #[derive(Default)]
-pub(super) struct Tried {
+struct Tried {
     /// Per source that was left out.
     pub scores: Vec<(usize, Score)>,
     pub by_instruments: [bool; 3],
@@ -309,4 +411,44 @@ fn fits(errors: &FreeRunErrors) -> String {
         None => format!("{name} –"),
     };
     ["u", "v", "r"].into_iter().zip(errors.fits()).map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// The free numbers of a ship that was fitted without the runs of these names, or why there are none.
+pub type Fitting<'a> = &'a dyn Fn(&[String]) -> Result<Vec<f64>, String>;
+
+/// As [`cross_validate`], of a ship with forces `model`: `fit` is called with the names of what is left out. Each fit has all threads.
+///
+/// # Errors
+/// Nothing can be left out; no window.
+pub fn cross_validate_forces(
+    model: &Model,
+    runs: &PooledRuns,
+    (window, folds): (Option<usize>, &Folds),
+    fit: Fitting,
+    done: &(dyn Fn(usize) + Sync),
+) -> Result<CrossValidation, CrossError> {
+    let cut = Cut::new(runs, window)?;
+    let folds = cut.folds(folds)?;
+    let held = runs.are_inputs_held();
+    let tried = |left_out: &Vec<usize>| {
+        let names: Vec<String> = left_out.iter().map(|place| cut.windows[*place].0.clone()).collect();
+        let tried = match fit(&names) {
+            Ok(theta) => {
+                let score = |place: &usize| {
+                    let windows = cut.windows[*place].1.iter().map(Part::view);
+                    (*place, Score::replayed(model, &theta, windows, held))
+                };
+                Tried { scores: left_out.par_iter().map(score).collect(), ..Tried::default() }
+            }
+            Err(why) => {
+                let why = format!("without {}: {why}", names.join(", "));
+                Tried { failed: Some((ScoreStatus::NotConverged, why)), ..Tried::default() }
+            }
+        };
+        done(1);
+        tried
+    };
+    let tried: Vec<Tried> = folds.iter().map(tried).collect();
+    let score = cut.score(Estimator::OutputError, &tried);
+    Ok(cut.validation(folds.len(), vec![score]))
 }
