@@ -227,8 +227,8 @@ impl Candidates {
                 continue;
             }
             let direction = match numerics::weakest(n, &transposed(n, own)) {
-                Some(found) if found.ratio > 1e-12 => continue,
-                Some(found) => found.direction,
+                Some(weakest) if weakest.ratio > 1e-12 => continue,
+                Some(weakest) => weakest.direction,
                 None => vec![1.0; n],
             };
             return Err(Error::Unexcited { block, direction });
@@ -247,7 +247,7 @@ impl Candidates {
                     own[if by_row { i } else { j }] += entry * entry;
                 }
             }
-            squares.iter_mut().zip(&own).for_each(|(all, own)| *all += own);
+            squares.iter_mut().zip(&own).for_each(|(all, increase)| *all += increase);
         }
         squares.iter().map(|square| (square / self.len() as f64).sqrt()).collect()
     }

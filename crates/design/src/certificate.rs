@@ -36,9 +36,9 @@ pub(crate) fn row_scaling<'a>(n: usize, matrices: impl Iterator<Item = &'a [f64]
         let mut queue = vec![start];
         while let Some(i) = queue.pop() {
             for j in 0..n {
-                let (own, cross) = ratios[j * n + i];
-                if !known[j] && own > 0.0 {
-                    scaling[j] = scaling[i] * cross / own;
+                let (square, cross) = ratios[j * n + i];
+                if !known[j] && square > 0.0 {
+                    scaling[j] = scaling[i] * cross / square;
                     if scaling[j] <= 0.0 {
                         return None;
                     }

@@ -210,9 +210,9 @@ impl<O: Objective> Search<'_, O> {
                 rng.set_stream(u64::from(number));
                 self.shake(&mut counts, &mut rng);
             }
-            let found = self.exchange(counts);
-            if best.as_ref().is_none_or(|(value, _)| found.0 > *value) {
-                best = Some(found);
+            let exchanged = self.exchange(counts);
+            if best.as_ref().is_none_or(|(value, _)| exchanged.0 > *value) {
+                best = Some(exchanged);
             }
         }
         best
@@ -247,22 +247,22 @@ impl<O: Objective> Search<'_, O> {
                     let kept = (shares[from], shares[to]);
                     shares[from] = (counts[from] - 1) as f64 * one;
                     shares[to] = (counts[to] + 1) as f64 * one;
-                    let found = self.value_of(&shares);
+                    let better = self.value_of(&shares);
                     (shares[from], shares[to]) = kept;
-                    if best.is_none_or(|(value, ..)| found > value) {
-                        best = Some((found, from, to));
+                    if best.is_none_or(|(value, ..)| better > value) {
+                        best = Some((better, from, to));
                     }
                 }
             }
             match best {
-                Some((found, from, to))
-                    if found > value + 1e-12 * value.abs().max(1.0)
-                        || value.is_infinite() && found.is_finite() =>
+                Some((better, from, to))
+                    if better > value + 1e-12 * value.abs().max(1.0)
+                        || value.is_infinite() && better.is_finite() =>
                 {
                     counts[from] -= 1;
                     counts[to] += 1;
                     (shares[from], shares[to]) = (counts[from] as f64 * one, counts[to] as f64 * one);
-                    value = found;
+                    value = better;
                 }
                 _ => return (value, counts),
             }

@@ -140,8 +140,8 @@ impl Covariance {
         let meat = meat.congruent(&balanced.columns);
         let (mut roots, mut offset, mut first) = (Vec::new(), 0.0, 0);
         for (n, _) in information.blocks() {
-            let mut own = root(n, first..first + n);
-            for row in own.chunks_exact_mut(n) {
+            let mut rooted = root(n, first..first + n);
+            for row in rooted.chunks_exact_mut(n) {
                 for (entry, unit) in row.iter_mut().zip(&balanced.rows[first..]).filter(|(e, _)| **e != 0.0) {
                     match norm {
                         Norm::LogDet => offset -= 2.0 * libm::log(*unit),
@@ -149,7 +149,7 @@ impl Covariance {
                     }
                 }
             }
-            roots.push(own);
+            roots.push(rooted);
             first += n;
         }
         let concave = is_proportional(&balanced.candidates, &meat);
@@ -254,13 +254,13 @@ impl Covariance {
         let mut at = CovariancePoint::default();
         self.invert(shares, &mut at)?;
         let of = |function: &Vec<f64>| {
-            let own = |block: Block<'_>| {
+            let variance = |block: Block<'_>| {
                 let rows = function[block.rows.clone()].iter().zip(&self.rows[block.rows.clone()]);
                 let root: Vec<f64> = rows.map(|(slope, unit)| slope / unit).collect();
                 let block = Block { root: &root, ..block };
                 block.weighted(&at.covariance[block.range.clone()]).iter().sum::<f64>()
             };
-            self.blocks().map(own).sum()
+            self.blocks().map(variance).sum()
         };
         Some(functions.iter().map(of).collect())
     }

@@ -151,17 +151,17 @@ impl Criterion {
         options: &Options,
         parameters: usize,
     ) -> Result<Restricted, Error> {
-        let found = self.selected(relaxed, bounds, restriction, options)?;
-        let loss = found.loss_bound(relaxed, self.per_time(parameters));
-        let method = if found.exhaustive { Method::Exhaustive } else { Method::Exchange };
+        let selected = self.selected(relaxed, bounds, restriction, options)?;
+        let loss = selected.loss_bound(relaxed, self.per_time(parameters));
+        let method = if selected.exhaustive { Method::Exhaustive } else { Method::Exchange };
         let design = Design {
-            shares: found.shares,
-            log_det: found.value,
-            sensitivities: found.sensitivities,
-            gap: found.gap,
+            shares: selected.shares,
+            log_det: selected.value,
+            sensitivities: selected.sensitivities,
+            gap: selected.gap,
             ..relaxed.clone()
         };
-        Ok(Restricted { design, method, tried: found.tried, loss })
+        Ok(Restricted { design, method, tried: selected.tried, loss })
     }
 
     fn selected(
@@ -175,11 +175,11 @@ impl Criterion {
         match self {
             Self::Information(candidates) => {
                 let (scaled, offset) = candidates.scaled()?;
-                let mut own = relaxed.clone();
-                own.log_det -= offset;
-                let mut found = select(&scaled, &own, bounds, restriction, options)?;
-                found.value += offset;
-                Ok(found)
+                let mut balanced = relaxed.clone();
+                balanced.log_det -= offset;
+                let mut selected = select(&scaled, &balanced, bounds, restriction, options)?;
+                selected.value += offset;
+                Ok(selected)
             }
             Self::Covariance(c) => select(&c.covariance, relaxed, bounds, restriction, options),
         }
@@ -316,9 +316,9 @@ fn weighted(figures: &[WeightedFigure], parameters: &[f64]) -> Vec<Vec<f64>> {
     for figure in figures.iter().filter(|figure| figure.weight > 0.0) {
         let factor = figure.weight.sqrt() / figure.value;
         let relative: Vec<f64> =
-            figure.slopes.iter().zip(parameters).map(|(slope, own)| factor * slope * own).collect();
-        for (row, own) in sum.chunks_exact_mut(n.max(1)).zip(&relative) {
-            row.iter_mut().zip(&relative).for_each(|(entry, other)| *entry += own * other);
+            figure.slopes.iter().zip(parameters).map(|(slope, value)| factor * slope * value).collect();
+        for (row, factor) in sum.chunks_exact_mut(n.max(1)).zip(&relative) {
+            row.iter_mut().zip(&relative).for_each(|(entry, other)| *entry += factor * other);
         }
     }
     // Numbers that are not finite are refused with the rows.

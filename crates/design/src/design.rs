@@ -235,9 +235,9 @@ pub(crate) fn alone(count: usize, of: impl Fn(&[f64]) -> f64) -> Vec<f64> {
     let mut shares = vec![0.0; count];
     let mut single = |q: usize| {
         shares[q] = 1.0;
-        let found = of(&shares);
+        let design = of(&shares);
         shares[q] = 0.0;
-        found
+        design
     };
     (0..count).map(&mut single).collect()
 }
@@ -249,7 +249,7 @@ impl Start {
         let highest = |a: &&Self, b: &&Self| a.log_det.total_cmp(&b.log_det);
         let best = starts.iter().max_by(highest)?;
         let converged = starts.iter().filter(|start| start.relative_gap <= tolerance).max_by(highest);
-        Some(converged.filter(|own| own.log_det > best.log_det - DIGITS).unwrap_or(best))
+        Some(converged.filter(|design| design.log_det > best.log_det - DIGITS).unwrap_or(best))
     }
 }
 

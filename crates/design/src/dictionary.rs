@@ -90,7 +90,7 @@ impl Dictionary {
     /// # Errors
     /// [`NoDesign::Unexcited`] names one that is not; as [`Candidates::scaled`].
     pub fn check_excited(&self) -> Result<(), NoDesign> {
-        let checked = self.information.balanced().and_then(|own| own.candidates.check_excitation());
+        let checked = self.information.balanced().and_then(|balanced| balanced.candidates.check_excitation());
         checked.map_err(|error| self.explain(error))
     }
 
@@ -104,11 +104,11 @@ impl Dictionary {
                 let (degree, first) = self.degree(first_row(block) + largest);
                 // In a common block, the direction's rows are those of all degrees of freedom.
                 let offset = first - first_row(block);
-                let own = |i: &usize| size(offset + *i);
-                let most = (0..degree.parameters.len()).map(|i| own(&i)).fold(0.0, f64::max);
+                let part = |i: &usize| size(offset + *i);
+                let most = (0..degree.parameters.len()).map(|i| part(&i)).fold(0.0, f64::max);
                 // Of terms that are alike, the last one has been added to the others.
                 let parameter =
-                    (0..degree.parameters.len()).rev().find(|i| own(i) >= ALIKE * most).unwrap_or(0);
+                    (0..degree.parameters.len()).rev().find(|i| part(i) >= ALIKE * most).unwrap_or(0);
                 NoDesign::Unexcited {
                     degree: degree.name.clone(),
                     parameter: degree.parameters[parameter].clone(),
@@ -117,10 +117,11 @@ impl Dictionary {
             }
             Error::SingularCovariance { block, row } => {
                 let (degree, first) = self.degree(first_row(block) + row);
-                let own = degree.parameters.get(first_row(block) + row - first).or(degree.parameters.last());
+                let parameter =
+                    degree.parameters.get(first_row(block) + row - first).or(degree.parameters.last());
                 NoDesign::Singular {
                     degree: degree.name.clone(),
-                    parameter: own.cloned().unwrap_or_default(),
+                    parameter: parameter.cloned().unwrap_or_default(),
                 }
             }
             other => NoDesign::Search(other),

@@ -63,21 +63,21 @@ pub fn counted(
     options: &CountOptions,
     parameters: usize,
 ) -> Result<Whole, Error> {
-    let found = match criterion.count(&design.shares, segments.total, segments.limits.as_deref(), options) {
+    let counted = match criterion.count(&design.shares, segments.total, segments.limits.as_deref(), options) {
         Err(Error::Solver(_)) => {
             let counts = apportion(&design.shares, segments.total);
             return Ok(Whole { counts, found: None, efficiency: 0.0, loss: 1.0, apportioned: 0.0 });
         }
-        found => found?,
+        counted => counted?,
     };
-    let shares: Vec<f64> = found.counts.iter().map(|n| *n as f64 / segments.total as f64).collect();
+    let shares: Vec<f64> = counted.counts.iter().map(|n| *n as f64 / segments.total as f64).collect();
     let degree = criterion.per_time(parameters);
     Ok(Whole {
-        counts: found.counts.clone(),
+        counts: counted.counts.clone(),
         efficiency: criterion.efficiency(design, &shares, parameters),
-        loss: found.loss_bound(design, degree),
-        apportioned: libm::exp((found.apportioned - found.value) / degree),
-        found: Some(found),
+        loss: counted.loss_bound(design, degree),
+        apportioned: libm::exp((counted.apportioned - counted.value) / degree),
+        counted: Some(counted),
     })
 }
 
@@ -141,14 +141,14 @@ impl Stock {
             _ => total,
         };
         let names = || dictionary.maneuvers.iter();
-        let found = Available {
+        let available = Available {
             shares: names().map(|name| share(name).min(1.0)).collect(),
             counts: length
                 .segments
                 .map(|about| names().map(|name| count(name, about).min(about.0)).collect()),
         };
-        found.check_enough(length)?;
-        Ok(found)
+        available.check_enough(length)?;
+        Ok(available)
     }
 }
 

@@ -174,8 +174,8 @@ impl<O: Objective> Search<'_, O> {
             }
             let left: Vec<usize> =
                 from.members.iter().enumerate().filter(|(i, _)| i != out).map(|(_, q)| *q).collect();
-            let found = if left.is_empty() { None } else { self.solve(&left) };
-            if let Some(found) = found.filter(|f| best.as_ref().is_none_or(|b| f.value > b.value)) {
+            let selected = if left.is_empty() { None } else { self.solve(&left) };
+            if let Some(found) = selected.filter(|f| best.as_ref().is_none_or(|b| f.value > b.value)) {
                 best = Some(found);
             }
         }
@@ -195,8 +195,8 @@ impl<O: Objective> Search<'_, O> {
                 members.sort_unstable();
                 let worthwhile = from.value + WORTHWHILE * self.objective.degree();
                 let better = best.as_ref().map_or(worthwhile, |b| b.value);
-                let found = self.solve(&members).filter(|f| f.value > better && self.keeps(f));
-                best = found.or(best);
+                let grown = self.solve(&members).filter(|f| f.value > better && self.keeps(f));
+                best = grown.or(best);
             }
         }
         best
@@ -207,10 +207,10 @@ impl<O: Objective> Search<'_, O> {
         let mut members: Vec<usize> = (0..most).collect();
         let mut best: Option<Choice> = None;
         loop {
-            if let Some(found) =
+            if let Some(shrunk) =
                 self.solve(&members).filter(|f| best.as_ref().is_none_or(|b| f.value > b.value))
             {
-                best = Some(found);
+                best = Some(shrunk);
             }
             // The next combination in lexicographic order.
             let last = self.objective.len() - most;

@@ -179,12 +179,12 @@ impl Question<'_> {
         let (mut low, mut high) = (0.0, longest);
         while high - low > 1.0 {
             let middle = (0.5 * (low + high)).floor();
-            let found = match self.bounds(stock, middle)? {
+            let solved = match self.bounds(stock, middle)? {
                 Some(bounds) => Some(self.solve(&bounds, options)?),
                 None => None,
             };
-            match found.filter(|(d, _)| self.errors.samples(&d.shares, &self.wanted) <= middle) {
-                Some(found) => ((design, bound), high) = (found, middle),
+            match solved.filter(|(d, _)| self.errors.samples(&d.shares, &self.wanted) <= middle) {
+                Some(solved) => ((design, bound), high) = (found, middle),
                 None => low = middle,
             }
         }
@@ -194,7 +194,8 @@ impl Question<'_> {
     /// `shortest` in time, with `rivals`.
     pub fn compare(&self, shortest: &Shortest, rivals: &Rivals) -> Accuracy {
         let (rate, samples, wanted) = (self.dictionary.sample_rate_hz, shortest.samples, self.wanted);
-        let (own, count) = (self.errors.squared(&shortest.design.shares), self.dictionary.maneuvers.len());
+        let (squared, count) =
+            (self.errors.squared(&shortest.design.shares), self.dictionary.maneuvers.len());
         let paper = rivals.paper.as_deref().map(|shares| self.errors.squared(shares));
         let equal = self.errors.squared(&vec![1.0 / count as f64; count]);
         let random = self.median(&rivals.random);
@@ -204,7 +205,7 @@ impl Question<'_> {
             let n = (samples * factor).max(1.0);
             AccuracyPoint {
                 duration_s: n / rate,
-                design: (own / n).sqrt(),
+                design: (squared_error / n).sqrt(),
                 equal: at(equal, n),
                 paper: paper.and_then(|p| at(p, n)),
                 random: random.and_then(|r| at(r, n)),
@@ -216,7 +217,7 @@ impl Question<'_> {
             wanted,
             samples: samples as u64,
             duration_s: samples / rate,
-            reached: (own / samples).sqrt(),
+            reached: (squared_error / samples).sqrt(),
             holds_from_s: holds_from(&shortest.design.shares, self.lengths) / rate,
             bound_s: shortest.bound.map(needs),
             paper_s: needed_s(paper),

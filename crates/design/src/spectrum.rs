@@ -196,8 +196,8 @@ pub(crate) fn row_without_variance(block: &Block<'_>, matrix: &[f64]) -> Option<
         None => {
             let correlation: Vec<f64> = (0..k * k).map(|e| matrix[e] / (size(e / k) * size(e % k))).collect();
             match numerics::weakest(k, &correlation) {
-                Some(found) if found.ratio > 1e-12 => return None,
-                Some(found) => found.direction,
+                Some(weakest) if weakest.ratio > 1e-12 => return None,
+                Some(weakest) => weakest.direction,
                 None => vec![1.0; k],
             }
         }
@@ -227,14 +227,14 @@ pub(crate) fn is_proportional(information: &Candidates, meat: &Candidates) -> bo
         if !is_multiple(&symmetric(0), &meat.candidate(0)[range.clone()], all) {
             return false;
         }
-        let (mut own, mut cross, mut total) = (0.0, 0.0, 0.0);
+        let (mut square, mut cross, mut total) = (0.0, 0.0, 0.0);
         for q in 0..information.len() {
             let (s, b) = (symmetric(q), &meat.candidate(q)[range.clone()]);
-            own += dot(&s, &s);
+            square += dot(&s, &s);
             cross += dot(&s, b);
             total += dot(b, b);
         }
-        let factor = cross / own;
+        let factor = cross / square;
         let left: f64 = (0..information.len())
             .map(|q| {
                 let (s, b) = (symmetric(q), &meat.candidate(q)[range.clone()]);

@@ -102,9 +102,9 @@ impl Working {
     /// Adds those that are not in the set yet; returns whether there were any.
     fn join(&mut self, joining: Vec<Joining>) -> bool {
         let new = joining.into_iter().filter(|one| !self.places.contains(&one.place)).collect::<Vec<_>>();
-        let own = self.places.iter().enumerate();
+        let places = self.places.iter().enumerate();
         let mut all: Vec<((usize, usize), &[f64])> =
-            own.map(|(i, place)| (*place, self.candidates.candidate(i))).collect();
+            places.map(|(i, place)| (*place, self.candidates.candidate(i))).collect();
         all.extend(new.iter().map(|one| (one.place, one.entries.as_slice())));
         all.sort_by_key(|(place, _)| *place);
         let mut candidates = self.candidates.none();
@@ -144,7 +144,7 @@ impl Surveyed {
                 None => all = Some((count, sum, sample)),
                 Some((known, total, working)) => {
                     *known += count;
-                    total.iter_mut().zip(&sum).for_each(|(total, own)| *total += own);
+                    total.iter_mut().zip(&sum).for_each(|(total, more)| *total += more);
                     working.places.extend(sample.places);
                     (0..sample.candidates.len())
                         .for_each(|place| working.candidates.append(sample.candidates.candidate(place)));
@@ -186,8 +186,8 @@ impl Scaling {
     /// Whether all of these are symmetric and positive semidefinite with it.
     fn holds(&self, candidates: &Candidates) -> bool {
         let Some(factors) = &self.0 else { return false };
-        let of_block = |((n, range), own): ((usize, std::ops::Range<usize>), &Vec<f64>)| {
-            (0..candidates.len()).all(|q| is_semidefinite(n, &candidates.candidate(q)[range.clone()], own))
+        let of_block = |((n, range), sums): ((usize, std::ops::Range<usize>), &Vec<f64>)| {
+            (0..candidates.len()).all(|q| is_semidefinite(n, &candidates.candidate(q)[range.clone()], sums))
         };
         candidates.blocks().zip(factors).all(of_block)
     }

@@ -307,7 +307,7 @@ impl<'a> Inversion<'a> {
 
     /// Limits what is learnt of each of u, v, r from an observation.
     pub fn limit_belief(&mut self, most: [f64; 3]) {
-        self.believed.iter_mut().zip(most).for_each(|(own, most)| *own = own.min(most));
+        self.believed.iter_mut().zip(most).for_each(|(torque, most)| *torque = torque.min(most));
     }
 
     /// The inputs that produce `wanted` at `state`, in a known current of body components `current`.
@@ -379,12 +379,12 @@ impl<'a> Inversion<'a> {
 
     /// Slope of degree of freedom `d` by input `leader`, with the inputs that follow it.
     fn slope(&self, d: usize, leader: usize, alone: bool) -> f64 {
-        let own = self.gradients[3 + leader][d];
+        let direct = self.gradients[3 + leader][d];
         let follows = |(i, coupling): (usize, &Option<(usize, f64)>)| match coupling {
             Some((of, factor)) if *of == leader && !alone => Some(factor * self.gradients[3 + i][d]),
             _ => None,
         };
-        own + self.vessel.couplings.iter().enumerate().filter_map(follows).sum::<f64>()
+        direct + self.vessel.couplings.iter().enumerate().filter_map(follows).sum::<f64>()
     }
 
     /// Changes the inputs as far as their ranges allow; returns whether anything changed.
@@ -448,10 +448,10 @@ fn solved(mut rows: [[f64; 4]; 3]) -> [f64; 3] {
         let Some(row) = best.filter(|row| rows[*row][column].abs() > 1e-15) else { continue };
         used[row] = true;
         pivots[column] = Some(row);
-        let own = rows[row];
+        let pivot = rows[row];
         for other in (0..3).filter(|other| *other != row) {
-            let factor = rows[other][column] / own[column];
-            rows[other].iter_mut().zip(own).for_each(|(to, from)| *to -= factor * from);
+            let factor = rows[other][column] / pivot[column];
+            rows[other].iter_mut().zip(pivot).for_each(|(to, from)| *to -= factor * from);
         }
     }
     [0, 1, 2].map(|column| pivots[column].map_or(0.0, |row: usize| rows[row][3] / rows[row][column]))

@@ -202,13 +202,17 @@ impl DerivedHandling {
 
 impl Ability {
     fn of(vessel: &Vessel, speeds: impl Iterator<Item = f64>, slowest: f64) -> Result<Self, Invalid> {
-        let mut own = Self {
+        let mut handling = Self {
             turn_rate_rad_s: None,
             turn_acceleration_rad_s2: None,
             acceleration_m_s2: None,
             braking_m_s2: None,
             coasting_m_s2: -gains(vessel, slowest, &idle(vessel))[0],
-            lag_s: vessel.actuators.iter().map(|own| own.lag_s + own.hold_s).fold(0.0, f64::max),
+            lag_s: vessel
+                .actuators
+                .iter()
+                .map(|actuator| actuator.lag_s + actuator.hold_s)
+                .fold(0.0, f64::max),
         };
         let least = |known: &mut Option<f64>, new: Option<f64>| {
             *known = [*known, new].into_iter().flatten().reduce(f64::min);
@@ -217,19 +221,19 @@ impl Ability {
             let mut steady = Steady::new(vessel, &vessel.nominal);
             let straight = held(vessel, &mut steady, speed, 0.0)?;
             let [gain, loss, turn] = extremes(vessel, speed, &straight);
-            least(&mut own.acceleration_m_s2, gain);
-            least(&mut own.braking_m_s2, loss);
-            least(&mut own.turn_acceleration_rad_s2, turn);
-            least(&mut own.turn_rate_rad_s, largest_turn(vessel, &mut steady, speed));
+            least(&mut handling.acceleration_m_s2, gain);
+            least(&mut handling.braking_m_s2, loss);
+            least(&mut handling.turn_acceleration_rad_s2, turn);
+            least(&mut handling.turn_rate_rad_s, largest_turn(vessel, &mut steady, speed));
         }
-        Ok(own)
+        Ok(handling)
     }
 }
 
 /// The settings nearest to zero.
 fn idle(vessel: &Vessel) -> Vec<f64> {
     let setting = |range: [f64; 2]| 0.0_f64.clamp(range[0], range[1]);
-    vessel.actuators.iter().map(|own| own.range.map_or(0.0, setting)).collect()
+    vessel.actuators.iter().map(|actuator| actuator.range.map_or(0.0, setting)).collect()
 }
 
 /// The inputs that hold a speed and a yaw rate within the actuators' ranges.
@@ -253,21 +257,23 @@ fn held(vessel: &Vessel, steady: &mut Steady, speed: f64, turn: f64) -> Result<V
 
 /// The time that the slowest actuator needs to initiate a turn.
 fn laid_s(vessel: &Vessel, speed: f64, turn: f64) -> Result<f64, Invalid> {
-    if vessel.actuators.iter().all(|own| own.rate_per_s.is_none()) {
+    if vessel.actuators.iter().all(|actuator| actuator.rate_per_s.is_none()) {
         return Ok(0.0);
     }
     let mut steady = Steady::new(vessel, &vessel.nominal);
     let straight = held(vessel, &mut steady, speed, 0.0)?;
     let turning = held(vessel, &mut steady, speed, turn)?;
     let settings = straight.iter().zip(&turning).zip(&vessel.actuators);
-    let seconds = settings.filter_map(|((a, b), own)| Some((b - a).abs() / own.rate_per_s?));
+    let seconds = settings.filter_map(|((a, b), actuator)| Some((b - a).abs() / actuator.rate_per_s?));
     Ok(seconds.fold(0.0, f64::max))
 }
 
 /// The largest yaw rate that can be held at a speed; `None` if it is not bounded.
 fn largest_turn(vessel: &Vessel, steady: &mut Steady, speed: f64) -> Option<f64> {
     let (mut low, mut high) = (0.0, FASTEST_TURN_RAD_S);
-    if vessel.actuators.iter().all(|own| own.range.is_none()) || held(vessel, steady, speed, high).is_ok() {
+    if vessel.actuators.iter().all(|actuator| actuator.range.is_none())
+        || held(vessel, steady, speed, high).is_ok()
+    {
         return None;
     }
     for _ in 0..HALVINGS {
@@ -283,7 +289,7 @@ fn largest_turn(vessel: &Vessel, steady: &mut Steady, speed: f64) -> Option<f64>
 /// The largest increase and decrease of speed and the largest yaw acceleration, in the weaker direction, that
 /// an input can produce while the vessel goes straight ahead \[per s\]; `None` where no range bounds it.
 fn extremes(vessel: &Vessel, speed: f64, straight: &[f64]) -> [Option<f64>; 3] {
-    let mut found = [0.0_f64; 4];
+    let mut limits = [0.0_f64; 4];
     for (input, actuator) in vessel.actuators.iter().enumerate() {
         let changed = |setting: f64| {
             let mut inputs = straight.to_vec();
@@ -294,13 +300,13 @@ fn extremes(vessel: &Vessel, speed: f64, straight: &[f64]) -> [Option<f64>; 3] {
         let usual = changed(straight[input]);
         let ends = actuator.range.unwrap_or([-1.0, 1.0].map(|step| straight[input] + step));
         for gained in ends.map(changed) {
-            for ((most, gain), usual) in found.iter_mut().zip(gained).zip(usual) {
+            for ((most, gain), usual) in limits.iter_mut().zip(gained).zip(usual) {
                 let boundless = actuator.range.is_none() && (gain - usual).abs() > 0.0;
                 *most = if boundless { f64::INFINITY } else { most.max(gain) };
             }
         }
     }
-    let [gain, loss, starboard, port] = found;
+    let [gain, loss, starboard, port] = limits;
     [gain, loss, starboard.min(port)].map(|most| Some(most).filter(|most| most.is_finite() && *most > 0.0))
 }
 

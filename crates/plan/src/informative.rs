@@ -227,11 +227,11 @@ impl Search<'_> {
         let step = nodes.len().saturating_sub(NEAREST).div_ceil(FARTHER).max(1);
         let some = nodes.iter().take(NEAREST).chain(nodes.iter().skip(NEAREST).step_by(step));
         let (node, first) = match self.first_settled(&mut run, some, speed)? {
-            Ok(found) => found,
+            Ok(ends) => ends,
             Err(best) => return Ok(Err(best.failed(self.repertoire, &run.crew))),
         };
-        let (mut legs, own) = (vec![first], self.lane(node));
-        for lane in self.lanes(&nodes).into_iter().filter(|lane| *lane != own).take(FURTHER) {
+        let (mut legs, straight) = (vec![first], self.lane(node));
+        for lane in self.lanes(&nodes).into_iter().filter(|lane| *lane != straight).take(FURTHER) {
             let some = nodes.iter().filter(|node| self.lane(**node) == lane).take(TRIED);
             legs.extend(self.first_settled(&mut run, some, speed)?.ok().map(|(_, leg)| leg));
         }
@@ -304,7 +304,7 @@ impl Search<'_> {
         let far = (2.0 + ((spread + lookahead) / cell).ceil()).min(grid.nx.max(grid.ny) as f64) as i32;
         let [i, j] = [(end.y / cell).round() as i32, (end.x / cell).round() as i32];
         let all = || [&crew.nominal].into_iter().chain(&crew.others);
-        let mut found = Vec::new();
+        let mut nodes = Vec::new();
         for (turn, level) in levels.into_iter().enumerate() {
             let heading = grid.heading_rad(level);
             let swing = wrap(heading - end.psi).abs() * handling.lookahead_m;
@@ -319,12 +319,12 @@ impl Search<'_> {
                 if at_rest || (across.abs() <= 1.5 * cell && all().all(reached)) {
                     let [cost, ahead, across] = [cost, ahead, across].map(|m| (1e3 * m).round() as i64);
                     let order = [cost, ahead, across, turn as i64];
-                    found.push(Node { order, di, dj, layer: grid.layer(level, mode) });
+                    nodes.push(Node { order, di, dj, layer: grid.layer(level, mode) });
                 }
             }
         }
-        found.sort_by_key(|node| node.order);
-        found
+        nodes.sort_by_key(|node| node.order);
+        nodes
     }
 }
 
@@ -332,14 +332,14 @@ impl Search<'_> {
 /// maneuver.
 fn farthest(Settled { sailed, tracks, .. }: &Settled, others: &[SampledVessel]) -> Option<Farthest> {
     let open = sailed.samples.iter().rposition(|s| s.informative)?;
-    let own = sailed.samples[open].pose;
+    let open_end = sailed.samples[open].pose;
     let off = |(track, who): (&Vec<Pose>, &SampledVessel)| {
         let pose = track.get(open)?;
-        let distance_m = libm::hypot(pose.x - own.x, pose.y - own.y);
+        let distance_m = libm::hypot(pose.x - open_end.x, pose.y - open_end.y);
         Some(Farthest { distance_m, parameters: who.parameters.clone() })
     };
     let all = tracks.iter().zip(others).filter_map(off);
-    all.reduce(|most, own| if own.distance_m > most.distance_m { own } else { most })
+    all.reduce(|most, astray| if astray.distance_m > most.distance_m { astray } else { most })
 }
 
 /// The displacement of a place from a vessel on `heading`, ahead and across.

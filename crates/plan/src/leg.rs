@@ -352,12 +352,12 @@ impl Navigation {
             [of.pose.x, of.pose.y, of.pose.psi, u, v, r]
         };
         let (truth, predicted) = (numbers(&truly), numbers(&self.predicted.unwrap_or(truly)));
-        let own = |i: usize| {
+        let component = |i: usize| {
             let off = truth[i] + measured[i] - predicted[i];
             let off = if i == 2 { wrap(off) } else { off };
             predicted[i] + if deviations[i] > 0.0 { self.gain * off } else { off }
         };
-        let [x, y, psi, u, v, r] = std::array::from_fn(own);
+        let [x, y, psi, u, v, r] = std::array::from_fn(component);
         Fixed { pose: Pose { x, y, psi }, state: [u, v, r] }
     }
 

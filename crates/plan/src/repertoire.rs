@@ -95,7 +95,7 @@ impl Unsettled {
         failed: Failed,
         others: &[SampledVessel],
     ) -> Self {
-        let parameters = failed.who.and_then(|who| others.get(who)).map(|own| own.parameters.clone());
+        let parameters = failed.who.and_then(|who| others.get(who)).map(|vessel| vessel.parameters.clone());
         let Failed { used, all, .. } = failed;
         let others = if all == used { String::new() } else { format!("; of all vessels {all}") };
         Self { from, purpose, why: format!("{when}{used}{others}"), parameters }
@@ -339,9 +339,9 @@ impl Search<'_> {
     fn climbed(&self, first: Candidate, goal: &Ended) -> Result<Candidate, Invalid> {
         let mut best = (goal_value(goal, &self.ended(&first)?), first.clone());
         for who in self.doubt.neighbours(&first) {
-            let own = goal_value(goal, &self.ended(&who)?);
-            if own > best.0 {
-                best = (own, who);
+            let value = goal_value(goal, &self.ended(&who)?);
+            if value > best.0 {
+                best = (value, who);
             }
         }
         Ok(best.1)

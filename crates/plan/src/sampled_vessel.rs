@@ -76,7 +76,7 @@ impl<'a> Crew<'a> {
         for place in 0..self.order.len() {
             let index = self.order[place];
             match tried(self.others[index].clone()) {
-                Ok(own) => found[index] = Some(own),
+                Ok(end) => found[index] = Some(end),
                 Err(used) => {
                     self.order[..=place].rotate_right(1);
                     return Err(Failed { who: Some(index), ..used.into() });
@@ -104,7 +104,7 @@ impl Underway<'_> {
         for _ in 0..samples {
             let wanted = autopilot.steer(&phase, [0.0; 2], start, &seen)?;
             let inputs = ship.reach(wanted).to_vec();
-            if !ship.state.iter().all(|own| own.abs() <= ship::engine::DIVERGED) {
+            if !ship.state.iter().all(|velocity| velocity.abs() <= ship::engine::DIVERGED) {
                 break;
             }
             seen = autopilot.observe(seen, &inputs, Fixed::from(&*ship));
@@ -223,7 +223,7 @@ impl Deviations {
     /// The nearest point that belongs to them.
     fn kept(&self, at: Vec<f64>) -> Vec<f64> {
         match self {
-            Self::Box(_) => at.into_iter().map(|own| own.clamp(-1.0, 1.0)).collect(),
+            Self::Box(_) => at.into_iter().map(|x| x.clamp(-1.0, 1.0)).collect(),
             Self::Ellipsoid(_) if length(&at) > 1.0 => within_ball(&at, 1.0),
             Self::Ellipsoid(_) => at,
             Self::Within { of, .. } => of.kept(at),
@@ -235,7 +235,7 @@ impl Deviations {
         match self {
             Self::Box(_) => uniform.to_vec(),
             Self::Ellipsoid(_) => {
-                let part = uniform.first().map_or(0.0, |own| (own + 1.0) / 2.0);
+                let part = uniform.first().map_or(0.0, |first| (first + 1.0) / 2.0);
                 within_ball(normal, libm::pow(part, 1.0 / normal.len().max(1) as f64))
             }
             Self::Within { of, .. } => of.drawn(uniform, normal),
@@ -266,14 +266,14 @@ impl NotPositive {
 }
 
 fn length(at: &[f64]) -> f64 {
-    at.iter().map(|own| own * own).sum::<f64>().sqrt()
+    at.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// The point of this `radius` in a direction; its centre for none.
 fn within_ball(direction: &[f64], radius: f64) -> Vec<f64> {
     let whole = length(direction);
     let factor = if whole > 0.0 { radius / whole } else { 0.0 };
-    direction.iter().map(|own| own * factor).collect()
+    direction.iter().map(|x| x * factor).collect()
 }
 
 /// The vessels and currents that a plan has to hold for.
@@ -311,15 +311,15 @@ pub fn goals<const N: usize>() -> Vec<[f64; N]> {
         let (sin, cos) = libm::sincos(TAU * f64::from(direction) / f64::from(DIRECTIONS));
         std::array::from_fn(|k| [cos, sin].get(k).copied().unwrap_or(0.0))
     });
-    let others = (2..N).flat_map(|own| [1.0, -1.0].map(|sign| (own, sign)));
+    let others = (2..N).flat_map(|axis| [1.0, -1.0].map(|sign| (axis, sign)));
     position
-        .chain(others.map(|(own, sign)| std::array::from_fn(|k| if k == own { sign } else { 0.0 })))
+        .chain(others.map(|(axis, sign)| std::array::from_fn(|k| if k == axis { sign } else { 0.0 })))
         .collect()
 }
 
 /// What is to be greatest by a goal.
 pub fn goal_value<const N: usize>(goal: &[f64; N], off: &[f64; N]) -> f64 {
-    goal.iter().zip(off).map(|(weight, own)| weight * own).sum()
+    goal.iter().zip(off).map(|(weight, x)| weight * x).sum()
 }
 
 impl Doubt<'_> {
@@ -386,7 +386,7 @@ impl Doubt<'_> {
             Candidate { at: self.deviations.kept(at), ..who.clone() }
         });
         let reduced =
-            PARTS.map(|part| Candidate { at: who.at.iter().map(|own| own * part).collect(), ..who.clone() });
+            PARTS.map(|part| Candidate { at: who.at.iter().map(|x| x * part).collect(), ..who.clone() });
         let [x, y] = who.current;
         let turned = TURNS.map(|turn| {
             let (sin, cos) = libm::sincos(turn * std::f64::consts::PI);

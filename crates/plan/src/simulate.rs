@@ -102,8 +102,8 @@ impl From<Invalid> for Stopped {
 
 impl From<Stopped> for Invalid {
     fn from(stopped: Stopped) -> Self {
-        let (Stopped::Unfinished(own) | Stopped::Lost(own)) = stopped;
-        own
+        let (Stopped::Unfinished(sailed) | Stopped::Lost(sailed)) = stopped;
+        sailed
     }
 }
 
@@ -191,8 +191,8 @@ impl<'s> Way<'_, 's, '_> {
             if elapsed_s > LONGEST_PHASE as f64 * self.ship.sample_s() {
                 let expected = format!("at most {LONGEST_PHASE} samples of a turn or a line");
                 let remedy = "correct `cell_m`, the speeds or `handling`";
-                let found = format!("over {elapsed_s:.0} s");
-                return Err(Invalid::new("leg under way", found, expected, remedy));
+                let elapsed = format!("over {elapsed_s:.0} s");
+                return Err(Invalid::new("leg under way", elapsed, expected, remedy));
             }
             let inputs = self.autopilot.steer(phase, node, start, &self.seen)?;
             self.inputs.clear();
@@ -222,9 +222,9 @@ impl<'s> Way<'_, 's, '_> {
         }
         let what = if informative { "in a maneuver" } else { "under the autopilot" };
         let seconds = *samples as f64 * ship.sample_s();
-        let found = format!("a simulation that diverges: {:.3?} after {seconds:.1} s", ship.state);
+        let diverged = format!("a simulation that diverges: {:.3?} after {seconds:.1} s", ship.state);
         let remedy = "shorten the maneuver, or check the signs of the parameters in vessel.toml";
-        Err(Invalid::new(format!("model {what}, leg {}", leg + 1), found, "speeds within bounds", remedy))
+        Err(Invalid::new(format!("model {what}, leg {}", leg + 1), diverged, "speeds within bounds", remedy))
     }
 }
 
@@ -295,8 +295,8 @@ impl Used {
     #[must_use]
     pub fn or_more(self, other: Self) -> Self {
         match (self, other) {
-            (Self::Parts(own), Self::Parts(others)) => {
-                Self::Parts(std::array::from_fn(|k| own[k].max(others[k])))
+            (Self::Parts(parts), Self::Parts(others)) => {
+                Self::Parts(std::array::from_fn(|k| parts[k].max(others[k])))
             }
             (Self::Lost, _) | (_, Self::Lost) => Self::Lost,
             _ => Self::Unfinished,
@@ -370,7 +370,7 @@ impl Tolerance {
     /// sway, yaw rate.
     pub(crate) fn off(&self, vessel: &Astray, heading_rad: f64, speed_m_s: f64) -> [f64; 6] {
         let (Pose { x, y, psi }, [u, v, r]) = (vessel.pose, vessel.state);
-        let [north, east] = [x, y].map(|own| own / self.distance_m);
+        let [north, east] = [x, y].map(|metres| metres / self.distance_m);
         let heading = wrap(psi - heading_rad) / self.heading_rad;
         let surge = (u - speed_m_s) / self.surge_m_s;
         [north, east, heading, surge, v / self.sway_m_s, r / self.yaw_rate_rad_s]

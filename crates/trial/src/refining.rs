@@ -279,9 +279,9 @@ impl Start {
     /// The parameter with the least information in the experiment.
     fn weakest(&self, vessel: &Vessel) -> String {
         let exogenous = vessel.model.undisturbed(&self.inputs);
-        let found =
+        let information =
             output_information(&vessel.model, &self.parameters, self.initial, &exogenous, &self.noise);
-        let f = found.map(|found| found.information).unwrap_or_default();
+        let f = information.map(|sums| sums.information).unwrap_or_default();
         let n = vessel.model.layout().with_intercepts().parameters();
         let size = |i: usize| f.get(i * n + i).copied().unwrap_or(0.0).max(0.0).sqrt();
         let nothing = (0..n).find(|i| size(*i) == 0.0);

@@ -251,10 +251,10 @@ impl Cut {
         if windows.len() < 2 {
             return Err(CrossError::OneSource);
         }
-        if windows.iter().all(|(_, own)| own.is_empty()) {
+        if windows.iter().all(|(_, parts)| parts.is_empty()) {
             return Err(CrossError::NoWindow);
         }
-        let all = windows.iter().flat_map(|(_, own)| own);
+        let all = windows.iter().flat_map(|(_, parts)| parts);
         let std = deviations(all.map(|w| w.measured.as_slice()));
         Ok(Self { windows, std })
     }
@@ -335,7 +335,7 @@ impl Parted<'_> {
         let without = without.join(", ");
         let mut tried = Tried::default();
         match self.pool.estimate(&Drawn { parts: &self.parts, places: &places }, estimator) {
-            Ok(found) => self.simulate(fold, &found, &without, &mut tried),
+            Ok(estimated) => self.simulate(fold, &estimated, &without, &mut tried),
             Err(NoEstimate::Lost(lost)) => {
                 tried.failed = Some((ScoreStatus::Diverged, format!("without {without}: {lost}")))
             }
@@ -343,15 +343,15 @@ impl Parted<'_> {
         tried
     }
 
-    fn simulate(&self, fold: &[usize], found: &Estimated, without: &str, tried: &mut Tried) {
-        tried.by_instruments =
-            [0, 1, 2].map(|d: usize| found.used[d].by_instruments() && found.degrees[d].solution.is_some());
-        if let Some(unfound) = &found.unfound {
+    fn simulate(&self, fold: &[usize], estimated: &Estimated, without: &str, tried: &mut Tried) {
+        tried.by_instruments = [0, 1, 2]
+            .map(|d: usize| estimated.used[d].by_instruments() && estimated.degrees[d].solution.is_some());
+        if let Some(unfound) = &estimated.unfound {
             tried.failed = Some((ScoreStatus::NotConverged, format!("without {without}: {unfound}")));
             return;
         }
-        let Some(model) = found.parameters(&self.pool.model) else {
-            let why = self.pool.unidentified(&found.degrees).join("; ");
+        let Some(model) = estimated.parameters(&self.pool.model) else {
+            let why = self.pool.unidentified(&estimated.degrees).join("; ");
             tried.failed = Some((ScoreStatus::NotIdentifiable, format!("without {without}: {why}")));
             return;
         };
@@ -363,10 +363,12 @@ impl Parted<'_> {
     }
 }
 
-fn statements(found: Option<&Recommendation>, scores: &[EstimatorScore]) -> Vec<String> {
+fn statements(recommendation: Option<&Recommendation>, scores: &[EstimatorScore]) -> Vec<String> {
     let score = |name: Estimator| scores.iter().find(|score| score.name == name);
     let mut out = Vec::new();
-    if let Some((found, errors)) = found.and_then(|found| Some((found, score(found.least)?.errors?))) {
+    if let Some((found, errors)) =
+        recommendation.and_then(|recommended| Some((recommended, score(recommended.least)?.errors?)))
+    {
         out.push(verdict(found, &errors));
         for other in scores.iter().filter(|e| e.name != found.least) {
             let best = found.least;
@@ -381,12 +383,13 @@ fn statements(found: Option<&Recommendation>, scores: &[EstimatorScore]) -> Vec<
 }
 
 /// The recommended estimator, or those that cannot be distinguished.
-fn verdict(found: &Recommendation, errors: &FreeRunErrors) -> String {
-    let (least, fits) = (found.least, fits(errors));
-    match found.estimator() {
+fn verdict(recommendation: &Recommendation, errors: &FreeRunErrors) -> String {
+    let (least, fits) = (recommendation.least, fits(errors));
+    match recommendation.estimator() {
         Some(_) => format!("recommended: {least} (fit {fits})"),
         None => {
-            let close: Vec<String> = found.candidates()[1..].iter().map(Estimator::to_string).collect();
+            let close: Vec<String> =
+                recommendation.candidates()[1..].iter().map(Estimator::to_string).collect();
             format!(
                 "none recommended: {least} (fit {fits}) has the least error, but the recordings cannot tell it from {}",
                 listed(&close)

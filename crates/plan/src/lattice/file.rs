@@ -206,10 +206,10 @@ impl ProblemFile {
             return Err(Invalid::new("lattice.cell", cell.to_string(), expected, "give the cells' pitch"));
         }
         if !origin.iter().all(|value| value.is_finite()) {
-            let found = format!("{origin:?}");
+            let value = format!("{origin:?}");
             return Err(Invalid::new(
                 "lattice.origin",
-                found,
+                value,
                 "finite coordinates",
                 "give node (0, 0) in metres",
             ));
@@ -248,13 +248,13 @@ fn check_headings(thing: &str, step: &MoveFile, headings: usize) -> Result<(), I
     Ok(())
 }
 
-fn check_box(thing: &str, found: &[f64; 4]) -> Result<(), Invalid> {
-    let [xmin, ymin, xmax, ymax] = *found;
-    if found.iter().all(|value| value.is_finite()) && xmin <= xmax && ymin <= ymax {
+fn check_box(thing: &str, bounds: &[f64; 4]) -> Result<(), Invalid> {
+    let [xmin, ymin, xmax, ymax] = *bounds;
+    if bounds.iter().all(|value| value.is_finite()) && xmin <= xmax && ymin <= ymax {
         return Ok(());
     }
     let expected = "finite [xmin, ymin, xmax, ymax] with min <= max";
-    Err(Invalid::new(thing, format!("{found:?}"), expected, "order the box's corners"))
+    Err(Invalid::new(thing, format!("{bounds:?}"), expected, "order the box's corners"))
 }
 
 // Exports a problem whose moves were allowed by any rule as a file with a map of boxes.
@@ -270,27 +270,27 @@ impl ProblemFile {
         let goal = match problem.goal() {
             Goal::Poses(poses) if poses.len() == 1 => poses[0],
             other => {
-                let found = match other {
+                let given = match other {
                     Goal::Any => "any pose".to_owned(),
                     Goal::Poses(poses) => format!("{} poses", poses.len()),
                 };
                 let (expected, remedy) =
                     ("one pose, which is all that the format holds", "plan for one goal");
-                return Err(Invalid::new("goal", found, expected, remedy));
+                return Err(Invalid::new("goal", given, expected, remedy));
             }
         };
         let lattice = problem.lattice();
         let strips = Strips { problem, cell_m, width_m: 2.0 * lattice.nx as f64 * cell_m };
         let mut obstacles = Vec::new();
         let (mut informative, mut basic, mut strip) = (Vec::new(), Vec::new(), 0);
-        for (action, own) in problem.actions().iter().enumerate() {
-            let moves = (0..own.moves.len()).map(|index| {
+        for (action, wanted) in problem.actions().iter().enumerate() {
+            let moves = (0..wanted.moves.len()).map(|index| {
                 strips.add_obstacles(MoveId { action, index }, strip, &mut obstacles);
                 strip += 1;
-                strips.step(own, index, strip - 1)
+                strips.step(wanted, index, strip - 1)
             });
-            let (name, moves) = (own.name.clone(), moves.collect());
-            match own.required {
+            let (name, moves) = (wanted.name.clone(), moves.collect());
+            match wanted.required {
                 0 => basic.push(BasicFile { name, cost: 0.0, moves }),
                 count => informative.push(InformativeFile { name, count, cost: 0.0, moves }),
             }
@@ -331,14 +331,14 @@ struct Strips<'a> {
 
 impl Strips<'_> {
     fn step(&self, action: &Action, index: usize, strip: usize) -> MoveFile {
-        let own = &action.moves[index];
+        let step = &action.moves[index];
         let (x, half) = (strip as f64 * self.width_m, 0.25 * self.cell_m);
         MoveFile {
-            h: own.from,
-            di: own.di,
-            dj: own.dj,
-            to_h: own.to,
-            cost: Some(own.cost.primary),
+            h: step.from,
+            di: step.di,
+            dj: step.dj,
+            to_h: step.to,
+            cost: Some(step.cost.primary),
             swept: vec![[x - half, -half, x + half, half]],
         }
     }

@@ -222,10 +222,10 @@ fn least_keys<I: Iterator<Item = Arc>>(
         }
         for arc in arcs(pose as usize) {
             let (step, known) = (&problem.moves[arc.step as usize], &mut least[arc.node as usize]);
-            let own = key + step.key + if step.slot.is_some() { price } else { 0 };
-            if own <= most && own < *known {
-                *known = own;
-                queue.push(own, arc.node);
+            let there = key + step.key + if step.slot.is_some() { price } else { 0 };
+            if there <= most && there < *known {
+                *known = there;
+                queue.push(there, arc.node);
             }
         }
     }

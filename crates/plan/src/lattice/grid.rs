@@ -132,12 +132,12 @@ const MOST_USES: u64 = 100_000;
 const COUNT_BITS: u32 = 128;
 
 pub(crate) fn lattice(lattice: &Lattice) -> Result<(), Invalid> {
-    let found = format!("{} x {} cells, {} layers", lattice.nx, lattice.ny, lattice.layers);
+    let size = format!("{} x {} cells, {} layers", lattice.nx, lattice.ny, lattice.layers);
     let poses = lattice.nx.checked_mul(lattice.ny).and_then(|cells| cells.checked_mul(lattice.layers));
     match poses {
-        Some(0) => Err(Invalid::new("lattice", found, "at least one cell and one layer", "give its size")),
+        Some(0) => Err(Invalid::new("lattice", size, "at least one cell and one layer", "give its size")),
         Some(poses) if u32::try_from(poses).is_ok_and(|poses| poses < u32::MAX) => Ok(()),
-        _ => Err(Invalid::new("lattice", found, "fewer than 2^32 poses", "take larger cells")),
+        _ => Err(Invalid::new("lattice", size, "fewer than 2^32 poses", "take larger cells")),
     }
 }
 

@@ -219,11 +219,11 @@ fn law_moves_then_seconds_agree_with_single_states() {
         let primary = |key: u64| key / problem.units.radix;
         let single = dense::front(&graph, u64::MAX, 1 << 30, &mut watch()).unwrap();
         for most in [u64::MAX, key(&bits).unwrap_or(u64::MAX)] {
-            let found = layered::front(&graph, levels, most, &mut watch()).unwrap();
-            let found: Vec<_> = found.into_iter().map(|key| key.map(primary)).collect();
+            let front = layered::front(&graph, levels, most, &mut watch()).unwrap();
+            let front: Vec<_> = front.into_iter().map(|key| key.map(primary)).collect();
             let as_cheap = |key: &u64| *key <= primary(most);
             let least: Vec<_> = single.iter().map(|key| key.map(primary).filter(as_cheap)).collect();
-            assert_eq!(found, least, "seed {seed}");
+            assert_eq!(front, least, "seed {seed}");
         }
         if seed == 1 {
             stop_everywhere(&problem, |watch| layered::search(&graph, levels, u64::MAX, 1 << 30, watch));

@@ -93,14 +93,14 @@ fn other_bytes(graph: &Graph, words: usize) -> u64 {
 /// optimal in them, do not fit.
 pub(crate) fn search(graph: &Graph, levels: Levels, most: u64, memory: u64, watch: &mut Watch) -> Verdict {
     let layout = Layout::new(&graph.problem.required());
-    let found = match layout.words {
+    let verdict = match layout.words {
         1 => Layered::<1>::new(graph, layout, levels, memory, watch).map(|new| new.search(most, watch)),
         2 => Layered::<2>::new(graph, layout, levels, memory, watch).map(|new| new.search(most, watch)),
         3 => Layered::<3>::new(graph, layout, levels, memory, watch).map(|new| new.search(most, watch)),
         4 => Layered::<4>::new(graph, layout, levels, memory, watch).map(|new| new.search(most, watch)),
         _ => Layered::<8>::new(graph, layout, levels, memory, watch).map(|new| new.search(most, watch)),
     };
-    found.unwrap_or_else(|| Verdict::stopped(None, watch.lower, Limit::Time))
+    verdict.unwrap_or_else(|| Verdict::stopped(None, watch.lower, Limit::Time))
 }
 
 /// The least level of every count vector at any goal, as its key and by mixed-radix number, of keys up to `most`; `None` if cancelled.

@@ -141,8 +141,8 @@ impl Problem {
     /// carry it.
     fn split_off_least_keys(&mut self) {
         for (number, slot) in self.informative.iter_mut().enumerate() {
-            let own = || self.moves.iter().filter(|step| step.slot == Some(number as u32));
-            slot.least_key = own().map(|step| step.key).min().unwrap_or(0);
+            let moves = || self.moves.iter().filter(|step| step.slot == Some(number as u32));
+            slot.least_key = moves().map(|step| step.key).min().unwrap_or(0);
         }
         for step in &mut self.moves {
             if let Some(slot) = step.slot {

@@ -142,25 +142,25 @@ impl Checking<'_> {
         let worst = self.worst(search)?;
         let mut counter_examples = worst.counter_examples(self);
         let runs = self.prepared().runs(self.round);
-        let (mut found, mut next, mut concurrent, mut aside) = (Vec::new(), 0, Some(concurrent), None);
+        let (mut drawn, mut next, mut concurrent, mut aside) = (Vec::new(), 0, Some(concurrent), None);
         while next < runs && (counter_examples.is_empty() || self.is_last) {
             let some = next..(next + FIRST_RUNS.max(next * FIRST_RUNS)).min(runs);
             let simulate = || self.all(some.clone().map(|run| self.drawn(run)).collect(), search);
             let new = match concurrent.take_if(|_| some.end == runs) {
-                Some(own) => {
-                    let (new, own) = rayon::join(simulate, own);
-                    aside = Some(own);
+                Some(follow) => {
+                    let (new, followed) = rayon::join(simulate, follow);
+                    aside = Some(followed);
                     new?
                 }
                 None => simulate()?,
             };
             let if_astray = self.are_too_many_astray(&new.iter().collect::<Vec<_>>());
             counter_examples.extend(new.iter().flat_map(|run| run.counter_examples(self, if_astray)));
-            found.extend(new.into_iter().map(Drawn::from));
+            drawn.extend(new.into_iter().map(Drawn::from));
             next = some.end;
         }
-        let check = self.judged(&found, &worst);
-        let tracks = found.into_iter().filter_map(|run| run.track).collect();
+        let check = self.judged(&drawn, &worst);
+        let tracks = drawn.into_iter().filter_map(|run| run.track).collect();
         // The counter-examples of the last round are not used.
         let counter_examples = if self.is_last { Vec::new() } else { counter_examples };
         Ok((Checked { check, tracks, counter_examples }, aside))
@@ -177,25 +177,25 @@ impl Checking<'_> {
         }
     }
 
-    fn judged(&self, found: &[Drawn], worst: &Searched) -> Check {
+    fn judged(&self, drawn: &[Drawn], worst: &Searched) -> Check {
         let (prepared, clearance) = (self.prepared(), self.clearance);
         let safety = prepared.brief.task.safety;
-        let count = |is: &dyn Fn(&Drawn) -> bool| found.iter().filter(|run| is(run)).count() as u64;
-        let least = sorted(found.iter().map(|run| Some(run.passage.clearance_m)));
-        let seconds = sorted(found.iter().map(|run| Some(run.seconds)));
-        let mut own = clearance.open();
-        self.nominal.samples.iter().for_each(|s| clearance.add(&mut own, s.pose, s.informative));
+        let count = |is: &dyn Fn(&Drawn) -> bool| drawn.iter().filter(|run| is(run)).count() as u64;
+        let least = sorted(drawn.iter().map(|run| Some(run.passage.clearance_m)));
+        let seconds = sorted(drawn.iter().map(|run| Some(run.seconds)));
+        let mut cleared = clearance.open();
+        self.nominal.samples.iter().for_each(|s| clearance.add(&mut cleared, s.pose, s.informative));
         let rate_hz = prepared.brief.vessel.sample_rate_hz;
-        let (runs, is_aground) = (found.len() as u64, |run: &Drawn| run.passage.clearance_m <= 0.0);
+        let (runs, is_aground) = (drawn.len() as u64, |run: &Drawn| run.passage.clearance_m <= 0.0);
         let aground = count(&is_aground);
-        let bound = || 1.0 - libm::exp(libm::log(doubt(self.round)) / found.len() as f64);
+        let bound = || 1.0 - libm::exp(libm::log(doubt(self.round)) / drawn.len() as f64);
         let check = Check {
             safe: false,
             faults: Vec::new(),
-            clearance_m: own.clearance_m,
-            clear: own.clearance_m > 0.0,
+            clearance_m: cleared.clearance_m,
+            clear: cleared.clearance_m > 0.0,
             margin_m: safety.margin_m,
-            shortfall_m: (safety.margin_m - own.clearance_m).max(0.0),
+            shortfall_m: (safety.margin_m - cleared.clearance_m).max(0.0),
             sight_m: clearance.sight_m,
             unknown_current_m_s: safety.unknown_current_m_s,
             parameter_error: safety.parameter_error,
@@ -205,10 +205,10 @@ impl Checking<'_> {
             runs,
             aground,
             aground_interval: wilson(aground, runs).unwrap_or([0.0, 1.0]),
-            aground_bound: (aground == 0 && !found.is_empty()).then(bound),
+            aground_bound: (aground == 0 && !drawn.is_empty()).then(bound),
             below_margin: count(&|run| run.passage.clearance_m < safety.margin_m),
-            ends: found.iter().map(|run| run.ends[0]).sum(),
-            ends_astray: found.iter().map(|run| run.ends[1]).sum(),
+            ends: drawn.iter().map(|run| run.ends[0]).sum(),
+            ends_astray: drawn.iter().map(|run| run.ends[1]).sum(),
             tolerance_used: self.used(&self.nominal.ends).iter().map(Used::part).fold(0.0, f64::max),
             proved_s: self.legs.iter().map(|leg| prepared.legs[*leg].seconds(rate_hz)).sum(),
             sailed_s: self.nominal.samples.len() as f64 / rate_hz,
@@ -219,7 +219,7 @@ impl Checking<'_> {
             aground_open_loop: count(&|run| run.is_aground_open_loop),
             worst: worst.summary(self),
         };
-        let used = found.iter().map(|run| run.used).fold(worst.most_used(), Used::or_more);
+        let used = drawn.iter().map(|run| run.used).fold(worst.most_used(), Used::or_more);
         check.with_faults(self.tolerated_astray(), used)
     }
 }
@@ -251,7 +251,7 @@ impl Check {
             let (nearer, runs) = (self.below_margin - self.aground, self.runs);
             faults.push(format!("{nearer} of {runs} runs afloat nearer than the margin"));
         }
-        let are_astray = |own: u64, ends: u64| own as f64 > astray * ends as f64;
+        let are_astray = |astray_ends: u64, ends: u64| astray_ends as f64 > astray * ends as f64;
         let drawn_astray = are_astray(self.ends_astray, self.ends);
         if drawn_astray {
             let (astray, ends) = (self.ends_astray, self.ends);
@@ -341,7 +341,7 @@ impl Prepared {
     pub(super) fn last_bytes(&self, moves: &Moves, counter_examples: &[(usize, SampledVessel)]) -> u128 {
         let anew: BTreeSet<usize> = counter_examples.iter().map(|(leg, _)| self.legs[*leg].group).collect();
         let legs = self.legs.iter().filter(|leg| anew.contains(&leg.group));
-        self.demand(&moves.actions).kept_bytes() + legs.map(|own| self.bytes_of(own)).sum::<u128>()
+        self.demand(&moves.actions).kept_bytes() + legs.map(|leg| self.bytes_of(leg)).sum::<u128>()
     }
 
     /// Bytes of the inputs.
@@ -372,7 +372,7 @@ impl Prepared {
         let rate_hz = self.brief.vessel.sample_rate_hz;
         let pieces = self.wanted.iter().enumerate();
         let seconds =
-            pieces.map(|(piece, own)| f64::from(own.count.min(MOST_USES)) * self.shortest_leg_s(piece));
+            pieces.map(|(piece, wanted)| f64::from(wanted.count.min(MOST_USES)) * self.shortest_leg_s(piece));
         seconds.filter(|s| s.is_finite()).map(|s| (s * rate_hz) as usize).sum()
     }
 }

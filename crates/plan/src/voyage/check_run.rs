@@ -92,7 +92,7 @@ impl Checking<'_> {
             // A vessel that cannot be simulated is not the fault of a file.
             let named =
                 |invalid: Invalid| Invalid { thing: format!("{} with {words}", invalid.thing), ..invalid };
-            self.run(vessel).map_err(|own| VoyageError::NoAnswer(named(own)))
+            self.run(vessel).map_err(|refused| VoyageError::NoAnswer(named(refused)))
         };
         let all: Vec<_> = vessels.into_par_iter().map(one).collect();
         all.into_iter().collect()
@@ -112,24 +112,24 @@ impl Checking<'_> {
         let capacity = self.nominal.samples.len() * 9 / 8;
         let mut track = vessel.is_drawn.then(|| Vec::with_capacity(capacity));
         let noise = self.noise(&vessel);
-        let ends = self.script.simulate(&vessel.parameters, vessel.unknown_m_s, noise, |own| {
-            if own.leg > leg {
+        let ends = self.script.simulate(&vessel.parameters, vessel.unknown_m_s, noise, |sample| {
+            if sample.leg > leg {
                 if !vessel.is_searched {
                     // Distances beyond the margin and the least one so far are irrelevant.
-                    passages[own.leg].clearance_m = passages[leg].clearance_m.max(margin_m);
+                    passages[sample.leg].clearance_m = passages[leg].clearance_m.max(margin_m);
                 }
-                leg = own.leg;
+                leg = sample.leg;
             }
-            clearance.add(&mut passages[own.leg], own.pose, own.informative);
+            clearance.add(&mut passages[sample.leg], sample.pose, sample.informative);
             samples += 1;
             if let Some(track) = &mut track {
-                track.push(Fix { leg: own.leg, pose: own.pose });
+                track.push(Fix { leg: sample.leg, pose: sample.pose });
             }
         })?;
         Ok(Run {
             passage: passages.iter().fold(clearance.open(), |a, b| a.and(b)),
-            clearances_m: passages.iter().map(|own| own.clearance_m).collect(),
-            between_cells_m: passages.iter().filter_map(|own| own.between_cells_m).collect(),
+            clearances_m: passages.iter().map(|passage| passage.clearance_m).collect(),
+            between_cells_m: passages.iter().filter_map(|passage| passage.between_cells_m).collect(),
             is_aground_open_loop: !vessel.is_searched && self.is_aground_open_loop(&vessel),
             used: self.used(&ends),
             ends,
@@ -149,8 +149,8 @@ impl Checking<'_> {
         // Only running aground matters.
         open_loop.clearance_m = f64::MIN_POSITIVE;
         let noise = self.noise(vessel);
-        self.script.repeat(self.nominal, &vessel.parameters, vessel.unknown_m_s, noise, |own| {
-            self.clearance.add(&mut open_loop, own.pose, own.informative);
+        self.script.repeat(self.nominal, &vessel.parameters, vessel.unknown_m_s, noise, |sample| {
+            self.clearance.add(&mut open_loop, sample.pose, sample.informative);
             open_loop.clearance_m > 0.0
         });
         open_loop.clearance_m <= 0.0

@@ -87,7 +87,7 @@ impl Clearance {
         let late = VoyageError::OutOfTime("the layout of the chart");
         let polygon = task.area.polygon(chart.plane());
         let (Some(transit), trial) = (transit?, trial?) else { return Err(late) };
-        let trial = trial.map(|own| own.ok_or(late)).transpose()?;
+        let trial = trial.map(|trial| trial.ok_or(late)).transpose()?;
         Ok(Self { outline, radius_m, transit, trial, area, polygon, sight_m })
     }
 
@@ -135,8 +135,9 @@ impl Clearance {
         let cell_m = obstacles.raster().cell_m;
         let far = obstacles.distance_m(pose.y, pose.x) - self.radius_m - 2.0 * cell_m;
         // Interpolated distances may be a cell less.
-        let nearest =
-            passage.between_cells_m.map_or(passage.clearance_m, |own| own.max(passage.clearance_m) + cell_m);
+        let nearest = passage
+            .between_cells_m
+            .map_or(passage.clearance_m, |between| between.max(passage.clearance_m) + cell_m);
         let inside_m = self.inside_m(place, passage.left_area.then(|| obstacles.raster().bounds()));
         if far > nearest && inside_m >= 0.0 {
             passage.unseen_m = (far - nearest).min(inside_m);
@@ -148,12 +149,12 @@ impl Clearance {
             let distance_m = obstacles.distance_m(place[0], place[1]);
             passage.clearance_m = passage.clearance_m.min(distance_m);
             // Interpolated, it is at most a cell's diagonal less.
-            if let Some(own) = passage
+            if let Some(least) = passage
                 .between_cells_m
                 .as_mut()
                 .filter(|between_cells_m| distance_m < **between_cells_m + 1.5 * cell_m)
             {
-                *own = own.min(obstacles.between_cells_m(place[0], place[1]));
+                *least = least.min(obstacles.between_cells_m(place[0], place[1]));
             }
             let is_outside = || inside_m < 0.0 && self.inside_polygon_m(place) < 0.0;
             passage.left_area |= !self.area.contains(place) || is_outside();
@@ -211,12 +212,12 @@ impl Prepared {
         let (i, j) = (node(east, self.grid.origin_m[0]), node(north, self.grid.origin_m[1]));
         let inside = |n: f64, count: usize| n >= 0.0 && n < count as f64;
         if !inside(i, self.grid.nx) || !inside(j, self.grid.ny) || !place.heading_deg.is_finite() {
-            let found = format!(
+            let value = format!(
                 "longitude {}, latitude {}, heading {}",
                 place.longitude_deg, place.latitude_deg, place.heading_deg
             );
             let expected = "a place inside `area` and a compass heading";
-            return Err(refuse(key, &found, expected, "move it, or widen `area`"));
+            return Err(refuse(key, &value, expected, "move it, or widen `area`"));
         }
         let grid_rad = place.heading_deg.to_radians() + self.chart.plane().north_rad([east, north]);
         let level = self.grid.nearest_level(grid_rad);
@@ -267,8 +268,8 @@ impl Prepared {
     }
 }
 
-fn refuse(key: &str, found: &str, expected: &str, remedy: &str) -> Invalid {
-    Invalid::new(format!("`{key}`"), found, expected, remedy)
+fn refuse(key: &str, value: &str, expected: &str, remedy: &str) -> Invalid {
+    Invalid::new(format!("`{key}`"), value, expected, remedy)
 }
 
 /// A heading in degrees from 0 to 360.

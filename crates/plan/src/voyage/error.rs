@@ -205,13 +205,13 @@ pub(super) fn percent_off(vessel: &Vessel, parameters: &[f64]) -> BTreeMap<Strin
     let is_given = |nominal: f64| nominal != 0.0 || vessel.model.forces.is_none();
     let names = vessel.model.parameter_names().map(str::to_owned);
     let all = names.zip(parameters.iter().zip(&vessel.nominal));
-    all.filter(|(_, (_, nominal))| is_given(**nominal)).map(|(name, own)| (name, off(own))).collect()
+    all.filter(|(_, (_, nominal))| is_given(**nominal)).map(|(name, values)| (name, off(values))).collect()
 }
 
 /// The numbers of a ship with forces; none of terms per sample.
 pub(super) fn numbers(vessel: &Vessel, parameters: &[f64]) -> BTreeMap<String, f64> {
-    let own = parameters.iter().filter(|_| vessel.model.forces.is_some());
-    vessel.model.parameter_names().map(str::to_owned).zip(own.copied()).collect()
+    let given = parameters.iter().filter(|_| vessel.model.forces.is_some());
+    vessel.model.parameter_names().map(str::to_owned).zip(given.copied()).collect()
 }
 
 /// The parameters of a vessel that are off the nominal ones, in words.
@@ -226,8 +226,8 @@ const NAMED: usize = 10;
 /// of them, and those without a percentage are off a nominal 0.
 pub(super) fn in_words(percent: &BTreeMap<String, f64>, numbers: &BTreeMap<String, f64>) -> String {
     let percent_words = percentages_in_words(percent);
-    let off_zero = numbers.iter().filter(|(name, own)| !percent.contains_key(*name) && **own != 0.0);
-    let off_zero: Vec<String> = off_zero.map(|(name, own)| format!("{name} = {own:.1e}")).collect();
+    let off_zero = numbers.iter().filter(|(name, value)| !percent.contains_key(*name) && **value != 0.0);
+    let off_zero: Vec<String> = off_zero.map(|(name, value)| format!("{name} = {value:.1e}")).collect();
     let more = off_zero.len().saturating_sub(NAMED);
     let more = if more > 0 { format!(" and {more} others off 0") } else { String::new() };
     let zeros = off_zero[..off_zero.len().min(NAMED)].join(", ") + &more;

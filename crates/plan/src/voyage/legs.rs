@@ -82,10 +82,10 @@ impl SailedPlan<'_> {
         let mut rest = &self.sailing.sailed.samples[..];
         let mut start = 0;
         let mut document = |(index, step): (usize, &Step)| {
-            let own;
-            (own, rest) = rest.split_at(rest.iter().take_while(|s| s.leg == index).count());
-            start += own.len();
-            self.leg(index, step, start - own.len(), own)
+            let of_leg;
+            (of_leg, rest) = rest.split_at(rest.iter().take_while(|s| s.leg == index).count());
+            start += of_leg.len();
+            self.leg(index, step, start - of_leg.len(), of_leg)
         };
         self.solved.solution.steps.iter().enumerate().map(&mut document).collect()
     }
@@ -124,7 +124,7 @@ impl SailedPlan<'_> {
     /// One per informative leg.
     pub fn primitives(&self) -> Vec<Primitive> {
         let legs = self.prepared.legs.iter().enumerate();
-        legs.filter_map(|(index, own)| self.primitive(index, own)).collect()
+        legs.filter_map(|(index, step)| self.primitive(index, step)).collect()
     }
 
     fn primitive(&self, index: usize, settled_leg: &SettledLeg) -> Option<Primitive> {
@@ -256,13 +256,13 @@ impl SailedPlan<'_> {
         let waters = &self.solved.waters;
         [waters.deepest(&self.prepared.legs), waters.transit()].map(|obstacles: &Obstacles| {
             let raster = obstacles.raster();
-            let own = |k: usize| {
+            let distance_m = |k: usize| {
                 let (col, row) = (k % raster.nx, k / raster.nx);
                 let causes = obstacles.causes(col, row);
                 let solid = [Causes::LAND, Causes::NO_GO, Causes::UNCHARTED].iter().any(|c| causes.has(*c));
                 obstacles.is_blocked(col, row) && !solid
             };
-            (0..raster.nx * raster.ny).map(own).collect()
+            (0..raster.nx * raster.ny).map(distance_m).collect()
         })
     }
 

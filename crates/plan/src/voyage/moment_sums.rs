@@ -52,9 +52,9 @@ impl Brief {
                 return Err(Invalid::new("[measurement]", "none", expected, remedy));
             }
             (None, Some(_)) => {
-                let found = "noise of logs, and a vessel with terms per sample";
+                let both = "noise of logs, and a vessel with terms per sample";
                 let expected = "it of a ship with forces alone";
-                return Err(Invalid::new("[measurement]", found, expected, "leave it out"));
+                return Err(Invalid::new("[measurement]", both, expected, "leave it out"));
             }
         };
         Ok(Summing { vessel, forces })
@@ -96,10 +96,9 @@ impl Summing<'_> {
             instrument_exogenous: &exogenous,
             segments: [&[0]; LANES],
         };
-        let found = moments(&batch).swap_remove(0);
-        let scale = found.samples as f64;
-        let degrees =
-            found.matrices.into_iter().map(|m| m.into_iter().map(|x| x * scale).collect()).collect();
+        let sums = moments(&batch).swap_remove(0);
+        let scale = sums.samples as f64;
+        let degrees = sums.matrices.into_iter().map(|m| m.into_iter().map(|x| x * scale).collect()).collect();
         MomentSums { degrees, prior: Vec::new() }
     }
 
@@ -122,17 +121,17 @@ impl MomentSums {
             self.degrees = other.degrees.iter().map(|m| vec![0.0; m.len()]).collect();
             self.prior = other.prior.clone();
         }
-        for (own, other) in self.degrees.iter_mut().zip(&other.degrees) {
-            own.iter_mut().zip(other).for_each(|(a, b)| *a += times * b);
+        for (matrix, other) in self.degrees.iter_mut().zip(&other.degrees) {
+            matrix.iter_mut().zip(other).for_each(|(a, b)| *a += times * b);
         }
     }
 
     /// The sums with what the priors know.
     fn with_prior(&self) -> Vec<Vec<f64>> {
         let mut all = self.degrees.clone();
-        for own in &mut all {
-            let n = own.len().isqrt();
-            self.prior.iter().enumerate().for_each(|(i, known)| own[i * n + i] += known);
+        for matrix in &mut all {
+            let n = matrix.len().isqrt();
+            self.prior.iter().enumerate().for_each(|(i, known)| matrix[i * n + i] += known);
         }
         all
     }
@@ -168,13 +167,13 @@ impl MomentSums {
     /// tr(M⁻¹ M_other) with the priors in M.
     fn trace_with(&self, other: &Self) -> Option<f64> {
         let all = self.with_prior();
-        let traces = all.iter().zip(&other.degrees).map(|(own, other)| {
-            let n = own.len().isqrt();
+        let traces = all.iter().zip(&other.degrees).map(|(matrix, other)| {
+            let n = matrix.len().isqrt();
             // Scaled as for the determinant: that leaves the trace as it is.
-            let size: Vec<f64> = (0..n).map(|i| own[i * n + i].abs().sqrt()).collect();
+            let size: Vec<f64> = (0..n).map(|i| matrix[i * n + i].abs().sqrt()).collect();
             let scaled =
                 |m: &[f64]| -> Vec<f64> { (0..n * n).map(|k| m[k] / (size[k / n] * size[k % n])).collect() };
-            let (mut a, mut solved) = (scaled(own), scaled(other));
+            let (mut a, mut solved) = (scaled(matrix), scaled(other));
             numerics::solve(n, &mut a, &mut solved)?;
             Some(solved.iter().step_by(n + 1).sum::<f64>())
         });
@@ -240,9 +239,9 @@ impl Brief {
         let (wanted, summing) = (self.wanted()?, self.summing()?);
         let mut own: Vec<(MomentSums, GatheredManeuver)> = Vec::new();
         for (name, count) in planned {
-            let Some(piece) = wanted.iter().map(|own| &own.piece).find(|piece| piece.maneuver == *name)
+            let Some(piece) = wanted.iter().map(|wanted| &wanted.piece).find(|piece| piece.maneuver == *name)
             else {
-                let known = wanted.iter().map(|own| own.piece.maneuver.clone()).collect();
+                let known = wanted.iter().map(|wanted| wanted.piece.maneuver.clone()).collect();
                 return Err(VoyageError::UnknownManeuver { name: name.clone(), known });
             };
             let done = done.get(name).copied().unwrap_or(0);
@@ -254,13 +253,13 @@ impl Brief {
 }
 
 /// Of the moments of one use of each maneuver.
-fn of_pieces(mut own: Vec<(MomentSums, GatheredManeuver)>) -> Gathered {
+fn of_pieces(mut gathered: Vec<(MomentSums, GatheredManeuver)>) -> Gathered {
     let (mut all, mut so_far) = (MomentSums::default(), MomentSums::default());
-    for (moments, maneuver) in &own {
+    for (moments, maneuver) in &gathered {
         all.add(moments, maneuver.planned as f64);
         so_far.add(moments, maneuver.done as f64);
     }
-    for (moments, maneuver) in &mut own {
+    for (moments, maneuver) in &mut gathered {
         maneuver.share = all.share_of(moments).map(|share| share * maneuver.planned as f64);
     }
     let part = |gathered_maneuver: &GatheredManeuver| {
@@ -271,9 +270,9 @@ fn of_pieces(mut own: Vec<(MomentSums, GatheredManeuver)>) -> Gathered {
     };
     let efficiency = libm::exp((so_far.log_det() - all.log_det()) / all.dimension() as f64);
     Gathered {
-        share: own.iter().map(|(_, own)| part(own)).sum(),
-        efficiency: Some(efficiency).filter(|own| own.is_finite()),
+        share: gathered.iter().map(|(_, maneuver)| part(maneuver)).sum(),
+        efficiency: Some(efficiency).filter(|ratio| ratio.is_finite()),
         dimension: all.dimension() as u64,
-        maneuvers: own.into_iter().map(|(_, own)| own).collect(),
+        maneuvers: gathered.into_iter().map(|(_, maneuver)| maneuver).collect(),
     }
 }

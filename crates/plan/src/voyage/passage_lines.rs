@@ -229,10 +229,10 @@ impl SailedPlan<'_> {
     /// Mean speed along the nominal track.
     fn speed_m_s(&self, samples: &Range<usize>) -> f64 {
         let all = &self.sailing.sailed.samples;
-        let own = &all[samples.start..(samples.end + 1).min(all.len())];
+        let of_step = &all[samples.start..(samples.end + 1).min(all.len())];
         let place = |s: &Sample| [s.pose.x, s.pose.y];
-        let way: f64 = own.windows(2).map(|pair| distance(place(&pair[0]), place(&pair[1]))).sum();
-        let seconds = own.len().saturating_sub(1) as f64 / self.prepared.brief.vessel.sample_rate_hz;
+        let way: f64 = of_step.windows(2).map(|pair| distance(place(&pair[0]), place(&pair[1]))).sum();
+        let seconds = of_step.len().saturating_sub(1) as f64 / self.prepared.brief.vessel.sample_rate_hz;
         if seconds > 0.0 { way / seconds } else { 0.0 }
     }
 
@@ -261,7 +261,7 @@ impl SailedPlan<'_> {
                 .map(|k| line.place([line.length_m * k as f64 / steps as f64, aside]))
                 .map(|[north, east]| [east, north])
                 .collect();
-            let left_m = dangers.nearest(&places).map_or(f64::INFINITY, |own| own.distance_m) - half_m;
+            let left_m = dangers.nearest(&places).map_or(f64::INFINITY, |danger| danger.distance_m) - half_m;
             // Places between those that are tried are no farther from them than half a step.
             if left_m <= 0.5 * LOOKOUT_M {
                 break;
@@ -277,9 +277,9 @@ impl SailedPlan<'_> {
         let lines: Vec<Line> = drafts.iter().map(Draft::line).collect();
         for fix in fixes {
             let place = [fix.pose.x, fix.pose.y];
-            let own = drafts.iter().enumerate().filter(|(_, own)| own.steps.contains(&fix.leg));
-            let own = own.map(|(index, _)| index);
-            let nearest = own.min_by(|a, b| lines[*a].away(place).total_cmp(&lines[*b].away(place)));
+            let near = drafts.iter().enumerate().filter(|(_, draft)| draft.steps.contains(&fix.leg));
+            let indices = near.map(|(index, _)| index);
+            let nearest = indices.min_by(|a, b| lines[*a].away(place).total_cmp(&lines[*b].away(place)));
             let index = nearest.unwrap_or(0);
             if let Some(line) = lines.get(index) {
                 let across = line.along(place)[1];

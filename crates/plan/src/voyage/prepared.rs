@@ -59,7 +59,7 @@ impl Prepared {
         let information = pieces.iter().map(|piece| summing.of_piece(piece)).collect();
         let others = brief.sampled_vessels();
         let mirror =
-            mirror(vessel).filter(|signs| pieces.iter().all(|own| own.is_mirrored_within(vessel, signs)));
+            mirror(vessel).filter(|signs| pieces.iter().all(|piece| piece.is_mirrored_within(vessel, signs)));
         let (legs, dropped) = (Vec::new(), Vec::new());
         let mut prepared = Self {
             brief,
@@ -108,7 +108,7 @@ impl Prepared {
 
     /// Refuses maneuvers that have no leg from any heading: all of them at once.
     pub(super) fn check_offered(&self) -> Result<(), VoyageError> {
-        let offered = |name: &&str| self.legs.iter().any(|own| own.name == **name);
+        let offered = |name: &&str| self.legs.iter().any(|leg| leg.name == **name);
         let mut names: Vec<&str> = self.wanted.iter().map(|wanted| wanted.piece.maneuver.as_str()).collect();
         names.retain(|name| !offered(name));
         names.dedup();
@@ -200,7 +200,7 @@ impl Brief {
     /// Drift by unknown currents, and three standard deviations of their changes, in the longest piece of a
     /// maneuver \[m\].
     pub(super) fn drift_m(&self, wanted: &[Wanted]) -> f64 {
-        let longest = wanted.iter().map(|own| own.piece.samples).max().unwrap_or(0);
+        let longest = wanted.iter().map(|wanted| wanted.piece.samples).max().unwrap_or(0);
         let changes_m_s = self.task.changes.current.map_or(0.0, |current| 3.0 * current.std_m_s);
         let unknown_m_s = self.task.safety.unknown_current_m_s + changes_m_s;
         unknown_m_s * longest as f64 / self.vessel.sample_rate_hz
@@ -254,18 +254,18 @@ impl Task {
         let sides = [0, 1].map(|k: usize| most(k) - least(k));
         let (longer, shorter) = (sides[0].max(sides[1]), sides[0].min(sides[1]));
         if !(longer <= LONGEST_SIDE_M && longer <= MOST_ELONGATED * shorter) {
-            let found = format!("{:.1} × {:.1} km", sides[0] / 1e3, sides[1] / 1e3);
+            let size = format!("{:.1} × {:.1} km", sides[0] / 1e3, sides[1] / 1e3);
             let expected = "at most 200 km on a side, within 20 to 1: one plane and one map hold no more";
-            return Err(Invalid::new("`area`", found, expected, "correct its corners"));
+            return Err(Invalid::new("`area`", size, expected, "correct its corners"));
         }
         let count = |k: usize| ((most(k) - least(k)) / self.cell_m).floor();
         let (nx, ny) = (count(0), count(1));
         if nx >= 2.0 && ny >= 2.0 && nx * ny <= 4e6 {
             return Ok(([least(0), least(1)], [nx as usize, ny as usize]));
         }
-        let found = format!("{nx} × {ny} nodes");
+        let nodes = format!("{nx} × {ny} nodes");
         let expected = "from 2 × 2 to four million nodes";
-        Err(Invalid::new("`area` and `cell_m`", found, expected, "correct one of them"))
+        Err(Invalid::new("`area` and `cell_m`", nodes, expected, "correct one of them"))
     }
 
     /// The same lattice, moved by up to half a cell if its start has to be a node, and cropped to the area.
@@ -312,7 +312,7 @@ impl Prepared {
         let is_in = |cell: usize| beyond.as_ref().is_none_or(|beyond| !beyond.closed()[cell]);
         let cells = self.chart.uncharted_cells(raster).into_iter().enumerate();
         let inside = cells.filter(|(cell, _)| is_in(*cell)).map(|(_, uncharted)| u64::from(uncharted));
-        let (all, uncharted) = inside.fold((0_u64, 0), |(all, sum), own| (all + 1, sum + own));
+        let (all, uncharted) = inside.fold((0_u64, 0), |(all, sum), cell| (all + 1, sum + cell));
         uncharted as f64 / all.max(1) as f64
     }
 }

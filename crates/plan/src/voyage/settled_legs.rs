@@ -112,7 +112,7 @@ impl SettledLeg {
 
     /// The largest distance of a sampled vessel from the nominal one after a maneuver \[m\].
     pub fn spread_m(&self) -> f64 {
-        self.farthest.as_ref().map_or(0.0, |own| own.distance_m)
+        self.farthest.as_ref().map_or(0.0, |farthest| farthest.distance_m)
     }
 
     /// Whether it is an informative maneuver.
@@ -169,8 +169,8 @@ impl LegSimulation<'_> {
         let (mut legs, mut dropped) = (Vec::new(), Vec::new());
         let all = groups.iter().filter_map(|group| group.outcomes.as_deref()).flatten();
         all.for_each(|tried| match tried {
-            Ok(own) => legs.push(own.clone()),
-            Err(own) => dropped.push(own.clone()),
+            Ok(leg) => legs.push(leg.clone()),
+            Err(reason) => dropped.push(reason.clone()),
         });
         Ok((legs, dropped))
     }
@@ -184,12 +184,12 @@ impl LegSimulation<'_> {
                 Ok(Err(Dropped { name: self.name(&purpose), side: purpose.side(), from, why, parameters }))
             }
         };
-        let own = outcomes.into_iter().map(tried).collect::<Result<Vec<_>, Invalid>>()?;
+        let settled = outcomes.into_iter().map(tried).collect::<Result<Vec<_>, Invalid>>()?;
         let quarters = if self.repertoire.is_isotropic() { 4 } else { 1 };
-        let all = (0..quarters).flat_map(|quarter| own.iter().map(move |own| (quarter, own)));
-        let turned = |(quarter, own): (usize, &Result<SettledLeg, Dropped>)| match own {
-            Ok(own) => Ok(Arc::new(own.turned(quarter, grid))),
-            Err(own) => Err(Dropped { from: grid.turned(own.from, quarter), ..own.clone() }),
+        let all = (0..quarters).flat_map(|quarter| settled.iter().map(move |outcome| (quarter, outcome)));
+        let turned = |(quarter, outcome): (usize, &Result<SettledLeg, Dropped>)| match outcome {
+            Ok(leg) => Ok(Arc::new(leg.turned(quarter, grid))),
+            Err(failed) => Err(Dropped { from: grid.turned(failed.from, quarter), ..failed.clone() }),
         };
         Ok(all.map(turned).collect())
     }
@@ -276,9 +276,9 @@ impl Brief {
             }
         }
         if all.is_empty() {
-            let found = "no maneuver that is used at least once";
+            let none = "no maneuver that is used at least once";
             let remedy = "raise a `count`, lengthen `informative_s` or shorten `piece_s`";
-            return Err(Invalid::new("counts", found, "at least one use", remedy).into());
+            return Err(Invalid::new("counts", none, "at least one use", remedy).into());
         }
         Ok(all)
     }
@@ -318,9 +318,9 @@ impl Brief {
 
     /// n_q = N_q / N′_q, rounded, with N_q = share × time.
     fn count(&self, piece: &Piece) -> Result<u32, VoyageError> {
-        let refuse = |found: &str, remedy: &str| {
+        let refuse = |value: &str, remedy: &str| {
             let thing = format!("maneuver `{}`", piece.maneuver);
-            Err(Invalid::new(thing, found, "a `count`, or a design's share of `informative_s`", remedy)
+            Err(Invalid::new(thing, value, "a `count`, or a design's share of `informative_s`", remedy)
                 .into())
         };
         let Some(design) = &self.design else {

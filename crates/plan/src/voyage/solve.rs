@@ -103,12 +103,12 @@ impl Prepared {
             return None;
         }
         let all = self.legs.iter().filter_map(|leg| Some((&leg.name, leg.farthest.as_ref()?)));
-        let (name, own) = all.max_by(|a, b| a.1.distance_m.total_cmp(&b.1.distance_m))?;
-        let words = parameters_in_words(&self.brief.vessel, &own.parameters);
+        let (name, farthest) = all.max_by(|a, b| a.1.distance_m.total_cmp(&b.1.distance_m))?;
+        let words = parameters_in_words(&self.brief.vessel, &farthest.parameters);
         Some(format!(
             "`{name}` has room for vessels that end it {:.0} m from the nominal one ({words}): lower \
              `{}`, or run it in shorter pieces (`piece_s`)",
-            own.distance_m,
+            farthest.distance_m,
             self.brief.task.safety.key()
         ))
     }
@@ -118,12 +118,12 @@ impl Prepared {
         let mode = |layer: usize| self.grid.level_and_mode(layer).1;
         let mut said: Vec<(&str, usize)> = Vec::new();
         let mut text = String::new();
-        for dropped in self.dropped.iter().filter(|own| own.side.is_none()) {
-            let own = (dropped.name.as_str(), mode(dropped.from));
-            let is_offered = |leg: &Arc<SettledLeg>| (leg.name.as_str(), mode(leg.leg.from)) == own;
-            if !said.contains(&own) && !self.legs.iter().any(is_offered) {
-                said.push(own);
-                let (name, from, why) = (&dropped.name, &self.grid.modes[own.1].name, &dropped.why);
+        for dropped in self.dropped.iter().filter(|dropped| dropped.side.is_none()) {
+            let move_of = (dropped.name.as_str(), mode(dropped.from));
+            let is_offered = |leg: &Arc<SettledLeg>| (leg.name.as_str(), mode(leg.leg.from)) == move_of;
+            if !said.contains(&move_of) && !self.legs.iter().any(is_offered) {
+                said.push(move_of);
+                let (name, from, why) = (&dropped.name, &self.grid.modes[move_of.1].name, &dropped.why);
                 text += &format!("; no `{name}` from `{from}` settles: {why}");
             }
         }
@@ -194,7 +194,7 @@ impl Prepared {
         search: &Search,
     ) -> Vec<FrontPoint> {
         let order = self.pieces_in_order(moves);
-        let all = search.affordable(problem, plan).into_iter().map(|found| self.front_point(&order, found));
+        let all = search.affordable(problem, plan).into_iter().map(|counts| self.front_point(&order, counts));
         let mut points: Vec<FrontPoint> = all.filter(|p| p.log_det.is_finite()).collect();
         let time = |p: &FrontPoint| match self.brief.task.cost.primary {
             Primary::BasicMoves => p.informative_s,
@@ -235,8 +235,8 @@ impl Prepared {
     pub(super) fn shortest_leg_s(&self, wanted: usize) -> f64 {
         let uses =
             |purpose: &Purpose| matches!(purpose, Purpose::Informative { piece, .. } if *piece == wanted);
-        let own = self.legs.iter().filter(|leg| uses(&leg.leg.purpose));
-        own.map(|own| own.seconds(self.brief.vessel.sample_rate_hz)).fold(f64::INFINITY, f64::min)
+        let legs = self.legs.iter().filter(|leg| uses(&leg.leg.purpose));
+        legs.map(|leg| leg.seconds(self.brief.vessel.sample_rate_hz)).fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -284,8 +284,8 @@ impl Moves {
     /// The leg of a step.
     pub(super) fn leg_of_step(&self, step: &Step) -> usize {
         let moves = self.actions[step.action].moves.iter().enumerate();
-        let own = moves.filter(|(_, m)| m.from == step.from.layer);
-        let index = own.map(|(index, _)| index).nth(step.variant).unwrap_or(0);
+        let alike = moves.filter(|(_, m)| m.from == step.from.layer);
+        let index = alike.map(|(index, _)| index).nth(step.variant).unwrap_or(0);
         self.legs[step.action][index].0
     }
 }

@@ -108,8 +108,8 @@ impl Task {
         self.safety.transit_depth_m -= tide.level_m;
         self.safety.trial_depth_m -= tide.level_m;
         self.safety.unknown_current_m_s += tide.spread_m_s;
-        for (own, stream) in self.known_current_m_s.iter_mut().zip(tide.stream_m_s) {
-            *own += stream;
+        for (current, stream) in self.known_current_m_s.iter_mut().zip(tide.stream_m_s) {
+            *current += stream;
         }
         self.tide = Some(tide);
         self

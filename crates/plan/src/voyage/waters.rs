@@ -193,8 +193,8 @@ impl Prepared {
             true => (safety.trial_depth_m, safety.margin_m, self.chart.has_transit_only()),
             false => (safety.transit_depth_m, safety.margin_m, false),
         };
-        let of_leg = |own: &Arc<SettledLeg>| {
-            let kind = kind_of(own);
+        let of_leg = |leg: &Arc<SettledLeg>| {
+            let kind = kind_of(leg);
             kinds.iter().position(|k| *k == kind).unwrap_or_else(|| {
                 kinds.push(kind);
                 kinds.len() - 1
@@ -232,18 +232,18 @@ impl Prepared {
                 format!("no node of the lattice is clear: {by}")
             }
         };
-        let own = grid.pose(pose.i, pose.j, level);
-        let gap = waters.obstacles[layer].distance_m(own.y, own.x);
+        let at = grid.pose(pose.i, pose.j, level);
+        let gap = waters.obstacles[layer].distance_m(at.y, at.x);
         let dangers = self.chart.dangers(task.safety.transit_depth_m);
-        let nearest = dangers.nearest(&[[own.y, own.x]]);
+        let nearest = dangers.nearest(&[[at.y, at.x]]);
         let named = nearest.map_or_else(String::new, |nearest| format!(" ({})", nearest.called));
         let near = match waters.is_in_area(&hull, pose.i, pose.j) {
             true => format!("{gap:.0} m from an obstacle{named}"),
             false => "where the hull reaches out of `area`".to_owned(),
         };
-        let found = format!("{}, {near}", self.words(pose));
+        let place = format!("{}, {near}", self.words(pose));
         let expected = format!("the hull in `area`, at least {} m clear of obstacles", task.safety.margin_m);
-        Err(VoyageError::NoAnswer(Invalid::new(format!("`{what}`"), found, expected, remedy)))
+        Err(VoyageError::NoAnswer(Invalid::new(format!("`{what}`"), place, expected, remedy)))
     }
 }
 
@@ -268,7 +268,7 @@ impl Prepared {
         let dangers = self.chart.dangers(task.safety.transit_depth_m);
         let closing = dangers.closing(&places, task.safety.margin_m + reach_m);
         let mut said: Vec<String> =
-            closing.iter().take(NAMED).map(|own| words(own, percent(own.places))).collect();
+            closing.iter().take(NAMED).map(|cause| words(cause, percent(cause.places))).collect();
         if closing.len() > NAMED {
             said.push(format!("{} more kinds", closing.len() - NAMED));
         }

@@ -135,25 +135,26 @@ impl Checking<'_> {
     /// A simulation that diverges; no time.
     pub(super) fn worst(&self, search: &Search) -> Result<Searched, VoyageError> {
         let doubt = self.prepared().brief.doubt();
-        let mut found = Searched { runs: Vec::new() };
+        let mut searched = Searched { runs: Vec::new() };
         if doubt.is_none() {
-            return Ok(found);
+            return Ok(searched);
         }
         let axes = doubt.axes();
         let count = axes.len();
-        found.add(self, &doubt, (axes, Noises::Shared), search)?;
-        let extremes = [found.nearest(self, &doubt, count), found.farthest(self, &doubt, count)].concat();
-        found.add(self, &doubt, (extremes, Noises::Own), search)?;
+        searched.add(self, &doubt, (axes, Noises::Shared), search)?;
+        let extremes =
+            [searched.nearest(self, &doubt, count), searched.farthest(self, &doubt, count)].concat();
+        searched.add(self, &doubt, (extremes, Noises::Own), search)?;
         for _ in 0..SWEEPS {
-            if !self.is_last && found.fails(self) {
+            if !self.is_last && searched.fails(self) {
                 break;
             }
-            let neighbours = found.followed(self).flat_map(|who| doubt.neighbours(who)).collect();
-            if !found.add(self, &doubt, (neighbours, Noises::Own), search)? {
+            let neighbours = searched.followed(self).flat_map(|who| doubt.neighbours(who)).collect();
+            if !searched.add(self, &doubt, (neighbours, Noises::Own), search)? {
                 break;
             }
         }
-        Ok(found)
+        Ok(searched)
     }
 
     fn targets(&self) -> impl Iterator<Item = Target> {
@@ -199,7 +200,7 @@ impl Searched {
     /// The corners where legs end farthest off by one of their quantities: the worst one of each leg, and the worst of all.
     fn farthest(&self, checking: &Checking, doubt: &Doubt, axes: usize) -> Vec<Candidate> {
         let corner = |off: &[[f64; 6]], goal: &[f64; 6]| {
-            let values: Vec<f64> = off.iter().map(|own| goal_value(goal, own)).collect();
+            let values: Vec<f64> = off.iter().map(|end| goal_value(goal, end)).collect();
             let who = doubt.extreme(&values);
             (doubt.predicted(&values, &who), who)
         };
@@ -218,24 +219,24 @@ impl Searched {
 
     /// The worst candidate of a target.
     fn worst(&self, target: Target, badness: fn(Target, &Run) -> Option<f64>) -> Option<Worst> {
-        let own = |(index, (_, run)): (usize, &(Candidate, Run))| {
+        let measured = |(index, (_, run)): (usize, &(Candidate, Run))| {
             badness(target, run).map(|badness| Worst { badness, index, step: target.step })
         };
         // The first of equals.
         self.runs
             .iter()
             .enumerate()
-            .filter_map(own)
-            .reduce(|best, own| if own.badness > best.badness { own } else { best })
+            .filter_map(measured)
+            .reduce(|best, other| if other.badness > best.badness { other } else { best })
     }
 
     /// The candidates that are the worst for any leg, the very worst of either quantity.
     fn followed(&self, checking: &Checking) -> impl Iterator<Item = &Candidate> {
         let mut indices = Vec::new();
         for what in [What::Nearness, What::Used] {
-            let own = checking.targets().filter(|target| target.what == what);
+            let targets = checking.targets().filter(|target| target.what == what);
             let mut worst: Vec<Worst> =
-                own.filter_map(|target| self.worst(target, Target::compared)).collect();
+                targets.filter_map(|target| self.worst(target, Target::compared)).collect();
             worst.sort_by(|a, b| b.badness.total_cmp(&a.badness));
             let mut some: Vec<usize> = Vec::new();
             for Worst { index, .. } in worst {
@@ -296,9 +297,9 @@ impl Searched {
 
     /// The worst of all legs.
     fn worst_of(&self, checking: &Checking, what: What) -> Option<Worst> {
-        let own = checking.targets().filter(|target| target.what == what);
-        let all = own.filter_map(|target| self.worst(target, Target::badness));
-        all.reduce(|best, own| if own.badness > best.badness { own } else { best })
+        let targets = checking.targets().filter(|target| target.what == what);
+        let all = targets.filter_map(|target| self.worst(target, Target::badness));
+        all.reduce(|best, other| if other.badness > best.badness { other } else { best })
     }
 
     fn named(&self, checking: &Checking, Worst { index, step, .. }: Worst) -> WorstVessel {
@@ -319,7 +320,7 @@ impl Searched {
 
 /// A candidate's numbers, to tell it from others.
 fn key(who: &Candidate) -> Vec<u64> {
-    who.at.iter().chain(&who.current).map(|own| (own + 0.0).to_bits()).collect()
+    who.at.iter().chain(&who.current).map(|x| (x + 0.0).to_bits()).collect()
 }
 
 impl WorstVessel {
@@ -412,7 +413,7 @@ impl Prepared {
         underway.hold(heading, speed, RESPONSES * repertoire.handling.response_s)?;
         let tolerance = repertoire.approach.tolerance;
         let [u, v, r] = underway.ship.state;
-        Ok(if [u, v, r].iter().all(|own| own.is_finite()) {
+        Ok(if [u, v, r].iter().all(|x| x.is_finite()) {
             tolerance.used_in_motion([u, v, r], speed)
         } else {
             Used::Lost

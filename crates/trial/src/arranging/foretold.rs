@@ -39,12 +39,13 @@ impl Arranging<'_> {
     pub(super) fn foretold(&self, initial: [f64; 3], exogenous: &[f64]) -> Option<Foretold> {
         let Estimated::OutputError { current } = self.estimated else { return None };
         // Not of what is left out of the information.
-        self.moments.disturbances.as_ref().filter(|own| !own.lasting_current_left_out)?;
+        self.moments.disturbances.as_ref().filter(|expected| !expected.lasting_current_left_out)?;
         let model = self.moments.output_error.as_ref()?;
         let (g, rows, n) = (model.g.as_deref().unwrap_or_default(), &model.rows, model.rows.len());
         let samples = exogenous.len() / self.vessel.model.exogenous().max(1);
         let theta = self.ordered(&model.parameters)?;
-        let place = |name: &String| self.vessel.model.parameter_names().position(|own| own == name);
+        let place =
+            |name: &String| self.vessel.model.parameter_names().position(|parameter| parameter == name);
         let places: Vec<Option<usize>> = rows.iter().map(place).collect();
         let Information { information, mut middle } = self.informed(initial, exogenous, current)?;
         let inverse = scaled_inverse(n, &information)?;
@@ -53,12 +54,12 @@ impl Arranging<'_> {
             // The ship is known: what priors say of her is off by as much as it is, in every trial.
             let mut known = vec![0.0; n * n];
             prior.add_to(&mut known, rows, samples as f64);
-            middle.iter_mut().zip(&known).for_each(|(own, known)| *own -= known);
+            middle.iter_mut().zip(&known).for_each(|(entry, known)| *entry -= known);
             let off = |place: &Option<usize>| place.map_or(0.0, |i| self.vessel.nominal[i] - theta[i]);
             let pulled = times(&inverse, &times(&known, &places.iter().map(off).collect::<Vec<_>>()));
-            places.iter().zip(pulled).for_each(|(place, own)| {
+            places.iter().zip(pulled).for_each(|(place, pull)| {
                 if let Some(i) = *place {
-                    center[i] += own;
+                    center[i] += pull;
                 }
             });
         }
@@ -71,7 +72,7 @@ impl Arranging<'_> {
             let drawn = estimates.drawn(&streams, draw);
             let off: Vec<f64> =
                 places.iter().map(|place| place.map_or(0.0, |i| drawn[i] - theta[i])).collect();
-            let square: f64 = times(g, &off).iter().zip(&off).map(|(own, off)| own * off).sum();
+            let square: f64 = times(g, &off).iter().zip(&off).map(|(slope, off)| slope * off).sum();
             (parameter_error(&drawn, &theta), square.max(0.0).sqrt())
         });
         let (parameters, simulations): (Vec<f64>, Vec<f64>) = errors.unzip();
@@ -135,22 +136,22 @@ impl Arranging<'_> {
         let theta = self.ordered(&self.moments.output_error.as_ref()?.parameters)?;
         let noise = if current { noise } else { Noise { current: 0.0, ..noise } };
         let samples = exogenous.len() / self.vessel.model.exogenous().max(1);
-        let mut found = if self.vessel.model.forces.is_some() {
-            let own = ForcesPrediction::with(self.vessel, theta, noise).ok()?;
-            let OutputErrorMoments { f, p, .. } = own.of_experiment(initial, exogenous)?;
+        let mut sums = if self.vessel.model.forces.is_some() {
+            let prediction = ForcesPrediction::with(self.vessel, theta, noise).ok()?;
+            let OutputErrorMoments { f, p, .. } = prediction.of_experiment(initial, exogenous)?;
             let middle = p.map_or_else(|| f.clone(), |p| f.iter().zip(&p).map(|(f, p)| f + p).collect());
             Information { information: f, middle }
         } else {
-            let own = output_information(&self.vessel.model, &theta, initial, exogenous, &noise)?;
-            Information { middle: own.middle(), information: own.information }
+            let predicted = output_information(&self.vessel.model, &theta, initial, exogenous, &noise)?;
+            Information { middle: predicted.middle(), information: predicted.information }
         };
         if let Some(prior) = &self.moments.prior {
             // Priors count once for the experiment.
             let rows = &self.moments.output_error.as_ref()?.rows;
-            prior.add_to(&mut found.information, rows, samples as f64);
-            prior.add_to(&mut found.middle, rows, samples as f64);
+            prior.add_to(&mut sums.information, rows, samples as f64);
+            prior.add_to(&mut sums.middle, rows, samples as f64);
         }
-        Some(found)
+        Some(sums)
     }
 
     fn instrumental(
@@ -169,9 +170,9 @@ impl Arranging<'_> {
             let run = |i: usize| simulate_one(model, theta, runs[i].0, &exogenous[i]);
             (0..runs.len()).map(run).collect()
         };
-        let (own, nominal) = (simulated(&theta), simulated(&self.vessel.nominal));
+        let (truth, nominal) = (simulated(&theta), simulated(&self.vessel.nominal));
         let lanes = |rows: &[Vec<f64>]| interleave(&rows.iter().map(Vec::as_slice).collect::<Vec<_>>());
-        let (measured, instrument_states, inputs) = (lanes(&own), lanes(&nominal), lanes(exogenous));
+        let (measured, instrument_states, inputs) = (lanes(&truth), lanes(&nominal), lanes(exogenous));
         let batch = Batch {
             model,
             measured: &measured,
@@ -187,7 +188,7 @@ impl Arranging<'_> {
             sizes.iter().map(|n| if removal == MeanRemoval::Complete { *n } else { n - 1 }).collect();
         let of = |i: usize| {
             let finite = |states: &[f64]| check_diverged(states.iter().copied()).is_none();
-            if !(finite(&own[i]) && finite(&nominal[i])) {
+            if !(finite(&truth[i]) && finite(&nominal[i])) {
                 return None;
             }
             let cut = |matrices: &[Vec<f64>]| -> Vec<f64> {

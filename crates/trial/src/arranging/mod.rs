@@ -93,10 +93,10 @@ impl Arranging<'_> {
     /// cannot hold; samples that whole plays of tables do not fill, or that do not tell every parameter.
     pub fn search(&self, shares: &[f64], sensitivities: &[f64], samples: usize) -> Result<Arranged, Invalid> {
         let places = self.places()?;
-        let mut own = vec![0.0; self.generator.maneuvers().len()];
-        places.iter().zip(shares).for_each(|(place, share)| own[*place] = *share);
+        let mut of_all = vec![0.0; self.generator.maneuvers().len()];
+        places.iter().zip(shares).for_each(|(place, share)| of_all[*place] = *share);
         let least = self.least(&places)?;
-        let mut now = self.settled(shared_out(&own, self.generator.tables(), samples)?, &least);
+        let mut now = self.settled(shared_out(&of_all, self.generator.tables(), samples)?, &least);
         let mut order: Vec<usize> = (0..places.len()).collect();
         order.sort_by(|a, b| sensitivities[*b].total_cmp(&sensitivities[*a]).then(a.cmp(b)));
         let joining: Vec<usize> = order.into_iter().take(JOINING).map(|q| places[q]).collect();
@@ -120,12 +120,12 @@ impl Arranging<'_> {
             }
         }
         if !value.is_finite() {
-            let found = format!(
+            let value = format!(
                 "no sequence of {} s that tells every parameter",
                 samples as f64 / self.vessel.sample_rate_hz
             );
             let remedy = "lengthen the trial, fix parameters, or leave it out";
-            return Err(Invalid::new("--arrange", found, "one", remedy));
+            return Err(Invalid::new("--arrange", value, "one", remedy));
         }
         let gain = libm::exp((value - start) / self.criterion.degree()) - 1.0;
         let (initial, inputs) = parts.joined(&now);
@@ -154,9 +154,9 @@ impl Arranging<'_> {
             self.generator.maneuvers().iter().enumerate().map(|(i, m)| (m.name.as_str(), i)).collect();
         let place = |name: &String| {
             known.get(name.as_str()).copied().ok_or_else(|| {
-                let (found, remedy) =
+                let (value, remedy) =
                     (format!("no `{name}`"), "name the dictionary that the moments were made with");
-                Invalid::new("maneuvers", found, "the maneuvers of the moments", remedy)
+                Invalid::new("maneuvers", value, "the maneuvers of the moments", remedy)
             })
         };
         self.dictionary.maneuvers.iter().map(place).collect()
@@ -218,10 +218,10 @@ impl Arranging<'_> {
             let samples = self.generator.samples(q)?;
             let asked = self.minimal_s.map_or(0, |s| (s * rate_hz).ceil() as usize);
             if asked > samples && !self.generator.tables().contains_key(&q) {
-                let found = format!("{} s", self.minimal_s.unwrap_or_default());
+                let value = format!("{} s", self.minimal_s.unwrap_or_default());
                 let (own_s, name) = (samples as f64 / rate_hz, &self.generator.maneuvers()[q].name);
                 let expected = format!("no more than the {own_s} s of `{name}`");
-                return Err(Invalid::new("--minimal-s", found, expected, "lower it"));
+                return Err(Invalid::new("--minimal-s", value, expected, "lower it"));
             }
             Ok((q, asked.max((LEAST * samples as f64).ceil() as usize)))
         };

@@ -69,17 +69,17 @@ impl Parts {
 
     /// Whether any part that was realized reacts.
     pub(crate) fn react(&self) -> bool {
-        let mut all = self.stretched.values().chain(self.longest.values().map(|(_, own)| &**own));
-        all.any(|own| own.helm.is_some())
+        let mut all = self.stretched.values().chain(self.longest.values().map(|(_, longest)| &**longest));
+        all.any(|experiment| experiment.helm.is_some())
     }
 
     /// A realized part, and its inputs.
     fn part(&self, part: &(usize, usize)) -> (&Realized, &[f64]) {
         match self.stretched.get(part) {
-            Some(own) => (own, &own.inputs),
+            Some(stretched) => (stretched, &stretched.inputs),
             None => {
-                let (samples, own) = &self.longest[&part.0];
-                (own, &own.inputs[..own.inputs.len() / samples * part.1])
+                let (samples, longest) = &self.longest[&part.0];
+                (longest, &longest.inputs[..longest.inputs.len() / samples * part.1])
             }
         }
     }
@@ -134,7 +134,7 @@ impl Designed {
     /// Stops whose share is one piece longer than the maneuver itself, one line each: the ship is at rest for the remainder.
     pub(super) fn at_rest(&self, generator: &Generator, plan: &Plan, rate_hz: f64) -> Vec<String> {
         let one = |(q, samples): &(usize, usize)| {
-            let own = generator.samples(*q).ok().filter(|own| own < samples && generator.stops(*q))?;
+            let own = generator.samples(*q).ok().filter(|needed| needed < samples && generator.stops(*q))?;
             let [piece_s, own_s] = [*samples, own].map(|samples| samples as f64 / rate_hz);
             let name = &generator.maneuvers()[*q].name;
             Some(format!(
@@ -185,8 +185,8 @@ fn ordered(
             return refuse(format!("`{name}` without a sample"), "at least one");
         }
         if n % part != 0 {
-            let found = format!("{n} samples of `{name}`, which has a table of {part}");
-            return refuse(found, "whole plays of its table");
+            let value = format!("{n} samples of `{name}`, which has a table of {part}");
+            return refuse(value, "whole plays of its table");
         }
         plan.extend(std::iter::repeat_n((q, part), n / part));
     }
@@ -229,11 +229,11 @@ pub(crate) fn shared_out(shares: &[f64], tables: &Tables, samples: usize) -> Res
         return Err(unfilled(&plays, tables, taken, samples));
     }
     let counts = apportion(&others, (samples - taken) as u64);
-    let own = |(q, n): (usize, u64)| match plays.get(&q) {
+    let plays_of = |(q, n): (usize, u64)| match plays.get(&q) {
         Some(times) => vec![(q, tables[&q].samples); *times],
         None => vec![(q, n as usize); usize::from(n > 0)],
     };
-    Ok(counts.into_iter().enumerate().flat_map(own).collect())
+    Ok(counts.into_iter().enumerate().flat_map(plays_of).collect())
 }
 
 /// How often every table with a share is played: rounded, within the available time.

@@ -112,19 +112,19 @@ impl<'a> Maneuvers<'a> {
     pub fn divided(&self) -> Result<Option<Divided>, Refusal> {
         let Some(none) = Divided::new(&self.vessel.model) else { return Ok(None) };
         let some = |first: usize| {
-            let mut found = none.clone();
+            let mut of_run = none.clone();
             for index in first..self.count().min(first + AT_ONCE) {
                 if let Some(run) = self.one(index, &mut Tally::default())? {
-                    found.add(&self.vessel.model, &self.parameters, &run.run.exogenous, &run.states);
+                    of_run.add(&self.vessel.model, &self.parameters, &run.run.exogenous, &run.states);
                 }
             }
-            Ok(found)
+            Ok(of_run)
         };
         let starts: Vec<usize> = (0..self.count()).step_by(AT_ONCE).collect();
         let all: Vec<_> = starts.into_par_iter().map(some).collect();
         let mut sum = none.clone();
-        for found in all {
-            sum.merge(&found?);
+        for of_run in all {
+            sum.merge(&of_run?);
         }
         sum.add_range(self.vessel, &self.parameters);
         Ok(Some(sum))
@@ -152,8 +152,9 @@ impl<'a> Maneuvers<'a> {
                         let own_loop = OwnLoop::new(self.vessel, initial, &[(helm.clone(), samples)]);
                         let ran = simulate_command(model, &self.parameters, initial, samples, rate_hz, &helm);
                         (exogenous, commands) = (ran.exogenous, ran.commands);
-                        instruments =
-                            own_loop.map(|own| own.instruments(model, &exogenous)).unwrap_or_default();
+                        instruments = own_loop
+                            .map(|own_loop| own_loop.instruments(model, &exogenous))
+                            .unwrap_or_default();
                         ran.states
                     }
                 };
@@ -216,14 +217,14 @@ impl Reached {
     pub fn missed(&self) -> Option<Invalid> {
         let aim = self.aims.iter().find(|aim| !aim.is_met)?;
         let thing = format!("maneuver `{}`, {}", self.maneuver, aim.what);
-        let [found, expected] = [aim.reached, aim.wanted].map(|value| aim.value(value));
+        let [reached, expected] = [aim.reached, aim.wanted].map(|value| aim.value(value));
         if aim.is_turned_away() {
-            let found = format!("{} to the other side in {} s", aim.value(-aim.reached), self.seconds);
-            return Some(Invalid::new(thing, found, expected, WRONG_SIGN));
+            let value = format!("{} to the other side in {} s", aim.value(-aim.reached), self.seconds);
+            return Some(Invalid::new(thing, value, expected, WRONG_SIGN));
         }
         Some(Invalid::new(
             thing,
-            format!("{found} in {} s", self.seconds),
+            format!("{reached} in {} s", self.seconds),
             expected,
             "lengthen it, change what is commanded or the model that its inputs come from, hold a motion with `executed = \
              \"feedback\"`, or allow it with --allow-unreached",
@@ -282,19 +283,19 @@ pub fn judge(vessel: &Vessel, generator: &Generator, index: usize) -> Result<Jud
 }
 
 /// A generated maneuver that leaves the known range of motion of the model.
-fn left_out(vessel: &Vessel, (d, found): (usize, f64)) -> Exceeded {
+fn left_out(vessel: &Vessel, (d, reached): (usize, f64)) -> Exceeded {
     let [low, high] = vessel.motion.map_or([0.0; 2], |ranges| ranges[d]);
     let limit = format!("{} {BEYOND_LOGS}", DegreeOfFreedom::ALL[d].state());
-    Exceeded { limit, allowed: 0.0, found: (low - found).max(found - high) }
+    Exceeded { limit, allowed: 0.0, reached: (low - reached).max(reached - high) }
 }
 
 /// The refusal of a hand-written one.
-fn refused(vessel: &Vessel, name: &str, (d, found): (usize, f64)) -> Invalid {
+fn refused(vessel: &Vessel, name: &str, (d, reached): (usize, f64)) -> Invalid {
     let [low, high] = vessel.motion.map_or([0.0; 2], |ranges| ranges[d]);
     let degree = DegreeOfFreedom::ALL[d];
     Invalid::new(
         format!("maneuver `{name}`"),
-        format!("{} = {found:.4} {}", degree.state(), degree.unit()),
+        format!("{} = {reached:.4} {}", degree.state(), degree.unit()),
         format!("{low:.4} to {high:.4}, about what the logs of the model cover"),
         "request less, or allow it with --beyond-range",
     )

@@ -90,9 +90,9 @@ impl Doing {
             design: design.name,
             streams: &design.streams,
             runs: &self.numbers,
-            initial: self.experiments.iter().map(|own| own.initial).collect(),
-            exogenous: self.experiments.iter().map(|own| own.exogenous.as_slice()).collect(),
-            helms: self.experiments.iter().filter_map(|own| own.helm.clone()).collect(),
+            initial: self.experiments.iter().map(|experiment| experiment.initial).collect(),
+            exogenous: self.experiments.iter().map(|experiment| experiment.exogenous.as_slice()).collect(),
+            helms: self.experiments.iter().filter_map(|experiment| experiment.helm.clone()).collect(),
         }
     }
 }
@@ -358,11 +358,11 @@ impl<'a> Campaign<'a> {
 
     fn doing(&self, design: &Design, runs: Range<usize>) -> Doing {
         let numbers: Vec<u32> = runs.map(|run| run as u32).collect();
-        let own = |run: &u32| match &design.all {
+        let experiment = |run: &u32| match &design.all {
             Some(all) => Arc::clone(all),
             None => Arc::new(self.experiment(&self.parts, &design.plan(*run))),
         };
-        Doing { experiments: numbers.iter().map(own).collect(), numbers }
+        Doing { experiments: numbers.iter().map(experiment).collect(), numbers }
     }
 
     fn segments(&self, plan: &[(usize, usize)]) -> Vec<Segment> {

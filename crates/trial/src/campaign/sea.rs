@@ -129,9 +129,9 @@ impl<'a> Sea<'a> {
 
     /// Buffers for the states of a group.
     fn states(&self, group: &Group, wanted: Wanted) -> States {
-        let own = || buffer(3 * (self.samples(group) + 1));
-        let truth = if wanted >= Wanted::Truth { own() } else { Vec::new() };
-        States { truth, measured: own(), exogenous: Vec::new(), commands: Vec::new() }
+        let states = || buffer(3 * (self.samples(group) + 1));
+        let truth = if wanted >= Wanted::Truth { states() } else { Vec::new() };
+        States { truth, measured: states(), exogenous: Vec::new(), commands: Vec::new() }
     }
 
     /// A group's recording, in the buffers of its states.
@@ -179,7 +179,7 @@ impl<'a> Sea<'a> {
             .each_mut()
             .map(|(group, States { truth, measured, .. })| self.recording(group, truth, measured));
         let start = groups.map(Group::start);
-        let initial = [0, 1, 2].map(|d: usize| Wide(start.map(|own| own[d])));
+        let initial = [0, 1, 2].map(|d: usize| Wide(start.map(|state| state[d])));
         let beyond = simulate_disturbed(model, &self.truth, initial, driven, recordings);
         let mut exogenous = exogenous.into_iter();
         let states =
@@ -208,8 +208,8 @@ impl<'a> Sea<'a> {
                 "a current in which the motion stays bounded, as it does in still water",
             ),
         };
-        let found = format!("{run}, which diverges in it at sample {}", at.sample);
-        Refusal::Sea(Invalid::new(key, found, expected, "lower it"))
+        let thing = format!("{run}, which diverges in it at sample {}", at.sample);
+        Refusal::Sea(Invalid::new(key, thing, expected, "lower it"))
     }
 
     fn samples(&self, group: &Group) -> usize {

@@ -54,14 +54,15 @@ impl Together<'_> {
 
     /// First samples of the segments of each.
     pub fn starts(&self) -> Vec<Vec<usize>> {
-        let own =
+        let of_run =
             |experiment: &Arc<Experiment>| experiment.segments.iter().map(|segment| segment.start).collect();
-        self.experiments.iter().map(own).collect()
+        self.experiments.iter().map(of_run).collect()
     }
 
     /// The runs in the form that estimators take.
     pub fn side_by_side(self) -> SideBySide {
-        let rows = || self.experiments.iter().map(|own| own.exogenous.as_slice()).collect::<Vec<_>>();
+        let rows =
+            || self.experiments.iter().map(|experiment| experiment.exogenous.as_slice()).collect::<Vec<_>>();
         let instrument_exogenous = self.instrument_exogenous();
         let known = self.states.exogenous;
         SideBySide {
@@ -77,13 +78,13 @@ impl Together<'_> {
 
     /// What instruments are simulated with, N × exogenous; empty where that are the recorded inputs of all runs.
     fn instrument_exogenous(&self) -> Vec<Lane> {
-        if self.experiments.iter().all(|own| own.own_loop.is_none()) {
+        if self.experiments.iter().all(|experiment| experiment.own_loop.is_none()) {
             return Vec::new();
         }
-        let rows = |(lane, own): (usize, &Arc<Experiment>)| {
+        let rows = |(lane, experiment): (usize, &Arc<Experiment>)| {
             let recorded = lane_of(&self.states.exogenous, lane);
-            match &own.own_loop {
-                Some(own) => own.instruments(self.model, &recorded),
+            match &experiment.own_loop {
+                Some(own_loop) => own_loop.instruments(self.model, &recorded),
                 None => recorded,
             }
         };
@@ -104,8 +105,10 @@ impl Together<'_> {
             None => exogenous.clone(),
             Some(_) => lane_of(&self.states.exogenous, lane),
         };
-        let instruments =
-            own_loop.as_ref().map(|own| own.instruments(self.model, &exogenous)).unwrap_or_default();
+        let instruments = own_loop
+            .as_ref()
+            .map(|own_loop| own_loop.instruments(self.model, &exogenous))
+            .unwrap_or_default();
         let run = Run {
             design: self.design.to_owned(),
             run: self.number(lane),
@@ -127,14 +130,14 @@ impl Together<'_> {
 /// last one is cut; a round longer than the experiment is shortened, all its maneuvers alike. Tables of inputs are played whole or left
 /// out.
 pub(super) fn practice(generator: &Generator, samples: usize) -> Result<(Plan, Parts), String> {
-    let own = 0..generator.written();
-    if own.len() < 2 {
-        let has = generator.maneuvers()[own]
+    let written = 0..generator.written();
+    if written.len() < 2 {
+        let has = generator.maneuvers()[written]
             .first()
-            .map_or("none".to_owned(), |own| format!("only `{}`", own.name));
+            .map_or("none".to_owned(), |maneuver| format!("only `{}`", maneuver.name));
         return Err(format!("they take two hand-written maneuvers or more, and the dictionary has {has}"));
     }
-    let lengths = own.into_iter().map(|q| generator.samples(q).map(|n| (q, n)));
+    let lengths = written.into_iter().map(|q| generator.samples(q).map(|n| (q, n)));
     let round: Plan = lengths.collect::<Result<_, _>>().map_err(|e| e.to_string())?;
     let plan = repeated(&round, generator.tables(), samples)
         .ok_or("whole plays of the dictionary's tables do not fill them")?;
@@ -160,9 +163,9 @@ fn repeated(round: &[(usize, usize)], tables: &Tables, samples: usize) -> Option
     while rest > 0 {
         let before = rest;
         for (q, n) in round {
-            let own = if *n > rest && tables.contains_key(q) { 0 } else { rest.min(*n) };
-            plan.extend((own > 0).then_some((*q, own)));
-            rest -= own;
+            let taken = if *n > rest && tables.contains_key(q) { 0 } else { rest.min(*n) };
+            plan.extend((taken > 0).then_some((*q, taken)));
+            rest -= taken;
         }
         if rest == before {
             return None;

@@ -88,13 +88,13 @@ impl Moments {
                 Some(b) => Ok(centred(b, &degree.m, n, removal)),
             }),
             Estimated::OutputError { current } => self.whole(|o| {
-                let own = o.e.as_ref().unwrap_or(&o.f);
+                let measurement = o.e.as_ref().unwrap_or(&o.f);
                 match (&o.p, current) {
-                    (Some(p), true) if p.len() == own.len() => {
-                        Ok(own.iter().zip(p).map(|(e, p)| e + p).collect())
+                    (Some(p), true) if p.len() == measurement.len() => {
+                        Ok(measurement.iter().zip(p).map(|(e, p)| e + p).collect())
                     }
                     (Some(_), true) => Err("a `P` of another size than `F`".into()),
-                    _ => Ok(own.clone()),
+                    _ => Ok(measurement.clone()),
                 }
             }),
         }
@@ -150,7 +150,7 @@ impl Moments {
         let n: usize = self.degrees.iter().map(|d| d.regressors.len()).sum();
         let mut candidates = Candidates::new(vec![n]);
         for maneuver in &self.maneuvers {
-            let Some(own) = &maneuver.output_error else {
+            let Some(error_moments) = &maneuver.output_error else {
                 return Err(Invalid::new(
                     format!("moments of `{}`", maneuver.name),
                     "no `output_error`",
@@ -158,7 +158,7 @@ impl Moments {
                     "run `moments` again with --campaign and --estimator output-error",
                 ));
             };
-            let entries = of(own).map_err(|found| malformed(&maneuver.name, &found))?;
+            let entries = of(error_moments).map_err(|found| malformed(&maneuver.name, &found))?;
             if !is_covariance(&entries, n) {
                 return Err(malformed(&maneuver.name, "an `F`, `E` or `P` that is no covariance"));
             }
@@ -186,13 +186,14 @@ impl Moments {
                 ));
             }
             let mut entries = Vec::with_capacity(candidates.size());
-            for ((own, degree), n) in maneuver.degrees.iter().zip(&self.degrees).zip(&lifted) {
-                if own.m.len() != n * n {
-                    let found = format!("{} entries in {}", own.m.len(), degree.name);
-                    return Err(malformed(&maneuver.name, &found));
+            for ((moments, degree), n) in maneuver.degrees.iter().zip(&self.degrees).zip(&lifted) {
+                if moments.m.len() != n * n {
+                    let value = format!("{} entries in {}", moments.m.len(), degree.name);
+                    return Err(malformed(&maneuver.name, &value));
                 }
                 entries.extend(
-                    entries_of(own, &degree.name, *n).map_err(|found| malformed(&maneuver.name, &found))?,
+                    entries_of(moments, &degree.name, *n)
+                        .map_err(|found| malformed(&maneuver.name, &found))?,
                 );
             }
             candidates.push(&entries).map_err(|e| malformed(&maneuver.name, &e.to_string()))?;
@@ -222,9 +223,9 @@ impl Moments {
             let (regressors, parameters) = (degree.regressors.len(), degree.parameters.len());
             let intercepts = usize::from(!self.is_of_forces());
             if parameters == 0 || regressors != parameters + intercepts {
-                let found = format!("{regressors} regressors and {parameters} parameters");
+                let value = format!("{regressors} regressors and {parameters} parameters");
                 let thing = format!("`data.degrees` {}", degree.name);
-                return refuse(thing, &found, "one regressor more than parameters");
+                return refuse(thing, &value, "one regressor more than parameters");
             }
         }
         if self.maneuvers.is_empty() {

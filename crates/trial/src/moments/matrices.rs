@@ -82,21 +82,21 @@ impl ManeuverMoments {
     pub fn pool(&mut self, more: &Self) {
         let samples = self.samples + more.samples;
         let share = more.samples as f64 / samples.max(1) as f64;
-        let towards = |own: &mut [f64], other: &[f64]| {
-            own.iter_mut().zip(other).for_each(|(m, o)| *m += share * (o - *m));
+        let towards = |mine: &mut [f64], other: &[f64]| {
+            mine.iter_mut().zip(other).for_each(|(m, o)| *m += share * (o - *m));
         };
-        for (own, other) in self.degrees.iter_mut().zip(&more.degrees) {
-            towards(&mut own.m, &other.m);
-            if let (Some(own), Some(other)) = (&mut own.b, &other.b) {
-                towards(own, other);
+        for (degree, other) in self.degrees.iter_mut().zip(&more.degrees) {
+            towards(&mut degree.m, &other.m);
+            if let (Some(meat), Some(other)) = (&mut degree.b, &other.b) {
+                towards(meat, other);
             }
-            own.nonstationarity = own.nonstationarity.max(other.nonstationarity);
+            degree.nonstationarity = degree.nonstationarity.max(other.nonstationarity);
         }
-        if let (Some(own), Some(other)) = (&mut self.output_error, &more.output_error) {
-            towards(&mut own.f, &other.f);
-            for (own, other) in [(&mut own.e, &other.e), (&mut own.p, &other.p)] {
-                if let (Some(own), Some(other)) = (own, other) {
-                    towards(own, other);
+        if let (Some(mine), Some(other)) = (&mut self.output_error, &more.output_error) {
+            towards(&mut mine.f, &other.f);
+            for (own, other) in [(&mut mine.e, &other.e), (&mut mine.p, &other.p)] {
+                if let (Some(matrix), Some(other)) = (own, other) {
+                    towards(matrix, other);
                 }
             }
         }
@@ -125,8 +125,8 @@ impl Pool {
             Some(known) if pooled => known.pool(&more),
             Some(_) => {
                 let thing = format!("maneuver `{}`", more.name);
-                let (found, expected) = ("two runs of it", "one run per maneuver");
-                return Err(Invalid::new(thing, found, expected, "name each maneuver once"));
+                let (value, expected) = ("two runs of it", "one run per maneuver");
+                return Err(Invalid::new(thing, value, expected, "name each maneuver once"));
             }
         }
         Ok(())
@@ -185,9 +185,9 @@ fn validation_weights(
         let samples = generator.samples(index).map_err(Unpredictable::Maneuver)?;
         let run = generator.realize(index, samples).map_err(Unpredictable::Maneuver)?;
         let what = || diverges(&format!("validation maneuver `{}`", maneuver.name));
-        let own = prediction_weights(model, theta, run.initial, &model.undisturbed(&run.inputs))
+        let weights = prediction_weights(model, theta, run.initial, &model.undisturbed(&run.inputs))
             .ok_or_else(|| Unpredictable::Vessel(what()))?;
-        sum.iter_mut().zip(&own).for_each(|(s, o)| *s += samples as f64 * o);
+        sum.iter_mut().zip(&weights).for_each(|(s, o)| *s += samples as f64 * o);
         total += samples as f64;
     }
     Ok((total > 0.0).then(|| sum.iter().map(|s| s / total).collect()))

@@ -75,7 +75,7 @@ pub struct HeldParameter {
 impl HeldParameter {
     /// Those of `all`, in words.
     pub fn words(all: &[Self]) -> String {
-        let one = |own: &Self| format!("`{}` (`{}` in {})", own.parameter, own.term, own.degree);
+        let one = |held: &Self| format!("`{}` (`{}` in {})", held.parameter, held.term, held.degree);
         let (names, are) =
             (all.iter().map(one).collect::<Vec<_>>().join(", "), if all.len() > 1 { "are" } else { "is" });
         format!(
@@ -96,7 +96,7 @@ impl Moments {
         else {
             return Ok(None);
         };
-        let is_only = self.degrees.iter().any(|own| own.parameters == [parameter.as_str()]);
+        let is_only = self.degrees.iter().any(|degree| degree.parameters == [parameter.as_str()]);
         Ok((!is_only).then_some(HeldParameter { parameter, degree, term: regressor }))
     }
 }
@@ -353,7 +353,7 @@ impl<'a> ShipSampler<'a> {
 fn off(parameters: &[f64], streams: &Streams, ship: u32) -> Vec<f64> {
     let mut normals = vec![0.0; parameters.len()];
     streams.normals(ship, 0, &mut normals);
-    parameters.iter().zip(normals).map(|(own, z)| own * libm::exp(OFF * z)).collect()
+    parameters.iter().zip(normals).map(|(deviation, z)| deviation * libm::exp(OFF * z)).collect()
 }
 
 impl SampledShips {

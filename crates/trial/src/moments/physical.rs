@@ -78,13 +78,14 @@ impl<'a> ForcesPrediction<'a> {
     pub fn information(&self, initial: [f64; 3], exogenous: &[f64]) -> Option<Vec<f64>> {
         let still = WhiteNoise { current: 0.0, ..self.noise };
         let found = self.simulated(initial, exogenous).information(&self.moved.forces, &self.theta, &still);
-        found.map(|own| own.measurement)
+        found.map(|sums| sums.measurement)
     }
 
     /// 1/σ² of every number's prior, in their order; 0 without one.
     pub fn prior_information(&self) -> Vec<f64> {
-        let known =
-            |own: &ship::forces::Parameter| own.prior.map_or(0.0, |deviation| 1.0 / (deviation * deviation));
+        let known = |parameter: &ship::forces::Parameter| {
+            parameter.prior.map_or(0.0, |deviation| 1.0 / (deviation * deviation))
+        };
         self.moved.forces.parameters().iter().map(known).collect()
     }
 
@@ -98,12 +99,12 @@ impl<'a> ForcesPrediction<'a> {
     /// # Errors
     /// A measured run; a simulation that diverges.
     pub fn moments(&self, run: &Run) -> Result<ManeuverMoments, Invalid> {
-        let name = run.segments.first().map_or(String::new(), |own| own.maneuver.clone());
+        let name = run.segments.first().map_or(String::new(), |segment| segment.maneuver.clone());
         if run.design != DICTIONARY {
-            let found = format!("a run of `{}`", run.design);
+            let value = format!("a run of `{}`", run.design);
             let expected = "maneuvers that `simulate dictionary` simulates, of a ship with forces";
             let remedy = "simulate them, or fit the runs by `estimate pool`";
-            return Err(Invalid::new(format!("maneuver `{name}`"), found, expected, remedy));
+            return Err(Invalid::new(format!("maneuver `{name}`"), value, expected, remedy));
         }
         let output_error = self.of_experiment(run.initial, &run.exogenous);
         let output_error = output_error.ok_or_else(|| diverges(&format!("maneuver `{name}`")))?;
@@ -114,13 +115,13 @@ impl<'a> ForcesPrediction<'a> {
     /// F and P per sample of an experiment from `initial` under `exogenous`, without priors; `None` where it diverges.
     pub(crate) fn of_experiment(&self, initial: [f64; 3], exogenous: &[f64]) -> Option<OutputErrorMoments> {
         let run = self.simulated(initial, exogenous);
-        let found = run.information(&self.moved.forces, &self.theta, &self.noise)?;
+        let sums = run.information(&self.moved.forces, &self.theta, &self.noise)?;
         let share = 1.0 / run.samples().max(1) as f64;
-        let mean = |sum: Vec<f64>| sum.into_iter().map(|own| share * own).collect::<Vec<_>>();
+        let mean = |sum: Vec<f64>| sum.into_iter().map(|entry| share * entry).collect::<Vec<_>>();
         Some(OutputErrorMoments {
-            f: mean(found.measurement),
+            f: mean(sums.measurement),
             e: None,
-            p: (self.noise.current > 0.0).then(|| mean(found.current)),
+            p: (self.noise.current > 0.0).then(|| mean(sums.current)),
         })
     }
 
@@ -139,10 +140,10 @@ impl<'a> ForcesPrediction<'a> {
             let slopes = slopes.ok_or_else(|| {
                 Unpredictable::Vessel(diverges(&format!("validation maneuver `{}`", maneuver.name)))
             })?;
-            sum.iter_mut().zip(slopes.squares(n)).for_each(|(sum, own)| *sum += own);
+            sum.iter_mut().zip(slopes.squares(n)).for_each(|(sum, square)| *sum += square);
             total += samples as f64;
         }
-        let g = (total > 0.0).then(|| sum.iter().map(|own| own / total).collect());
+        let g = (total > 0.0).then(|| sum.iter().map(|square| square / total).collect());
         Ok(FreeRunModel {
             simulated_with: self.vessel.best_known(),
             parameters: by_name(model, &self.theta),
@@ -154,15 +155,15 @@ impl<'a> ForcesPrediction<'a> {
     /// What the priors of the numbers know; `None` without any.
     pub fn prior(&self) -> Option<PriorInformation> {
         let all = self.moved.forces.parameters();
-        let known = |name: &str| all.iter().find(|own| own.name == name)?.prior;
-        PriorInformation::new(all.iter().map(|own| own.name.as_str()), None, known)
+        let known = |name: &str| all.iter().find(|parameter| parameter.name == name)?.prior;
+        PriorInformation::new(all.iter().map(|parameter| parameter.name.as_str()), None, known)
     }
 }
 
 impl Moments {
     /// Whether they are of a ship with forces, whose numbers have no intercepts beside them.
     pub fn is_of_forces(&self) -> bool {
-        let bare = |own: &Degree| own.regressors.len() == own.parameters.len();
+        let bare = |degree: &Degree| degree.regressors.len() == degree.parameters.len();
         !self.degrees.is_empty() && self.degrees.iter().all(bare)
     }
 
@@ -170,8 +171,8 @@ impl Moments {
     #[must_use]
     pub fn with_prior(mut self, samples: f64) -> Self {
         let (Some(prior), Some(model)) = (&self.prior, &self.output_error) else { return self };
-        for own in self.maneuvers.iter_mut().filter_map(|own| own.output_error.as_mut()) {
-            for matrix in [Some(&mut own.f), own.e.as_mut()].into_iter().flatten() {
+        for moments in self.maneuvers.iter_mut().filter_map(|maneuver| maneuver.output_error.as_mut()) {
+            for matrix in [Some(&mut moments.f), moments.e.as_mut()].into_iter().flatten() {
                 if matrix.len() == model.rows.len() * model.rows.len() {
                     prior.add_to(matrix, &model.rows, samples);
                 }
@@ -186,16 +187,16 @@ impl Moments {
         let (prior, rows) = (self.prior.as_ref()?, &self.output_error.as_ref()?.rows);
         let n = rows.len();
         let mut sum = vec![0.0; n * n];
-        for (share, own) in shares.iter().zip(&self.maneuvers) {
-            let f = &own.output_error.as_ref()?.f;
-            sum.iter_mut().zip(f).for_each(|(sum, own)| *sum += share * samples * own);
+        for (share, maneuver) in shares.iter().zip(&self.maneuvers) {
+            let f = &maneuver.output_error.as_ref()?.f;
+            sum.iter_mut().zip(f).for_each(|(sum, entry)| *sum += share * samples * entry);
         }
         let mut known = vec![0.0; n * n];
         prior.add_to(&mut known, rows, 1.0);
         let inverse = scaled_inverse(n, &sum)?;
         let share = |i: usize| (0..n).map(|j| inverse[i * n + j] * known[j * n + i]).sum::<f64>();
         let parameters = self.degrees.iter().flat_map(|degree| &degree.parameters);
-        let place = |name: &String| rows.iter().position(|own| own == name);
+        let place = |name: &String| rows.iter().position(|row| row == name);
         parameters.map(|name| Some((name.clone(), share(place(name)?).clamp(0.0, 1.0)))).collect()
     }
 }
@@ -233,7 +234,7 @@ impl PriorInformation {
         let n = all.len();
         let variances = |k: usize| match (all[k / n], all[k % n]) {
             ((_, Some(row)), (_, Some(column))) => {
-                covariance.map_or(0.0, |own| own.entries[row * own.names.len() + column])
+                covariance.map_or(0.0, |matrix| matrix.entries[row * matrix.names.len() + column])
             }
             ((name, None), _) if k / n == k % n => known(name).map_or(0.0, |sigma| sigma * sigma),
             _ => 0.0,
@@ -246,7 +247,7 @@ impl PriorInformation {
 
     /// Adds its part in each of `samples` to `matrix`, whose rows and columns are `rows`.
     pub(crate) fn add_to(&self, matrix: &mut [f64], rows: &[String], samples: f64) {
-        let place = |name: &String| rows.iter().position(|own| own == name);
+        let place = |name: &String| rows.iter().position(|row| row == name);
         let (n, places) = (rows.len(), self.parameters.iter().map(place).collect::<Vec<_>>());
         let of = |k: usize| Some((places[k / places.len()]?, places[k % places.len()]?));
         for (k, known) in self.information.iter().enumerate() {
@@ -314,7 +315,7 @@ impl<'a> Prediction<'a> {
     /// A free simulation that diverges.
     pub fn moments(&self, batch: &Batch, runs: &[Run]) -> Result<Vec<(bool, ManeuverMoments)>, Invalid> {
         let mut middles = self.noise.as_ref().map(|(noise, theta)| middle(batch, theta, noise).into_iter());
-        let of = |(run, found): (&Run, regression::ManeuverMoments)| {
+        let of = |(run, sums): (&Run, regression::ManeuverMoments)| {
             let mut middle = middles.as_mut().and_then(Iterator::next).into_iter().flatten();
             let degree = |((d, m), nonstationarity): ((DegreeOfFreedom, Vec<f64>), f64)| DegreeMoments {
                 name: d.name().to_owned(),
@@ -323,11 +324,11 @@ impl<'a> Prediction<'a> {
                 nonstationarity,
                 b: middle.next(),
             };
-            let matrices = DegreeOfFreedom::ALL.into_iter().zip(found.matrices);
+            let matrices = DegreeOfFreedom::ALL.into_iter().zip(sums.matrices);
             let maneuver = ManeuverMoments {
                 name: run.segments[0].maneuver.clone(),
-                samples: found.samples,
-                degrees: matrices.zip(found.nonstationarity).map(degree).collect(),
+                samples: sums.samples,
+                degrees: matrices.zip(sums.nonstationarity).map(degree).collect(),
                 output_error: self.output_error(run)?,
             };
             Ok((run.design != DICTIONARY, maneuver))
@@ -339,13 +340,13 @@ impl<'a> Prediction<'a> {
         let Some(((noise, _), theta)) = self.noise.as_ref().zip(self.free_runs.as_ref()) else {
             return Ok(None);
         };
-        let found = output_information(self.model, theta, run.initial, &run.exogenous, noise)
+        let information = output_information(self.model, theta, run.initial, &run.exogenous, noise)
             .ok_or_else(|| diverges(&format!("maneuver `{}`", run.segments[0].maneuver)))?;
         let weighted = noise.measurement.iter().all(|std| *std > 0.0);
         Ok(Some(OutputErrorMoments {
-            f: found.information,
-            e: (!weighted).then_some(found.measurement),
-            p: (noise.current > 0.0).then_some(found.process),
+            f: information.information,
+            e: (!weighted).then_some(information.measurement),
+            p: (noise.current > 0.0).then_some(information.process),
         }))
     }
 }

@@ -190,8 +190,8 @@ fn stopping(
 /// Errors of the trial in rounds over those of the one-shot trial after `round`, which ends after `samples`.
 fn gain(rows: &[Row], round: usize, samples: usize, rate_hz: f64) -> RoundGain {
     let errors = |arm: Arm| {
-        let own = rows.iter().filter(move |row| row.arm == arm && row.round as usize == round);
-        own.map(|row| row.parameter_error)
+        let of_round = rows.iter().filter(move |row| row.arm == arm && row.round as usize == round);
+        of_round.map(|row| row.parameter_error)
     };
     let pairs = errors(Arm::Sequential).zip(errors(Arm::OneShot));
     let logs: Vec<f64> =

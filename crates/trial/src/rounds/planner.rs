@@ -75,20 +75,25 @@ impl<'a> Planner<'a> {
         let each = self.maneuvers.iter();
         let each = each.map(|m| Simulated { theta, initial: m.initial, exogenous: &m.exogenous });
         let found = self.informations(&each.collect::<Vec<_>>());
-        let whole = found.iter().flatten().map(|own| match past {
-            None => (own.information.clone(), own.middle()),
+        let whole = found.iter().flatten().map(|sums| match past {
+            None => (sums.information.clone(), sums.middle()),
             Some(past) => (
-                mixed(&past.information, &own.information, share),
-                mixed(&past.middle(), &own.middle(), share),
+                mixed(&past.information, &sums.information, share),
+                mixed(&past.middle(), &sums.middle(), share),
             ),
         });
         let criterion = self.criterion(whole, sizes)?;
         let latest = so_far.map(|so_far| {
-            let kept = so_far.shares.iter().zip(&found).filter(|(_, found)| found.is_some());
+            let kept = so_far.shares.iter().zip(&found).filter(|(_, sum)| sum.is_some());
             kept.map(|(share, _)| *share).collect::<Vec<f64>>()
         });
         let mut designed = self.solved(&criterion, latest)?.into_iter();
-        Some(found.iter().map(|own| own.as_ref().and_then(|_| designed.next()).unwrap_or(0.0)).collect())
+        Some(
+            found
+                .iter()
+                .map(|maneuver| maneuver.as_ref().and_then(|_| designed.next()).unwrap_or(0.0))
+                .collect(),
+        )
     }
 
     /// The best shares, searched from the `latest` if there are any.
@@ -110,8 +115,8 @@ impl<'a> Planner<'a> {
         sizes: &[f64],
         samples: usize,
     ) -> Option<Vec<f64>> {
-        let own = (information.information.clone(), information.middle());
-        let criterion = self.criterion(std::iter::once(own), sizes)?;
+        let sums = (information.information.clone(), information.middle());
+        let criterion = self.criterion(std::iter::once(sums), sizes)?;
         let variances = criterion.variances(&[1.0])?;
         let kept = self.weights(sizes);
         let errors = variances.iter().zip(kept).filter(|(_, weight)| *weight > 0.0);
@@ -132,8 +137,8 @@ impl<'a> Planner<'a> {
         let dimensions = vec![self.layout().parameters()];
         let (mut information, mut middle) =
             (Candidates::new(dimensions.clone()), Candidates::new(dimensions));
-        for (own, noise) in candidates {
-            information.push(&own).ok()?;
+        for (sums, noise) in candidates {
+            information.push(&sums).ok()?;
             middle.push(&noise).ok()?;
         }
         Covariance::new(&information, &middle, &self.weights(sizes), Norm::Trace).ok()
@@ -153,7 +158,7 @@ impl<'a> Planner<'a> {
 
 /// (1 − share) past + share × own.
 fn mixed(past: &[f64], own: &[f64], share: f64) -> Vec<f64> {
-    past.iter().zip(own).map(|(past, own)| (1.0 - share) * past + share * own).collect()
+    past.iter().zip(own).map(|(past, new)| (1.0 - share) * past + share * new).collect()
 }
 
 /// One realization's run so far: it grows, the ship does not restart.
@@ -217,7 +222,7 @@ impl GrowingRun {
         measured: Vec<f64>,
     ) -> Run {
         let own_loop = OwnLoop::new(vessel, self.initial, &self.helms);
-        let instruments = own_loop.map(|own| own.instruments(&vessel.model, &self.exogenous));
+        let instruments = own_loop.map(|own_loop| own_loop.instruments(&vessel.model, &self.exogenous));
         let segment = |(maneuver, start): &(usize, usize)| Segment {
             maneuver: generator.maneuvers()[*maneuver].name.clone(),
             start: *start,

@@ -170,9 +170,9 @@ impl<'a> Trial<'a> {
         let shared: Vec<Shared> = shared.collect::<Result<_, _>>()?;
         let expected = self.expected(&arms[Arm::OneShot as usize]);
         self.sail(round, arms)?;
-        let found = self.estimated(round, arms)?;
-        let row = |((realization, found), shared): ((&mut Realization, Option<RunEstimate>), _)| {
-            let estimate = found.as_ref().and_then(|found| found.estimate.as_ref());
+        let estimates = self.estimated(round, arms)?;
+        let row = |((realization, run), shared): ((&mut Realization, Option<RunEstimate>), _)| {
+            let estimate = run.as_ref().and_then(|run| run.estimate.as_ref());
             let predicted = estimate.map(|(t, errors)| self.learn(realization, t, errors));
             realization.latest = estimate.map(|(theta, _)| theta.clone()).or(realization.latest.take());
             Row {
@@ -181,13 +181,13 @@ impl<'a> Trial<'a> {
                 round: round as u32,
                 samples,
                 shared,
-                outcome: found.as_ref().map_or(Outcome::Diverged, |found| found.status.into()),
+                outcome: run.as_ref().map_or(Outcome::Diverged, |run| run.status.into()),
                 parameter_error: estimate.map(|(t, _)| parameter_error(t, &self.truth)),
                 predicted_error: predicted.filter(|error| !error.is_nan()),
                 expected_error: None,
             }
         };
-        let mut rows: Vec<Row> = arms.iter_mut().flatten().zip(found).zip(shared).map(row).collect();
+        let mut rows: Vec<Row> = arms.iter_mut().flatten().zip(estimates).zip(shared).map(row).collect();
         let one_shot = rows.iter_mut().filter(|row| row.arm == Arm::OneShot);
         one_shot.zip(expected).for_each(|(row, expected)| row.expected_error = expected);
         Ok(rows)
@@ -195,13 +195,13 @@ impl<'a> Trial<'a> {
 
     /// The estimates at the end of a round, arm by arm.
     fn estimated(&self, round: usize, arms: &[Vec<Realization>]) -> Result<Found, Refusal> {
-        let own = Arm::ALL.into_iter().filter(|arm| !repeats(round, *arm));
-        let mut found = self.found(round, own.map(|arm| arms[arm as usize].as_slice()))?.into_iter();
+        let new = Arm::ALL.into_iter().filter(|arm| !repeats(round, *arm));
+        let mut estimates = self.found(round, new.map(|arm| arms[arm as usize].as_slice()))?.into_iter();
         let mut all: Vec<Found> = Vec::with_capacity(arms.len());
         for (arm, realizations) in Arm::ALL.into_iter().zip(arms) {
             all.push(match repeats(round, arm) {
                 true => all[Arm::Sequential as usize].clone(),
-                false => found.by_ref().take(realizations.len()).collect(),
+                false => estimates.by_ref().take(realizations.len()).collect(),
             });
         }
         Ok(all.into_iter().flatten().collect())
@@ -308,8 +308,8 @@ impl<'a> Trial<'a> {
 
     /// Simulates the runs of `arms` in lanes. All arms have the same disturbances in a realization.
     fn sail(&self, round: usize, arms: &mut [Vec<Realization>]) -> Result<(), Refusal> {
-        let own = Arm::ALL.into_iter().zip(arms).filter(|(arm, _)| !repeats(round, *arm));
-        own.flat_map(|(_, all)| all.chunks_mut(LANES)).try_for_each(|group| self.measure(group))
+        let active = Arm::ALL.into_iter().zip(arms).filter(|(arm, _)| !repeats(round, *arm));
+        active.flat_map(|(_, all)| all.chunks_mut(LANES)).try_for_each(|group| self.measure(group))
     }
 
     /// Estimates from the runs of `arms`, arm by arm; `None` where the nominal model diverges.
@@ -329,8 +329,8 @@ impl<'a> Trial<'a> {
         }
         // After the first round the search starts from the previous estimates.
         let near = (round > 0).then_some(near.as_slice());
-        let mut found = self.estimators.estimates_from(&kept, near).map_err(refused)?.into_iter();
-        Ok(bounded.into_iter().map(|b| b.then(|| found.next()).flatten()).collect())
+        let mut estimates = self.estimators.estimates_from(&kept, near).map_err(refused)?.into_iter();
+        Ok(bounded.into_iter().map(|b| b.then(|| estimates.next()).flatten()).collect())
     }
 
     /// Runs up to [`LANES`] realizations of an arm.

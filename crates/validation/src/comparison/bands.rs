@@ -111,9 +111,9 @@ impl<'a> Banded<'a> {
                     measured: &window.measured,
                     ..Recordings::simulated(model, initial, &exogenous)
                 };
-                let found = Sensitivities::of(&recordings, unknowns, free, true);
+                let sensitivities = Sensitivities::of(&recordings, unknowns, free, true);
                 let of = |k: usize| {
-                    let all: Vec<[f64; 3]> = (0..free.len()).map(|i| found.by(k, i)).collect();
+                    let all: Vec<[f64; 3]> = (0..free.len()).map(|i| sensitivities.by(k, i)).collect();
                     [0, 1, 2].map(|d| all.iter().map(|by| by[d]).collect::<Vec<f64>>())
                 };
                 Some(rows.map(|k| self.half(covariance, &of(k))).collect())
@@ -122,9 +122,10 @@ impl<'a> Banded<'a> {
                 let (width, sample_s) = (self.ship.model.exogenous(), moved.sample_s);
                 let run = SimulatedRun { initial, inputs: &exogenous, width, sample_s };
                 let inputs = if are_inputs_held { Inputs::Held } else { Inputs::Linear };
-                let found = run.slopes_by(&moved.forces, self.ship.theta, inputs)?;
+                let slopes = run.slopes_by(&moved.forces, self.ship.theta, inputs)?;
                 let n = self.ship.theta.len();
-                let of = |k: usize| [0, 1, 2].map(|d: usize| found.by_theta[(3 * k + d) * n..][..n].to_vec());
+                let of =
+                    |k: usize| [0, 1, 2].map(|d: usize| slopes.by_theta[(3 * k + d) * n..][..n].to_vec());
                 Some(rows.map(|k| self.half(covariance, &of(k))).collect())
             }
         }
@@ -147,7 +148,7 @@ impl Structure<'_> {
         let layout = model.layout();
         // The model contains the constant; its error is that of an intercept of zero.
         let unknowns = [layout.woven(ship.theta, [0.0; 3]), vec![0.0; 3]].concat();
-        let joint = known.covariance.is_some_and(|own| own.names.len() == layout.parameters());
+        let joint = known.covariance.is_some_and(|covariance| covariance.names.len() == layout.parameters());
         let counts = layout.are_intercepts().map(|intercept| joint || !intercept);
         let free = counts.enumerate().filter_map(|(i, counts)| counts.then_some(i)).collect();
         Self::Terms { model: Box::new(model), unknowns, free }
@@ -289,7 +290,7 @@ impl<'a> Counter<'a> {
 
     /// The channels with samples outside.
     pub fn outside(&self) -> Vec<Outside> {
-        let found = |(covered, samples): (&Covered, &u64)| Outside {
+        let outside_of = |(covered, samples): (&Covered, &u64)| Outside {
             name: covered.name.clone(),
             unit: covered.unit.clone(),
             low: covered.low,
@@ -298,6 +299,6 @@ impl<'a> Counter<'a> {
             share: *samples as f64 / self.samples.max(1) as f64,
         };
         let left = self.covered.iter().zip(&self.outside).filter(|(_, samples)| **samples > 0);
-        left.map(found).collect()
+        left.map(outside_of).collect()
     }
 }

@@ -173,12 +173,13 @@ impl<'a> Looked<'a> {
 
     /// Half-widths of the bands over `window`, where its simulation is `found`; `None` if they are not known.
     fn halves(&mut self, window: &Part, Trajectory { states, spread }: &Trajectory) -> Option<Vec<[f64; 3]>> {
-        let of_spread = self.spreads.as_mut().and_then(|own| own.add(window, states, spread));
+        let of_spread = self.spreads.as_mut().and_then(|spreads| spreads.add(window, states, spread));
         let each: Option<Vec<_>> =
-            self.banded.iter().map(|own| own.halves(window, self.are_inputs_held)).collect();
+            self.banded.iter().map(|banded| banded.halves(window, self.are_inputs_held)).collect();
         let each = each.filter(|each| !each.is_empty());
         let mean = each.map(|each| {
-            let of = |k: usize, d: usize| each.iter().map(|own| own[k][d]).sum::<f64>() / each.len() as f64;
+            let of =
+                |k: usize, d: usize| each.iter().map(|halves| halves[k][d]).sum::<f64>() / each.len() as f64;
             (0..=window.samples()).map(|k| [0, 1, 2].map(|d| of(k, d))).collect::<Vec<[f64; 3]>>()
         });
         if let Some(halves) = &mean {
@@ -188,9 +189,9 @@ impl<'a> Looked<'a> {
     }
 
     fn at(&mut self, sources: &[(String, Vec<Part>)], found: &Simulated) {
-        for ((source, windows), found) in sources.iter().zip(&found.windows) {
-            for (i, (window, found)) in windows.iter().zip(found).enumerate() {
-                let Some(found) = found else { continue };
+        for ((source, windows), trajectories) in sources.iter().zip(&found.windows) {
+            for (i, (window, trajectory)) in windows.iter().zip(trajectories).enumerate() {
+                let Some(found) = trajectory else { continue };
                 let bands = self.halves(window, found);
                 let states = &found.states;
                 if let Some(ship) = &self.widest {
@@ -219,12 +220,12 @@ fn differences(compared: &[ComparedModel], models: &[Simulated], std: [f64; 3]) 
     let norms = |i: usize| -> Vec<Option<f64>> {
         match by_window {
             true => models[i].sums.iter().flatten().map(|sum| sum.errors(std, std).error_norm).collect(),
-            false => compared[i].recordings.iter().map(|own| own.errors.error_norm).collect(),
+            false => compared[i].recordings.iter().map(|recording| recording.errors.error_norm).collect(),
         }
     };
     let first = norms(0);
     let difference = |i: usize| {
-        let pairs = first.iter().zip(norms(i)).map(|(own, other)| [*own, other]);
+        let pairs = first.iter().zip(norms(i)).map(|(error, other)| [*error, other]);
         let [low, median, high] = paired_median(pairs)?;
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
         let (name, place, pairs) = (compared[i].name, compared[i].place, first.len() as u64);

@@ -78,9 +78,9 @@ impl Simulated {
         let (mut windows, mut sums) = (Vec::new(), Vec::new());
         for (_, own) in sources {
             let found: Vec<Option<Trajectory>> = own.iter().map(|window| simulate(own, window)).collect();
-            let sum = |(window, found): (&Part, &Option<Trajectory>)| {
+            let sum = |(window, trajectory): (&Part, &Option<Trajectory>)| {
                 let mut sum = Sums::default();
-                sum.add(window, found.as_ref().map(|found| found.states.as_slice()));
+                sum.add(window, trajectory.as_ref().map(|trajectory| trajectory.states.as_slice()));
                 sum
             };
             sums.push(own.iter().zip(&found).map(sum).collect());
@@ -117,11 +117,11 @@ impl Simulated {
     pub fn compared(&self, sources: &[(String, Vec<Part>)], std: [f64; 3]) -> ComparedModel {
         let mut whole = Sums::default();
         let recording = |((source, windows), sums): (&(String, Vec<Part>), &Vec<Sums>)| {
-            let mut own = Sums::default();
-            sums.iter().for_each(|sum| own.merge(sum));
-            whole.merge(&own);
+            let mut recording = Sums::default();
+            sums.iter().for_each(|sum| recording.merge(sum));
+            whole.merge(&recording);
             let varies = deviations(windows.iter().map(|w| w.measured.as_slice()));
-            ComparedRecording { source: source.clone(), errors: own.errors(varies, std) }
+            ComparedRecording { source: source.clone(), errors: recording.errors(varies, std) }
         };
         let recordings = sources.iter().zip(&self.sums).map(recording).collect();
         let (name, place) = (self.standing, self.place);
@@ -223,7 +223,7 @@ impl Sums {
     }
 
     /// The errors relative to the standard deviations `own` of these windows and `all` of all windows.
-    pub fn errors(&self, own: [f64; 3], all: [f64; 3]) -> ComparedErrors {
+    pub fn errors(&self, still: [f64; 3], all: [f64; 3]) -> ComparedErrors {
         let Self { windows, diverged, samples, .. } = *self;
         let counted = ComparedErrors { windows, diverged, samples, ..ComparedErrors::default() };
         if diverged > 0 || samples == 0 {
@@ -231,7 +231,7 @@ impl Sums {
         }
         let n = samples as f64;
         let rmse = self.squares.map(|sum| (sum / n).sqrt());
-        let fit = |d: usize| (own[d] > 0.0).then(|| 100.0 * (1.0 - rmse[d] / own[d]));
+        let fit = |d: usize| (still[d] > 0.0).then(|| 100.0 * (1.0 - rmse[d] / still[d]));
         let norm = (0..3).map(|d| (rmse[d] / all[d]).powi(2)).sum::<f64>().sqrt();
         let ([rmse_u, rmse_v, rmse_r], [bias_u, bias_v, bias_r]) =
             (rmse.map(Some), self.errors.map(|sum| Some(sum / n)));

@@ -77,8 +77,8 @@ impl Magnitudes {
         runs.each_source(None, |_, parts| {
             for stretch in parts.iter().flat_map(|part| magnitudes(part.view(), rate_hz)) {
                 stretches += 1;
-                for ([low, high], own) in ends.iter_mut().zip(stretch) {
-                    (*low, *high) = (low.min(own), high.max(own));
+                for ([low, high], value) in ends.iter_mut().zip(stretch) {
+                    (*low, *high) = (low.min(value), high.max(value));
                 }
             }
         })?;
@@ -128,8 +128,9 @@ impl Validity {
         for stretch in runs.flat_map(|run| magnitudes(run, rate_hz)) {
             stretches += 1;
             let mut left = false;
-            for (channel, own) in channels.iter_mut().zip(stretch) {
-                let (below, above) = (own < channel.low * (1.0 - NONE), own > channel.high * (1.0 + NONE));
+            for (channel, value) in channels.iter_mut().zip(stretch) {
+                let (below, above) =
+                    (value < channel.low * (1.0 - NONE), value > channel.high * (1.0 + NONE));
                 channel.below += u64::from(below);
                 channel.above += u64::from(above);
                 left |= below || above;
@@ -142,10 +143,10 @@ impl Validity {
 
     /// The validity over two sets of runs.
     pub fn together(first: Option<Self>, second: Option<Self>) -> Option<Self> {
-        let (Some(mut all), Some(own)) = (first.clone(), second.clone()) else { return first.or(second) };
-        all.stretches += own.stretches;
-        all.outside += own.outside;
-        for channel in own.channels {
+        let (Some(mut all), Some(more)) = (first.clone(), second.clone()) else { return first.or(second) };
+        all.stretches += more.stretches;
+        all.outside += more.outside;
+        for channel in more.channels {
             match all.channels.iter_mut().find(|known| known.name == channel.name) {
                 Some(known) => {
                     known.below += channel.below;
@@ -230,13 +231,13 @@ pub struct InputCorrelations {
 pub(super) fn error_correlations(
     first: &Contestant,
     sources: &[(String, Vec<Part>)],
-    found: &Simulated,
+    simulations: &Simulated,
     are_inputs_held: bool,
 ) -> Vec<ErrorCorrelations> {
     let all = || sources.iter().flat_map(|(_, windows)| windows);
-    let simulated = all().zip(found.windows.iter().flatten());
+    let simulated = all().zip(simulations.windows.iter().flatten());
     let (followed, errors): (Vec<&Part>, Vec<[Vec<f64>; 3]>) = simulated
-        .filter_map(|(window, found)| Some((window, free_run(window, &found.as_ref()?.states))))
+        .filter_map(|(window, trajectory)| Some((window, free_run(window, &trajectory.as_ref()?.states))))
         .unzip();
     let residuals: Vec<[Vec<f64>; 3]> =
         all().map(|window| one_step(first, window, are_inputs_held)).collect();
@@ -256,8 +257,8 @@ fn free_run(window: &Part, states: &[f64]) -> [Vec<f64>; 3] {
 fn one_step(first: &Contestant, window: &Part, are_inputs_held: bool) -> [Vec<f64>; 3] {
     let mut mean = [(); 3].map(|()| MeanTrajectory::default());
     for ship in &first.ships {
-        let own = residuals(ship, window, are_inputs_held);
-        mean.iter_mut().zip(&own).for_each(|(mean, own)| mean.add(own));
+        let forces = residuals(ship, window, are_inputs_held);
+        mean.iter_mut().zip(&forces).for_each(|(mean, force)| mean.add(force));
     }
     mean.map(|mean| mean.mean().to_vec())
 }

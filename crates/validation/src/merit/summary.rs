@@ -131,8 +131,8 @@ impl ManeuverMerit {
     pub(super) fn with_slopes(mut self, slopes: Option<&Result<Vec<FigureSlopes>, Invalid>>) -> Self {
         let Some(slopes) = slopes else { return self };
         for figure in self.figures.iter_mut().filter(|figure| !figure.is_aside) {
-            let own = slopes.as_ref().map(|all| all.iter().find(|own| own.figure == figure.name));
-            match own.map(|own| own.map(|own| &own.slopes)) {
+            let own = slopes.as_ref().map(|all| all.iter().find(|one| one.figure == figure.name));
+            match own.map(|slope| slope.map(|one| &one.slopes)) {
                 Ok(Some(Ok(slopes))) => figure.slopes = Some(slopes.clone()),
                 Ok(Some(Err(why))) | Err(why) => figure.without_slopes = Some(why.to_string()),
                 Ok(None) => {
@@ -154,21 +154,21 @@ impl FigureMerit {
                 known.push(figure);
             }
         }
-        let of = |name: &str| runs.iter().flatten().filter(|own| own.name == name).collect::<Vec<_>>();
-        known.into_iter().map(|own| Self::new(&of(own.name), of_parameters)).collect()
+        let of = |name: &str| runs.iter().flatten().filter(|figure| figure.name == name).collect::<Vec<_>>();
+        known.into_iter().map(|figure| Self::new(&of(figure.name), of_parameters)).collect()
     }
 
     fn new(runs: &[&Figure], of_parameters: bool) -> Self {
         let figure = runs[0];
-        let values: Vec<f64> = runs.iter().map(|own| own.value).collect();
-        let is_corrected = runs.iter().any(|own| own.corrected.is_some());
-        let still: Vec<f64> = runs.iter().map(|own| own.corrected.unwrap_or(own.value)).collect();
+        let values: Vec<f64> = runs.iter().map(|figure| figure.value).collect();
+        let is_corrected = runs.iter().any(|figure| figure.corrected.is_some());
+        let still: Vec<f64> = runs.iter().map(|figure| figure.corrected.unwrap_or(figure.value)).collect();
         let ends_of = |values: &[f64]| if of_parameters { middle(values) } else { mean_interval(values) };
         let value = mean(&values).unwrap_or(f64::NAN);
         let corrected = mean(&still).filter(|_| is_corrected);
         let (values, ends) = (&values, ends_of(&values));
         // Runs of different maneuvers under one name have no limit together.
-        let most = figure.most.filter(|_| runs.iter().all(|own| own.most.is_some()));
+        let most = figure.most.filter(|_| runs.iter().all(|run| run.most.is_some()));
         let passes = most.and_then(|most| match ends_of(&still) {
             Some([low, high]) if low <= most && most < high => None,
             _ => Some(corrected.unwrap_or(value) <= most),
@@ -280,15 +280,16 @@ impl Merit<'_> {
         let mut mean: Vec<Figure> = Vec::new();
         for (number, phase) in phases.iter().enumerate() {
             let (standard, record) = undisturbed(self.hull.vessel, phase, index, parameters)?;
-            let own = maneuver::merit::figures(Some(standard), &record, &self.hull)?.figures;
-            let own: Vec<Figure> = own.into_iter().filter(|own| !own.is_aside).collect();
+            let figures = maneuver::merit::figures(Some(standard), &record, &self.hull)?.figures;
+            let figures: Vec<Figure> = figures.into_iter().filter(|figure| !figure.is_aside).collect();
             let part = 1.0 / phases.len() as f64;
             if number == 0 {
-                mean = own.iter().map(|figure| Figure { value: 0.0, ..figure.clone() }).collect();
+                mean = figures.iter().map(|figure| Figure { value: 0.0, ..figure.clone() }).collect();
             }
-            mean.retain(|known| own.iter().any(|figure| figure.name == known.name));
+            mean.retain(|known| figures.iter().any(|figure| figure.name == known.name));
             for known in &mut mean {
-                let value = own.iter().find(|figure| figure.name == known.name).map(|figure| figure.value);
+                let value =
+                    figures.iter().find(|figure| figure.name == known.name).map(|figure| figure.value);
                 known.value += part * value.unwrap_or(f64::NAN);
             }
         }
@@ -299,10 +300,10 @@ impl Merit<'_> {
 /// The slopes of all `figures` from those at both ends of every parameter's step, which has a name and a width.
 fn slopes(figures: &[Figure], ends: &[(&str, f64, [Found; 2])]) -> Vec<FigureSlopes> {
     let one = |figure: &Figure| {
-        let own = ends.iter().map(|(name, width, ends)| {
+        let slopes = ends.iter().map(|(name, width, ends)| {
             slope(figure, name, *width, ends).map(|slope| ((*name).to_owned(), slope))
         });
-        FigureSlopes { figure: figure.name, slopes: own.collect() }
+        FigureSlopes { figure: figure.name, slopes: slopes.collect() }
     };
     figures.iter().map(one).collect()
 }
@@ -311,9 +312,9 @@ fn slopes(figures: &[Figure], ends: &[(&str, f64, [Found; 2])]) -> Vec<FigureSlo
 fn slope(figure: &Figure, name: &str, width: f64, ends: &[Found; 2]) -> Result<f64, Invalid> {
     let thing = || format!("{} with another `{name}`", figure.what);
     let of = |end: &Found| {
-        let own =
+        let figures =
             end.as_ref().map_err(|e| Invalid { thing: format!("{}: {}", thing(), e.thing), ..e.clone() })?;
-        let own = own.iter().find(|own| own.name == figure.name).map(|own| own.value);
+        let own = figures.iter().find(|own| own.name == figure.name).map(|figure| figure.value);
         own.filter(|value| value.is_finite()).ok_or_else(|| {
             Invalid::new(thing(), "none", "one on both sides of the parameter", "run the maneuver longer")
         })

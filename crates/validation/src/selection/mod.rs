@@ -39,8 +39,8 @@ impl Draw {
     /// Picks `counts` parts of each maneuver, from parts with these `labels`.
     fn by_design(seed: u64, labels: &[&str], counts: &BTreeMap<String, u64>) -> Self {
         let group = |(name, count): (&String, &u64)| {
-            let own = (0..labels.len()).filter(|i| labels[*i] == name).collect();
-            (own, *count as usize)
+            let places = (0..labels.len()).filter(|i| labels[*i] == name).collect();
+            (places, *count as usize)
         };
         Self::new(seed, "optimized", counts.iter().map(group).collect())
     }
@@ -101,9 +101,9 @@ impl Prepared {
         let (false, Some((theta, c))) = (estimator == Estimator::Ls, &nominal) else { return Ok(prepared) };
         let model = pool.model.layout().woven(theta, *c);
         match sums(pool, &parts, Some(&model)) {
-            Ok((pooled, own)) => {
+            Ok((pooled, pools)) => {
                 prepared.warn(pool, &parts, &model, &pooled.centring());
-                prepared.iv = Some(merged(&own, &counts));
+                prepared.iv = Some(merged(&pools, &counts));
             }
             Err(lost) if estimator == Estimator::Auto => prepared.warnings.push(lost.to_string()),
             Err(lost) => return Err(lost),
@@ -134,9 +134,9 @@ fn sums(
     parts: &Vec<Part>,
     simulated: Option<&[f64]>,
 ) -> Result<(PooledSums, Vec<Sums>), LostInstruments> {
-    let mut own = Vec::with_capacity(parts.len());
-    match pool.sums(parts, simulated, |_, sums| own.push(sums.clone())) {
-        Ok(pooled) => Ok((pooled, own)),
+    let mut pools = Vec::with_capacity(parts.len());
+    match pool.sums(parts, simulated, |_, sums| pools.push(sums.clone())) {
+        Ok(pooled) => Ok((pooled, pools)),
         Err(NoEstimate::Lost(lost)) => Err(lost),
     }
 }
@@ -145,9 +145,9 @@ fn sums(
 fn merged(parts: &[Sums], counts: &[usize]) -> Vec<Sums> {
     let mut rest = parts;
     let mut merged = |count: &usize| {
-        let own;
-        (own, rest) = rest.split_at(*count);
-        Sums::total(own)
+        let pool;
+        (pool, rest) = rest.split_at(*count);
+        Sums::total(pool)
     };
     counts.iter().map(&mut merged).collect()
 }
@@ -221,7 +221,7 @@ impl Realizer<'_> {
     /// Up to [`numerics::LANES`] realizations, from `first` on.
     fn chunk(&self, draw: &Draw, first: u32, count: usize) -> Vec<Realization> {
         let picked: Vec<Vec<usize>> = (0..count as u32).map(|i| draw.realization(first + i)).collect();
-        let models: Vec<Option<Vec<f64>>> = picked.iter().map(|own| self.model(own)).collect();
+        let models: Vec<Option<Vec<f64>>> = picked.iter().map(|draw| self.model(draw)).collect();
         let scores = self.scores(&picked, &models);
         let realization = |i: usize| {
             let score = |which: usize| models[i].as_ref().map(|_| &scores[i][which]);
@@ -252,11 +252,11 @@ impl Realizer<'_> {
         let lanes = interleave(&models.iter().map(|m| m.as_deref().unwrap_or(&zero)).collect::<Vec<_>>());
         let mut scores = vec![[Score::default(); 2]; picked.len()];
         for (place, part) in self.parts.iter().enumerate() {
-            let found = free_runs(&self.pool.model, &lanes, part.exogenous, part.measured);
-            for (lane, own) in picked.iter().enumerate() {
-                scores[lane][0].add(found[lane], part.samples());
-                if own.binary_search(&place).is_err() {
-                    scores[lane][1].add(found[lane], part.samples());
+            let errors = free_runs(&self.pool.model, &lanes, part.exogenous, part.measured);
+            for (lane, draw) in picked.iter().enumerate() {
+                scores[lane][0].add(errors[lane], part.samples());
+                if draw.binary_search(&place).is_err() {
+                    scores[lane][1].add(errors[lane], part.samples());
                 }
             }
         }
@@ -280,13 +280,13 @@ impl Realizer<'_> {
         match (self.estimator, iv) {
             (Estimator::Ls, _) | (_, None) => fitted(ls, options(Estimator::Ls)),
             (Estimator::Auto, Some(iv)) => {
-                let mut own = fitted(iv, options(Estimator::Iv));
-                if own.iter().any(Option::is_none) {
-                    for (own, least) in own.iter_mut().zip(fitted(ls, options(Estimator::Ls))) {
-                        *own = own.take().or(least);
+                let mut solutions = fitted(iv, options(Estimator::Iv));
+                if solutions.iter().any(Option::is_none) {
+                    for (solution, least) in solutions.iter_mut().zip(fitted(ls, options(Estimator::Ls))) {
+                        *solution = solution.take().or(least);
                     }
                 }
-                own
+                solutions
             }
             (_, Some(iv)) => fitted(iv, Options { most: f64::INFINITY, ..options(Estimator::Iv) }),
         }

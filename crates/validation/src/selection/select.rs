@@ -110,10 +110,11 @@ impl<'a> Selector<'a> {
     /// The result of `realizations`, those of all groups in order.
     pub fn found(&self, realizations: &[Realization]) -> Selection {
         let [optimized, random] = &self.draws;
-        let (own, others) =
+        let (first, others) =
             realizations.split_at(realizations.partition_point(|r| r.design == optimized.design));
-        let of = |draw: &Draw, own| SelectionScores::new(draw.design, own, self.options.published_limits);
-        let designs = [of(optimized, own), of(random, others)];
+        let of =
+            |draw: &Draw, scores| SelectionScores::new(draw.design, scores, self.options.published_limits);
+        let designs = [of(optimized, first), of(random, others)];
         let mut statements = vec![conclusion(&designs)];
         statements.extend(self.prepared.warnings.clone());
         Selection {

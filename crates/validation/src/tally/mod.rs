@@ -215,8 +215,8 @@ impl Counted {
     }
 
     fn merge(&mut self, other: &mut Self) {
-        self.errors().into_iter().zip(other.errors()).for_each(|(own, other)| own.merge(other));
-        self.counts().into_iter().zip(other.counts()).for_each(|(own, other)| *own += *other);
+        self.errors().into_iter().zip(other.errors()).for_each(|(mine, other)| mine.merge(other));
+        self.counts().into_iter().zip(other.counts()).for_each(|(mine, other)| *mine += *other);
     }
 
     /// Half the width of the wider of the two shares' 95 % intervals; 1 without runs.
@@ -301,8 +301,8 @@ impl Tally {
         let same = self.counted.iter().map(key).eq(other.counted.iter().map(key))
             && self.pairs.len() == other.pairs.len();
         if same {
-            self.counted.iter_mut().zip(&mut other.counted).for_each(|(own, other)| own.merge(other));
-            self.pairs.iter_mut().zip(&other.pairs).for_each(|(own, other)| own.merge(other));
+            self.counted.iter_mut().zip(&mut other.counted).for_each(|(mine, other)| mine.merge(other));
+            self.pairs.iter_mut().zip(&other.pairs).for_each(|(mine, other)| mine.merge(other));
         }
         same
     }

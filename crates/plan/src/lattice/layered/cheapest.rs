@@ -128,9 +128,9 @@ impl<'l, 'a, const W: usize> Backwards<'l, 'a, W> {
     /// To the states before those of a node, a block and a level.
     fn follow(&mut self, level: u64, block: usize, node: u32) {
         let at = block * self.searched.nodes + node as usize;
-        let own = layout::both(&self.searched.fresh[at], &self.searched.at_level(level, at));
-        self.searched.fresh[at] = layout::beyond(&self.searched.fresh[at], &own);
-        if !layout::any(&own) {
+        let counts = layout::both(&self.searched.fresh[at], &self.searched.at_level(level, at));
+        self.searched.fresh[at] = layout::beyond(&self.searched.fresh[at], &counts);
+        if !layout::any(&counts) {
             return;
         }
         let (graph, unit) = (self.searched.graph, self.searched.levels.unit);
@@ -138,16 +138,16 @@ impl<'l, 'a, const W: usize> Backwards<'l, 'a, W> {
             let (key, slot) = graph.price(step);
             let Some(slot) = slot.map(|slot| slot as usize) else {
                 let free = key < unit;
-                if (free || level > 0) && self.arrive(level - u64::from(!free), block, from, &own) {
+                if (free || level > 0) && self.arrive(level - u64::from(!free), block, from, &counts) {
                     let lists = if free { &mut self.here } else { &mut self.below };
                     lists[block].push(from);
                 }
                 continue;
             };
             let (block, states) = match self.searched.layout.digits[slot] {
-                Digit::Bit { .. } => (block, self.shifts[slot].undo(&own)),
+                Digit::Bit { .. } => (block, self.shifts[slot].undo(&counts)),
                 Digit::Block { stride, radix } if !(block as u64 / stride).is_multiple_of(radix) => {
-                    (block - stride as usize, own)
+                    (block - stride as usize, counts)
                 }
                 Digit::Block { .. } => continue,
             };
@@ -177,9 +177,9 @@ impl<'a> Keys<'a> {
         let (graph, bits) = (optimal.graph, 64 * W);
         let words = optimal.nodes.div_ceil(64);
         let mut nodes = vec![0_u64; optimal.blocks * bits * words];
-        for (at, own) in optimal.reached.iter().enumerate() {
+        for (at, reached) in optimal.reached.iter().enumerate() {
             let (block, node) = (at / optimal.nodes, at % optimal.nodes);
-            for bit in layout::ones(own) {
+            for bit in layout::ones(reached) {
                 nodes[(block * bits + bit) * words + node / 64] |= 1 << (node % 64);
             }
         }
@@ -279,8 +279,8 @@ impl<'a> Keys<'a> {
     /// The number of an optimal state within its block.
     fn number(&self, group: usize, node: u32) -> Option<usize> {
         let word = group * self.words + node as usize / 64;
-        let (nodes, own) = (self.nodes[word], 1 << (node % 64));
-        (nodes & own != 0).then(|| (self.before[word] + (nodes & (own - 1)).count_ones()) as usize)
+        let (nodes, bit) = (self.nodes[word], 1 << (node % 64));
+        (nodes & bit != 0).then(|| (self.before[word] + (nodes & (bit - 1)).count_ones()) as usize)
     }
 
     fn key(&self, block: usize, group: usize, node: u32) -> Option<u64> {

@@ -104,8 +104,8 @@ impl PlannedTrack {
         let track = self.thinned();
         let kept = track::thinned_positions(&positions, limits.max_gap_s);
         let shift = Shift::of(&track, &kept);
-        shift.iter().try_for_each(|own| check_shift(&track, own))?;
-        let kept = shift.map_or_else(|| kept.clone(), |own| own.without(&kept));
+        shift.iter().try_for_each(|shift| check_shift(&track, shift))?;
+        let kept = shift.map_or_else(|| kept.clone(), |shift| shift.without(&kept));
         let along = Along::of(&track, &kept);
         check_alignment(&along, limits)?;
         let shifted = shift.map(|shift| format!("{}: their datum, or the antenna's place", shift.words()));
@@ -159,8 +159,8 @@ impl Along<'_> {
         let (point, ship) = (&self.track.points[self.last()], &self.ship);
         let on_plan = point.away_m(ship.place) <= self.track.steps[point.step].within_m;
         let planned = [point.heading_deg, point.speed_m_s];
-        let own = if on_plan { planned } else { self.course().unwrap_or(planned) };
-        [ship.heading_deg.unwrap_or(own[0]), ship.speed_m_s.unwrap_or(own[1])]
+        let elsewhere = if on_plan { planned } else { self.course().unwrap_or(planned) };
+        [ship.heading_deg.unwrap_or(elsewhere[0]), ship.speed_m_s.unwrap_or(elsewhere[1])]
     }
 }
 
@@ -247,10 +247,10 @@ fn shape(fixes: &[Fix], known: bool) -> Sailed {
     let parts = [0..fixes.len(), 0..third, third..2 * third, 2 * third..fixes.len()];
     let gains: Vec<[f64; 2]> = parts.into_iter().filter_map(|part| gain(&fixes[part])).collect();
     let tells = || gains.iter().filter(|[_, error]| *error <= TELLS);
-    match tells().find(|[own, error]| own + 2.0 * error < LEAST) {
-        Some([own, _]) if *own < -LEAST => Sailed::Otherwise("to the other side".to_owned()),
-        Some([own, _]) => {
-            let percent = 100.0 * own.max(0.0);
+    match tells().find(|[gain, error]| gain + 2.0 * error < LEAST) {
+        Some([gain, _]) if *gain < -LEAST => Sailed::Otherwise("to the other side".to_owned()),
+        Some([gain, _]) => {
+            let percent = 100.0 * gain.max(0.0);
             let words = format!("its motion has {percent:.0} % of the planned one, or a part of it has");
             Sailed::Otherwise(words)
         }
@@ -264,12 +264,12 @@ fn gain(fixes: &[Fix]) -> Option<[f64; 2]> {
     let mean = |of: &dyn Fn(&Fix) -> f64| fixes.iter().map(of).sum::<f64>() / fixes.len() as f64;
     let at_s = mean(&|(_, plan)| plan.at_s);
     let later_s = |(_, plan): &Fix| plan.at_s - at_s;
-    let squares = mean(&|own| later_s(own) * later_s(own));
+    let squares = mean(&|fix| later_s(fix) * later_s(fix));
     let aside = |place: fn(&Fix) -> [f64; 2]| -> Vec<[f64; 2]> {
         let line = [0, 1].map(|c: usize| {
-            [mean(&|own| place(own)[c]), mean(&|own| later_s(own) * place(own)[c]) / squares]
+            [mean(&|fix| place(fix)[c]), mean(&|fix| later_s(fix) * place(fix)[c]) / squares]
         });
-        let off = |own: &Fix| [0, 1].map(|c: usize| place(own)[c] - line[c][0] - line[c][1] * later_s(own));
+        let off = |fix: &Fix| [0, 1].map(|c: usize| place(fix)[c] - line[c][0] - line[c][1] * later_s(fix));
         fixes.iter().map(off).collect()
     };
     let (planned, sailed) = (aside(|(_, plan)| plan.place), aside(|(ship, _)| ship.place));
@@ -285,19 +285,19 @@ fn gain(fixes: &[Fix]) -> Option<[f64; 2]> {
 /// Whether a logged input is the planned one; `None` where it was not logged, or is constant in the plan.
 fn input(fixes: &[Fix], name: &str, series: [&[[f64; 2]]; 2]) -> Option<Option<String>> {
     let value = |series: &[[f64; 2]], at_s: f64| {
-        let next = series.partition_point(|own| own[0] <= at_s + 1e-6);
-        series.get(next.checked_sub(1)?).filter(|own| at_s - own[0] <= BROKEN_S).map(|own| own[1])
+        let next = series.partition_point(|sample| sample[0] <= at_s + 1e-6);
+        series.get(next.checked_sub(1)?).filter(|sample| at_s - sample[0] <= BROKEN_S).map(|sample| sample[1])
     };
     let pair = |(ship, plan): &Fix| Some([value(series[0], plan.at_s)?, value(series[1], ship.at_s)?]);
     let pairs: Vec<[f64; 2]> = fixes.iter().filter_map(pair).collect();
-    let middle = median(pairs.iter().map(|own| own[0]));
+    let middle = median(pairs.iter().map(|pair| pair[0]));
     let amplitudes = sorted(pairs.iter().map(|pair| Some((pair[0] - middle).abs())));
     let amplitude = amplitudes
         .get(amplitudes.len() * 9 / 10)
         .copied()
         .filter(|amplitude| *amplitude > 1e-6 * middle.abs())?;
     let sum = |of: fn(&[f64; 2]) -> f64| pairs.iter().map(of).sum::<f64>();
-    let gain = (sum(|own| own[0] * own[1]) / sum(|own| own[0] * own[0])).clamp(LEAST, 1.0 / LEAST);
+    let gain = (sum(|pair| pair[0] * pair[1]) / sum(|pair| pair[0] * pair[0])).clamp(LEAST, 1.0 / LEAST);
     let differs = pairs.iter().filter(|pair| (pair[1] / gain - pair[0]).abs() > DIFFERS * amplitude).count();
     let part = differs as f64 / pairs.len() as f64;
     let words = || format!("`{name}` differs from the planned one for {:.0} % of it", 100.0 * part);
@@ -319,14 +319,14 @@ impl Brief {
     ) -> Result<Option<Invalid>, VoyageError> {
         let drift_m = self.drift_m(&self.wanted()?);
         let (chart, _) = self.task.ground(&self.vessel, &self.layers, drift_m, keep_going)?;
-        let places: Vec<[f64; 2]> = positions.iter().map(|own| own.place).collect();
+        let places: Vec<[f64; 2]> = positions.iter().map(|position| position.place).collect();
         let dangers = chart.dangers(self.task.safety.transit_depth_m);
         let Some((first, called)) = dangers.first_inside(&places) else { return Ok(None) };
         let (longitude, latitude) = chart.plane().to_geographic(places[first]);
         let thing = format!("line {}", positions[first].line);
-        let found = format!("longitude {longitude:.5}, latitude {latitude:.5} in `{called}`");
+        let position = format!("longitude {longitude:.5}, latitude {latitude:.5} in `{called}`");
         let expected = "a position in water that the ship may pass";
         let remedy = "correct positions and chart: one of them is displaced";
-        Ok(Some(Invalid::new(thing, found, expected, remedy)))
+        Ok(Some(Invalid::new(thing, position, expected, remedy)))
     }
 }

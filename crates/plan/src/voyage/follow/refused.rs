@@ -44,17 +44,17 @@ fn without_spikes(
         positions.get(to).is_some_and(|to| check_jump(&[*from, *to], limits).is_ok())
     };
     let (mut kept, mut spikes, mut k) = (vec![positions[0]], 0, 1);
-    while let Some(own) = positions.get(k) {
+    while let Some(position) = positions.get(k) {
         let last = kept[kept.len() - 1];
         let back = (k..=k + SPIKE).find(|to| goes(&last, *to));
-        if back.is_none() && k == 1 && goes(own, 2) && goes(own, 3) {
-            (kept, spikes) = (vec![*own], 1);
+        if back.is_none() && k == 1 && goes(position, 2) && goes(position, 3) {
+            (kept, spikes) = (vec![*position], 1);
         } else if let Some(back) = back.filter(|back| spikes + back - k <= SPIKES.max(positions.len() / 100))
         {
             (spikes, k) = (spikes + back - k, back);
             kept.push(positions[k]);
         } else {
-            check_jump(&[last, *own], limits)?;
+            check_jump(&[last, *position], limits)?;
         }
         k += 1;
     }
@@ -77,23 +77,23 @@ fn check_pace(
     }
     let speed_m_s = median(speeds.iter().copied());
     let ratio = speed_m_s / track.usual_m_s();
-    let unit = TIMES.into_iter().find(|(own, _)| libm::log(ratio / own).abs() < 0.7);
+    let unit = TIMES.into_iter().find(|(factor, _)| libm::log(ratio / factor).abs() < 0.7);
     let is_slow = speeds.len() > 1 && unit.is_some() && ratio < 0.01;
     if speeds.is_empty() || speed_m_s <= limits.fastest_m_s && !is_slow {
         return Ok(());
     }
     let unit = unit.map_or(String::new(), |(_, unit)| format!(", as of {unit} in place of seconds"));
-    let found = format!("a ship at {speed_m_s:.3} m/s{unit}");
+    let speed = format!("a ship at {speed_m_s:.3} m/s{unit}");
     let expected = format!("about {:.1} m/s, as planned", track.usual_m_s());
-    Err(Invalid::new("`time`", found, expected, "write times in seconds, or as dates with a time"))
+    Err(Invalid::new("`time`", speed, expected, "write times in seconds, or as dates with a time"))
 }
 
 fn check_day(track: &PlannedTrack, [first, last]: [&ShipPosition; 2]) -> Result<(), Invalid> {
     let hours = |s: f64| format!("{:.1} h", s / 3600.0);
-    let another = |at: &ShipPosition, found: String| {
+    let another = |at: &ShipPosition, times: String| {
         let expected = "positions within 12 h of the plan";
         let remedy = "give the log of the trial's day, or correct `departure` and plan again";
-        Err(Invalid::new(format!("{}, `time`", line(at)), found, expected, remedy))
+        Err(Invalid::new(format!("{}, `time`", line(at)), times, expected, remedy))
     };
     if last.at_s < -ANOTHER_DAY_S {
         return another(last, format!("{} before the departure of the plan", hours(-last.at_s)));
@@ -111,10 +111,10 @@ fn check_jump(pair: &[ShipPosition], limits: &FollowLimits) -> Result<(), Invali
     if way_m <= most_m {
         return Ok(());
     }
-    let found = format!("a jump of {way_m:.0} m in {elapsed_s:.1} s");
+    let jump = format!("a jump of {way_m:.0} m in {elapsed_s:.1} s");
     let expected = format!("at most {most_m:.0} m, at {:.1} m/s", limits.fastest_m_s);
     let remedy = "leave out positions that are wrong, or of another ship";
-    Err(Invalid::new(line(&pair[1]), found, expected, remedy))
+    Err(Invalid::new(line(&pair[1]), jump, expected, remedy))
 }
 
 /// Refuses positions that are displaced by more than a step may be off.
@@ -135,10 +135,10 @@ pub(super) fn check_shift(track: &PlannedTrack, shift: &Shift) -> Result<(), Inv
 pub(super) fn check_alignment(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {
     let (nearest_m, within_m) = (along.nearest_m(), along.least_within_m());
     if nearest_m > within_m {
-        let found = format!("none nearer to the plan's track than {nearest_m:.0} m");
+        let none = format!("none nearer to the plan's track than {nearest_m:.0} m");
         let expected = format!("positions along it, within {within_m:.0} m");
         let remedy = "name the plan that is sailed, or widen --within-m";
-        return Err(Invalid::new("positions", found, expected, remedy));
+        return Err(Invalid::new("positions", none, expected, remedy));
     }
     check_beginning(along, limits)?;
     check_gaps(along, limits)?;
@@ -152,9 +152,10 @@ fn check_beginning(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> 
     let maneuver = before.iter().rfind(|point| point.informative);
     let Some(point) = maneuver.filter(|_| first.at_s > limits.max_gap_s) else { return Ok(()) };
     let name = &along.track.steps[point.step].name;
-    let found = format!("a beginning at step {}, after `{name}` in step {}", first.step + 1, point.step + 1);
+    let beginning =
+        format!("a beginning at step {}, after `{name}` in step {}", first.step + 1, point.step + 1);
     let expected = "positions since the departure of the plan";
-    Err(Invalid::new(line(&along.positions[0]), found, expected, "give the whole log"))
+    Err(Invalid::new(line(&along.positions[0]), beginning, expected, "give the whole log"))
 }
 
 fn check_gaps(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {
@@ -163,11 +164,11 @@ fn check_gaps(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {
         let maneuver = along.track.points[at[0]..=at[1]].iter().find(|point| point.informative);
         if let Some(point) = maneuver.filter(|_| gap_s > limits.max_gap_s) {
             let name = &along.track.steps[point.step].name;
-            let found =
+            let gap =
                 format!("{gap_s:.0} s since line {}, in `{name}` of step {}", pair[0].line, point.step + 1);
             let expected = format!("at most {} s in a maneuver", limits.max_gap_s);
             let remedy = "give a log without the gap, or allow it with --max-gap-s";
-            return Err(Invalid::new(line(&pair[1]), found, expected, remedy));
+            return Err(Invalid::new(line(&pair[1]), gap, expected, remedy));
         }
     }
     Ok(())
@@ -183,9 +184,9 @@ fn check_end(along: &Along) -> Result<(), Invalid> {
         return Ok(());
     }
     let after_s = ship.at_s - along.positions[reached].at_s;
-    let found = format!("{away_m:.0} m from the end of the plan, {after_s:.0} s after the ship was there");
+    let place = format!("{away_m:.0} m from the end of the plan, {after_s:.0} s after the ship was there");
     let expected = format!("positions up to the end, within {within_m:.0} m");
-    Err(Invalid::new(line(ship), found, expected, "the plan is done: cut the log where it ends"))
+    Err(Invalid::new(line(ship), place, expected, "the plan is done: cut the log where it ends"))
 }
 
 // Positions that are all displaced alike: by another datum, or an antenna whose place is not known.
@@ -223,17 +224,17 @@ impl Shift {
             positions.iter().step_by(positions.len().div_ceil(MOST)).copied().collect();
         let away_m = |all: &[Off], by: Self| {
             let of = |moves: bool| {
-                let own = || all.iter().filter(|own| own.2 == moves).map(|own| by.across_m(own).abs());
-                if own().count() < FEW { 0.0 } else { median(own()) }
+                let across = || all.iter().filter(|off| off.2 == moves).map(|off| by.across_m(off).abs());
+                if across().count() < FEW { 0.0 } else { median(across()) }
             };
             // A ship that stays may turn an antenna that is not in her middle.
             if matches!(by, Self::Ship(aside) if aside != 0.0) { of(true) } else { of(true).max(of(false)) }
         };
-        let own = offs(track, &few);
-        if own.iter().filter(|own| own.2).count() < FEW {
+        let offs = offs(track, &few);
+        if offs.iter().filter(|off| off.2).count() < FEW {
             return None;
         }
-        let before_m = away_m(&own, Self::Ship(0.0));
+        let before_m = away_m(&offs, Self::Ship(0.0));
         if before_m < 0.5 * LEAST_M {
             return None;
         }
@@ -241,25 +242,26 @@ impl Shift {
         for widened in WIDENED {
             let mut wide = track.clone();
             wide.steps.iter_mut().for_each(|step| step.within_m *= widened);
-            let Some(found) = displacement(&offs(&wide, &Self::Earth(moved).without(&few))) else { break };
-            moved = [0, 1].map(|c| moved[c] + found[c]);
+            let Some(step) = displacement(&offs(&wide, &Self::Earth(moved).without(&few))) else { break };
+            moved = [0, 1].map(|c| moved[c] + step[c]);
         }
         let after_m = away_m(&offs(track, &Self::Earth(moved).without(&few)), Self::Ship(0.0));
-        let moving = own.iter().filter(|own| own.2);
+        let moving = offs.iter().filter(|off| off.2);
         let aside = Self::Ship(median(moving.map(|moving| Self::Ship(0.0).across_m(moving))));
-        let (found, after_m) = match away_m(&own, aside) {
+        let (displacement, after_m) = match away_m(&offs, aside) {
             aside_m if aside_m < after_m && aside.metres() >= LEAST_M => (aside, aside_m),
             _ => (Self::Earth(moved), after_m),
         };
-        (found.metres() >= LEAST_M && after_m <= (EXPLAINED * before_m).max(0.5 * LEAST_M)).then_some(found)
+        (displacement.metres() >= LEAST_M && after_m <= (EXPLAINED * before_m).max(0.5 * LEAST_M))
+            .then_some(displacement)
     }
 
     /// How far a position is to starboard of its course without the displacement \[m\].
     fn across_m(&self, (off, side, _): &Off) -> f64 {
-        let across = |own: &[f64; 2]| own[0] * side[0] + own[1] * side[1];
+        let across = |metres: &[f64; 2]| metres[0] * side[0] + metres[1] * side[1];
         let displaced = match self {
-            Self::Earth(own) => across(own),
-            Self::Ship(own) => *own,
+            Self::Earth(metres) => across(metres),
+            Self::Ship(metres) => *metres,
         };
         across(off) - displaced
     }
@@ -274,7 +276,10 @@ impl Shift {
     /// Positions without it.
     pub(super) fn without(&self, positions: &[ShipPosition]) -> Vec<ShipPosition> {
         let Self::Earth(by) = self else { return positions.to_vec() };
-        let moved = |own: &ShipPosition| ShipPosition { place: [0, 1].map(|c| own.place[c] - by[c]), ..*own };
+        let moved = |position: &ShipPosition| ShipPosition {
+            place: [0, 1].map(|c| position.place[c] - by[c]),
+            ..*position
+        };
         positions.iter().map(moved).collect()
     }
 

@@ -84,8 +84,9 @@ impl PlannedTrack {
     pub fn new(points: Vec<TrackPoint>, legs: &[VoyageLeg], primitives: &[Primitive], task: &Task) -> Self {
         let least_m = task.approach.tolerance.distance_m + uncertain_m(task.sensors.position_m);
         let step = |(index, leg): (usize, &VoyageLeg)| {
-            let own = primitives.iter().filter(|primitive| leg.informative && primitive.maneuver == leg.name);
-            let spread_m = own.map(|own| own.spread_m).fold(0.0, f64::max);
+            let planned =
+                primitives.iter().filter(|primitive| leg.informative && primitive.maneuver == leg.name);
+            let spread_m = planned.map(|primitive| primitive.spread_m).fold(0.0, f64::max);
             let pairs = points.windows(2).filter(|pair| pair[0].step == index && pair[0].informative);
             let way_m: f64 = pairs.map(|pair| pair[0].away_m(pair[1].place)).sum();
             PlannedStep { name: leg.name.clone(), within_m: least_m + spread_m.min(SPREAD * way_m) }
@@ -144,11 +145,11 @@ impl PlannedTrack {
 pub(super) fn thinned_positions(all: &[ShipPosition], max_gap_s: f64) -> Vec<ShipPosition> {
     let span_s = all[all.len() - 1].at_s - all[0].at_s;
     let mut kept: Vec<ShipPosition> = Vec::new();
-    for (k, own) in all.iter().enumerate() {
-        let is_late = kept.last().is_none_or(|last| own.at_s >= last.at_s + span_s / MOST);
+    for (k, position) in all.iter().enumerate() {
+        let is_late = kept.last().is_none_or(|last| position.at_s >= last.at_s + span_s / MOST);
         let gap = |a: usize, b: usize| all.get(b).is_none_or(|later| later.at_s - all[a].at_s > max_gap_s);
         if is_late || gap(k, k + 1) || k > 0 && gap(k - 1, k) {
-            kept.push(*own);
+            kept.push(*position);
         }
     }
     kept
@@ -194,8 +195,8 @@ pub(super) struct Along<'a> {
 impl<'a> Along<'a> {
     fn new(track: &'a PlannedTrack, positions: &'a [ShipPosition], at: Vec<usize>) -> Self {
         let mut away_m = vec![f64::INFINITY; track.points.len()];
-        for (k, own) in at.iter().zip(positions) {
-            away_m[*k] = away_m[*k].min(track.points[*k].away_m(own.place));
+        for (k, position) in at.iter().zip(positions) {
+            away_m[*k] = away_m[*k].min(track.points[*k].away_m(position.place));
         }
         for (ends, places) in at.windows(2).zip(positions.windows(2)) {
             let [from_s, to_s] = [0, 1].map(|end: usize| track.points[ends[end]].at_s);
@@ -249,7 +250,7 @@ impl<'a> Along<'a> {
     /// Whether that holds for all steps with maneuvers.
     pub(super) fn are_maneuvers_covered(&self) -> bool {
         let of_maneuver =
-            |step: usize| self.track.points.iter().any(|own| own.step == step && own.informative);
+            |step: usize| self.track.points.iter().any(|point| point.step == step && point.informative);
         (0..self.track.steps.len()).filter(|step| of_maneuver(*step)).all(|step| self.is_covered(step))
     }
 
@@ -287,7 +288,7 @@ impl<'a> Along<'a> {
         };
         let first = self.track.points.len() - self.track.points.iter().rev().take_while(is_last).count();
         let mut there = self.positions.iter().zip(&self.at);
-        there.position(|(own, at)| *at >= first && end.away_m(own.place) <= within_m)
+        there.position(|(position, at)| *at >= first && end.away_m(position.place) <= within_m)
     }
 
     /// How much later than planned she was at a position \[s\].
@@ -384,13 +385,13 @@ fn advance(track: &PlannedTrack, costs: &mut [f64], elapsed_s: f64, came_from: &
 fn traced(costs: &[f64], came_from: &[u16]) -> Vec<usize> {
     let count = costs.len();
     let mut k = (0..count).min_by(|a, b| costs[*a].total_cmp(&costs[*b])).unwrap_or(0);
-    let mut found = Vec::new();
+    let mut steps = Vec::new();
     for row in came_from.chunks_exact(count).rev() {
-        found.push(k);
+        steps.push(k);
         k -= usize::from(row[k]);
     }
-    found.reverse();
-    found
+    steps.reverse();
+    steps
 }
 
 // What positions of a ship may be.
