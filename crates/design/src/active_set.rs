@@ -182,8 +182,7 @@ fn improve<O: Objective>(
     None
 }
 
-/// The shares between their bounds, and those at a bound with the largest gain from leaving it: `JOINING` of either
-/// kind.
+/// The shares between their bounds, and those at a bound with the largest gain from leaving it: `JOINING` of either kind.
 fn members(bounds: &Bounds, shares: &[f64], sensitivities: &[f64], p: f64, tolerance: f64) -> Vec<usize> {
     let full = |q: usize| shares[q] > 0.0 && shares[q] >= bounds.upper(q);
     let level = bounds.level(sensitivities, shares, p);

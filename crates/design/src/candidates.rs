@@ -222,11 +222,11 @@ impl Candidates {
         self.sum(&vec![1.0 / self.len() as f64; self.len()], &mut sum);
         for (block, (n, range)) in self.blocks().enumerate() {
             // Rows belong to regressors: an unexcited combination of them is a left singular direction.
-            let own = &sum[range];
-            if numerics::condition(n, own) < 1e9 {
+            let mixture = &sum[range];
+            if numerics::condition(n, mixture) < 1e9 {
                 continue;
             }
-            let direction = match numerics::weakest(n, &transposed(n, own)) {
+            let direction = match numerics::weakest(n, &transposed(n, mixture)) {
                 Some(weakest) if weakest.ratio > 1e-12 => continue,
                 Some(weakest) => weakest.direction,
                 None => vec![1.0; n],
@@ -239,15 +239,15 @@ impl Candidates {
     /// Root mean squares over all candidates of every row or every column of the block of n rows in `range`.
     fn root_mean_squares(&self, n: usize, range: Range<usize>, by_row: bool) -> Vec<f64> {
         let mut squares = vec![0.0; n];
-        let mut own = vec![0.0; n];
+        let mut sums = vec![0.0; n];
         for entries in self.entries.chunks_exact(self.size()) {
-            own.fill(0.0);
+            sums.fill(0.0);
             for (i, row) in entries[range.clone()].chunks_exact(n).enumerate() {
                 for (j, entry) in row.iter().enumerate() {
-                    own[if by_row { i } else { j }] += entry * entry;
+                    sums[if by_row { i } else { j }] += entry * entry;
                 }
             }
-            squares.iter_mut().zip(&own).for_each(|(all, increase)| *all += increase);
+            squares.iter_mut().zip(&sums).for_each(|(all, sum)| *all += sum);
         }
         squares.iter().map(|square| (square / self.len() as f64).sqrt()).collect()
     }

@@ -138,8 +138,8 @@ impl Bounds {
                         break;
                     }
                 }
-                let own: f64 = shares.iter().zip(sensitivities).map(|(w, g)| w * (g - level)).sum();
-                best - own
+                let reached: f64 = shares.iter().zip(sensitivities).map(|(w, g)| w * (g - level)).sum();
+                best - reached
             }
         }
     }
@@ -191,8 +191,7 @@ impl Bounds {
         }
     }
 
-    /// Keeps the `count` largest of the weights below their bound, and more until their bounds sum to 1; then
-    /// [`Bounds::fill`].
+    /// Keeps the `count` largest of the weights below their bound, and more until their bounds sum to 1; then [`Bounds::fill`].
     pub(crate) fn keep_largest(&self, weights: &mut [f64], count: usize) {
         let mut capacity = sum_where(weights, |q| weights[q] >= self.upper(q));
         let below: Vec<f64> =
@@ -239,8 +238,7 @@ fn descending(values: &[f64]) -> Vec<usize> {
     largest(0..values.len(), values, usize::MAX)
 }
 
-/// The `most` of the indices `places` with the largest values, in descending order, the lower index first among
-/// equals.
+/// The `most` of the indices `places` with the largest values, in descending order, the lower index first among equals.
 pub(crate) fn largest(places: impl IntoIterator<Item = usize>, values: &[f64], most: usize) -> Vec<usize> {
     let mut order: Vec<usize> = places.into_iter().collect();
     order.sort_by(|a, b| values[*b].total_cmp(&values[*a]).then(a.cmp(b)));

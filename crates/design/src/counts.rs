@@ -87,9 +87,8 @@ pub fn count_segments<O: Objective>(
 }
 
 impl Counted {
-    /// An upper bound on the loss of these counts, as a fraction of the experiment's time, against any shares within
-    /// the gap of `design`, the relaxed problem's: proved if that is proved global. `degree`: the criterion's gain
-    /// per log of time.
+    /// An upper bound on the loss of these counts, as a fraction of the experiment's time, against any shares within the gap of
+    /// `design`, the relaxed problem's: proved if that is proved global. `degree`: the criterion's gain per log of time.
     pub fn loss_bound(&self, design: &Design, degree: f64) -> f64 {
         crate::design::loss(self.value, design, degree)
     }

@@ -177,8 +177,7 @@ impl Covariance {
         self.norm
     }
 
-    /// Refuses a dictionary whose equal mixture gives a weighted direction (or, for the trace, all directions) no
-    /// variance.
+    /// Refuses a dictionary whose equal mixture gives a weighted direction (or, for the trace, all directions) no variance.
     fn check_covariance(&self) -> Result<(), Error> {
         let count = self.information.len();
         let mut at = CovariancePoint::default();
@@ -265,8 +264,6 @@ impl Covariance {
         Some(functions.iter().map(of).collect())
     }
 }
-
-// The criterion with its first and second derivatives.
 
 impl Objective for Covariance {
     type Point = CovariancePoint;

@@ -216,8 +216,7 @@ impl Criterion {
         }
     }
 
-    /// The value of one whole experiment among those of `dictionary`, from its own matrices; `None` if it is not
-    /// defined.
+    /// The value of one whole experiment among those of `dictionary`, from its own matrices; `None` if it is not defined.
     pub fn of_experiment(
         &self,
         dictionary: &Dictionary,

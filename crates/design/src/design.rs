@@ -101,12 +101,10 @@ pub fn solve_covariance(
     optimise(covariance, bounds, options, covariance.is_concave())
 }
 
-/// [`solve_covariance`] without bounds, from `shares`, such as those of a similar problem, instead of equal and
-/// random ones.
+/// [`solve_covariance`] without bounds, from `shares`, such as those of a similar problem, instead of equal and random ones.
 ///
 /// # Errors
-/// As there; [`Error::Shape`] if the number of shares differs from that of candidates, [`Error::Solver`] if they are
-/// singular.
+/// As there; [`Error::Shape`] if the number of shares differs from that of candidates, [`Error::Solver`] if they are singular.
 pub fn solve_covariance_from(
     covariance: &Covariance,
     shares: &[f64],

@@ -19,8 +19,7 @@ pub struct Segments {
 }
 
 impl Segments {
-    /// So many segments of so many samples, within what is available; none of maneuvers that a restricted design does
-    /// not use.
+    /// So many segments of so many samples, within what is available; none of maneuvers that a restricted design does not use.
     pub fn within(
         (total, samples): (u64, u64),
         available: Option<&Available>,
@@ -41,8 +40,7 @@ impl Segments {
 pub struct Whole {
     /// Segments of every maneuver.
     pub counts: Vec<u64>,
-    /// The result of the search; `None` if all choices of so few segments are singular: then the shares are
-    /// apportioned.
+    /// The result of the search; `None` if all choices of so few segments are singular: then the shares are apportioned.
     pub found: Option<Counted>,
     /// Efficiency of the counts against the shares.
     pub efficiency: f64,

@@ -71,8 +71,7 @@ const INCOMING: usize = 12;
 /// are few and there is no least share.
 ///
 /// # Errors
-/// [`Error::Infeasible`] if no shares satisfy the bounds; [`Error::Solver`] if so few candidates do not excite every
-/// direction.
+/// [`Error::Infeasible`] if no shares satisfy the bounds; [`Error::Solver`] if so few candidates do not excite every direction.
 pub fn select<O: Objective>(
     objective: &O,
     relaxed: &Design,

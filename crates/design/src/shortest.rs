@@ -37,8 +37,7 @@ pub struct Shortest {
     pub design: Design,
     /// Samples of the experiment.
     pub samples: f64,
-    /// If the largest error is minimised: a lower bound on its square for one sample, proved if the problem is
-    /// convex.
+    /// If the largest error is minimised: a lower bound on its square for one sample, proved if the problem is convex.
     pub bound: Option<f64>,
 }
 
@@ -104,8 +103,7 @@ const POINTS: usize = 25;
 /// 1.0 of the prediction, at a quarter of that length two to three times of it (docs/design.md).
 pub const MOST: f64 = 0.8;
 
-/// The number of samples from which on maneuvers of these `lengths` that take [`MOST`] of the time at `shares` are
-/// whole.
+/// The number of samples from which on maneuvers of these `lengths` that take [`MOST`] of the time at `shares` are whole.
 pub fn holds_from(shares: &[f64], lengths: &[f64]) -> f64 {
     let used = shares.iter().zip(lengths).filter(|(share, _)| **share > 0.0);
     let mut needs: Vec<(f64, f64)> = used.map(|(share, length)| (length / share, *share)).collect();
@@ -184,7 +182,7 @@ impl Question<'_> {
                 None => None,
             };
             match solved.filter(|(d, _)| self.errors.samples(&d.shares, &self.wanted) <= middle) {
-                Some(solved) => ((design, bound), high) = (found, middle),
+                Some(solved) => ((design, bound), high) = (solved, middle),
                 None => low = middle,
             }
         }
@@ -205,7 +203,7 @@ impl Question<'_> {
             let n = (samples * factor).max(1.0);
             AccuracyPoint {
                 duration_s: n / rate,
-                design: (squared_error / n).sqrt(),
+                design: (squared / n).sqrt(),
                 equal: at(equal, n),
                 paper: paper.and_then(|p| at(p, n)),
                 random: random.and_then(|r| at(r, n)),
@@ -217,7 +215,7 @@ impl Question<'_> {
             wanted,
             samples: samples as u64,
             duration_s: samples / rate,
-            reached: (squared_error / samples).sqrt(),
+            reached: (squared / samples).sqrt(),
             holds_from_s: holds_from(&shortest.design.shares, self.lengths) / rate,
             bound_s: shortest.bound.map(needs),
             paper_s: needed_s(paper),
@@ -235,9 +233,6 @@ impl Question<'_> {
         all.get(all.len() / 2).copied().filter(|m| m.is_finite())
     }
 }
-
-// Standard errors relative to the parameters, or to those wanted of figures, and the time that an experiment needs to
-// reach them.
 
 /// Iterations of the minimax search for the largest error.
 const ROUNDS: usize = 30;
@@ -356,8 +351,6 @@ impl<'a> Errors<'a> {
         built.map_err(|e| self.dictionary.explain(e))
     }
 }
-
-// A promise against the covariance of an estimate.
 
 /// The error that a norm measures of a covariance, n × n: for the trace the root of Σ weight × variance; for the determinant
 /// |covariance|^(1/2n), with the correlations inside of `blocks` alone. `None` where the covariance is singular.

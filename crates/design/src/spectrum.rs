@@ -181,8 +181,6 @@ fn multiply(rows: usize, m: usize, a: &[f64], b: &[f64], out: &mut [f64]) {
     }
 }
 
-// Checks whether a criterion of the covariance is defined, and whether it is concave.
-
 /// The dominant row of a direction without variance in the weighted covariance `matrix` of a block, if there is one.
 pub(crate) fn row_without_variance(block: &Block<'_>, matrix: &[f64]) -> Option<usize> {
     let k = block.kept();

@@ -58,8 +58,8 @@ pub fn solve_streamed<S: Blocks>(source: &S, options: &Options) -> Result<Stream
     let scaling = Scaling::of(&working.candidates);
     let mut passes = 0;
     loop {
-        let found = solve_within(&working.candidates, &Bounds::default(), options)?;
-        working.keep(|place| found.shares[place] > 0.0);
+        let relaxed = solve_within(&working.candidates, &Bounds::default(), options)?;
+        working.keep(|place| relaxed.shares[place] > 0.0);
         let mut design = solve_within(&working.candidates, &Bounds::default(), options)?;
         let pass = Pass::over(source, &Weights::at(&working.candidates, &design.shares)?, &scaling)?;
         passes += 1;

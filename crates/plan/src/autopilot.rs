@@ -156,8 +156,7 @@ impl<'a> Autopilot<'a> {
         }
     }
 
-    /// The time after which a phase is late and given up: its position error then remains, and is reported
-    /// \[s\].
+    /// The time after which a phase is late and given up: its position error then remains, and is reported \[s\].
     pub fn patience_s(&self, phase: &Phase, node: [f64; 2], start: Pose) -> f64 {
         let h = &self.handling;
         match *phase {
@@ -214,8 +213,7 @@ impl<'a> Autopilot<'a> {
         }
     }
 
-    /// The yaw rate that turns the course over the ground towards `aim_rad` on a path that turns by
-    /// `turn_rad_s`.
+    /// The yaw rate that turns the course over the ground towards `aim_rad` on a path that turns by `turn_rad_s`.
     fn towards(&self, aim_rad: f64, turn_rad_s: f64, seen: &Fixed) -> f64 {
         let [u, v, _] = seen.state;
         let course = seen.pose.psi + libm::atan2(v, u.max(self.handling.crawl_m_s));
@@ -353,8 +351,7 @@ impl<'a> Inversion<'a> {
         (free, count)
     }
 
-    /// Increments of u, v and r that the inputs do not produce yet; sway is left out where two inputs command
-    /// the vessel.
+    /// Increments of u, v and r that the inputs do not produce yet; sway is left out where two inputs command the vessel.
     fn missing(&mut self, state: [f64; 3], current: [f64; 2], wanted: &Gains, free: &[usize]) -> [f64; 3] {
         self.look(state, current, None);
         let increments = self.model.increments();

@@ -110,8 +110,7 @@ impl Handling {
         ]
     }
 
-    /// Refuses meaningless numbers, and those that would make a leg last for days: every leg is simulated to
-    /// its end.
+    /// Refuses meaningless numbers, and those that would make a leg last for days: every leg is simulated to its end.
     ///
     /// # Errors
     /// Names the key.

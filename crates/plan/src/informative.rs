@@ -328,8 +328,7 @@ impl Search<'_> {
     }
 }
 
-/// The one of `others`, whose tracks these are, that is farthest from the nominal vessel at the end of its
-/// maneuver.
+/// The one of `others`, whose tracks these are, that is farthest from the nominal vessel at the end of its maneuver.
 fn farthest(Settled { sailed, tracks, .. }: &Settled, others: &[SampledVessel]) -> Option<Farthest> {
     let open = sailed.samples.iter().rposition(|s| s.informative)?;
     let open_end = sailed.samples[open].pose;

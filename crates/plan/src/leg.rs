@@ -104,8 +104,7 @@ pub enum Phase {
 }
 
 impl Leg {
-    /// The leg rotated to port by `quarters` quarter turns: without a known current all directions are
-    /// equivalent.
+    /// The leg rotated to port by `quarters` quarter turns: without a known current all directions are equivalent.
     pub(crate) fn turned(&self, quarters: usize, grid: &Grid) -> Self {
         let ([dj, di], mut phases) = (turned([self.dj, self.di], quarters), self.phases.clone());
         phases.iter_mut().for_each(|phase| phase.turn(quarters));

@@ -296,8 +296,7 @@ impl Repertoire<'_> {
     /// The vessels and currents within the stated errors that end a maneuver farthest off: in position in any
     /// direction, in heading, speed and yaw rate. `approached` is the maneuver with its steady approach.
     ///
-    /// The slopes of these quantities say which corner of the errors comes first; its neighbours are tried
-    /// after it.
+    /// The slopes of these quantities say which corner of the errors comes first; its neighbours are tried after it.
     ///
     /// # Errors
     /// As [`crate::simulate_legs`], for the nominal vessel.

@@ -30,8 +30,7 @@ pub(crate) struct Underway<'a> {
 pub(crate) struct Crew<'a> {
     pub nominal: Underway<'a>,
     pub others: Vec<Underway<'a>>,
-    /// Order in which the sampled vessels are tried: the one that failed last is first, since it usually
-    /// fails again.
+    /// Order in which the sampled vessels are tried: the one that failed last is first, since it usually fails again.
     order: Vec<usize>,
 }
 
@@ -115,8 +114,6 @@ impl Underway<'_> {
 
 /// Most samples for which a vessel is held before a leg.
 const HELD_SAMPLES: f64 = 1000.0;
-
-// The vessels and currents that a plan has to hold for, and the steps of a search among them.
 
 /// How far the parameters of a vessel may be from the nominal ones.
 #[derive(Clone, Debug, PartialEq)]

@@ -110,9 +110,8 @@ impl From<Stopped> for Invalid {
 /// Pose and state at the end of a leg.
 pub type End = (Pose, [f64; 3]);
 
-/// Simulates `legs`, each from its own node (north, east), starting with `ship` as it is. Pieces' inputs are
-/// multiplied by `mirror` where they are run to the other side. Calls `record` with every sample and returns
-/// the ends of the legs.
+/// Simulates `legs`, each from its own node (north, east), starting with `ship` as it is. Pieces' inputs are multiplied by
+/// `mirror` where they are run to the other side. Calls `record` with every sample and returns the ends of the legs.
 ///
 /// # Errors
 /// A maneuver that is not completed; a vessel that cannot be commanded; a simulation that diverges.
@@ -336,8 +335,7 @@ const NEAR: f64 = 0.25;
 const BEGUN: f64 = 0.5;
 
 impl Tolerance {
-    /// The stricter tolerance for the ends of sampled vessels, so that vessels that were not sampled still
-    /// keep the whole one.
+    /// The stricter tolerance for the ends of sampled vessels, so that vessels that were not sampled still keep the whole one.
     #[must_use]
     pub fn ended(&self) -> Self {
         Self { distance_m: NEAR * self.distance_m, ..*self }

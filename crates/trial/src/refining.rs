@@ -71,8 +71,7 @@ impl Refinement {
         }
     }
 
-    /// The efficiency relative to the start: value before over value after, the factor by which time is
-    /// saved.
+    /// The efficiency relative to the start: value before over value after, the factor by which time is saved.
     pub fn efficiency(&self) -> f64 {
         self.refined.before.value / self.refined.after.value
     }
@@ -82,8 +81,6 @@ impl Refinement {
         self.refined.inputs == self.start.inputs
     }
 }
-
-// Limits of inputs, rates and motion: stated, those of generated candidates, or the extremes of the start.
 
 /// Stated limits; of states and rates largest moduli.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -204,8 +201,6 @@ impl Limits {
     }
 }
 
-// The experiment that refinement begins with.
-
 /// Inputs, initial state and the data to evaluate them.
 #[derive(Clone, Debug)]
 pub struct Start {
@@ -215,8 +210,7 @@ pub struct Start {
     pub initial: [f64; 3],
     /// Simulated states, (N+1) × 3.
     pub states: Vec<f64>,
-    /// Which parameters it is simulated with, and errors are relative to: the true ones if the vessel has
-    /// them.
+    /// Which parameters it is simulated with, and errors are relative to: the true ones if the vessel has them.
     pub source: Source,
     /// These parameters.
     pub parameters: Vec<f64>,

@@ -167,8 +167,6 @@ impl Bound {
     }
 }
 
-// Visited states, with the best known way to each.
-
 /// A state: node, uses left; least key so far, and the state and the move by which it came.
 #[derive(Clone, Copy)]
 pub(crate) struct Seen {
@@ -246,8 +244,6 @@ fn ways_on<'a>(
         Some((arc.step, arc.node, left, from.key + key))
     })
 }
-
-// The uses left of all slots, as bits of one number.
 
 /// The position of each slot's count in the number.
 #[derive(Clone, Debug)]

@@ -44,8 +44,7 @@ enum Ended {
     Full,
 }
 
-/// Bytes that the search usually needs: distances, and about half of a state's entries in a queue at its
-/// widest.
+/// Bytes that the search usually needs: distances, and about half of a state's entries in a queue at its widest.
 pub(crate) fn bytes(graph: &Graph) -> u128 {
     graph.states().saturating_mul(if narrow(graph) { 12 } else { 16 }) + u128::from(graph.arc_bytes(false))
 }
@@ -210,8 +209,6 @@ impl<'a, D: Stored> Dense<'a, D> {
     }
 }
 
-// Recovers a shortest walk from distances alone, without parents.
-
 /// Distance of a node with counts from the start, by slot; `None` if it was not reached.
 pub(crate) type Distance<'a> = dyn Fn(u32, &[u32]) -> Option<u64> + 'a;
 
@@ -234,8 +231,7 @@ pub(crate) fn walk(graph: &Graph, mut node: u32, mut counts: Vec<u32>, distance:
     Some(walk)
 }
 
-/// How a walk enters a node: over free basic moves (`along`, last first) after the move `before`, or from the
-/// start.
+/// How a walk enters a node: over free basic moves (`along`, last first) after the move `before`, or from the start.
 struct Entry {
     along: Walk,
     before: Option<(u32, u32)>,

@@ -257,8 +257,6 @@ fn check_box(thing: &str, bounds: &[f64; 4]) -> Result<(), Invalid> {
     Err(Invalid::new(thing, format!("{bounds:?}"), expected, "order the box's corners"))
 }
 
-// Exports a problem whose moves were allowed by any rule as a file with a map of boxes.
-
 impl ProblemFile {
     /// `problem` on nodes `cell_m` apart, for other solvers: the same poses, moves, counts and (primary)
     /// costs. The map is not that of the sea: every move sweeps a small box in a strip of its own, with an

@@ -281,8 +281,6 @@ fn backward(arcs: &ByNode<Arc>, nodes: usize, watch: &mut Watch) -> Option<ByNod
     ByNode::sorted(nodes, || (0..nodes).flat_map(back), watch)
 }
 
-// Entries by node, in one array.
-
 /// Some entries of every node.
 #[derive(Clone, Debug)]
 pub(crate) struct ByNode<T> {
@@ -323,8 +321,7 @@ impl<T> ByNode<T> {
 }
 
 impl<T: Copy + Default> ByNode<T> {
-    /// For `nodes` nodes, from entries in any order, each with its node; the order within a node is kept.
-    /// `None` if cancelled.
+    /// For `nodes` nodes, from entries in any order, each with its node; the order within a node is kept. `None` if cancelled.
     pub fn sorted<I: Iterator<Item = (u32, T)>>(
         nodes: usize,
         entries: impl Fn() -> I,
@@ -349,8 +346,6 @@ impl<T: Copy + Default> ByNode<T> {
         Some(Self { offsets, entries: sorted })
     }
 }
-
-// The memory that a lattice needs, before any state has been visited.
 
 /// Approximate bytes of a pose in the tables of graph and search together.
 const PER_POSE: u128 = 28;

@@ -124,8 +124,6 @@ pub enum Goal {
     Poses(Vec<Pose>),
 }
 
-// The conditions on a problem. After this nothing is checked twice.
-
 /// Most uses of all informative actions together, so that sums of keys and prices stay in range.
 const MOST_USES: u64 = 100_000;
 /// Bits for the counts of one state.
@@ -237,8 +235,6 @@ pub(crate) fn arcs(count: usize) -> Result<(), Invalid> {
     u32::try_from(count).map(|_| ()).map_err(too_many)
 }
 
-// Which moves are allowed from which poses: a bit for each.
-
 /// The moves that are allowed from every pose; those that leave the lattice are not.
 #[derive(Clone, Debug)]
 pub(crate) struct Allowed {
@@ -321,8 +317,7 @@ impl Allowed {
         allowed.map(move |way| Arc { node: number.wrapping_add_signed(way.by) as u32, step: way.step })
     }
 
-    /// The allowed moves into the pose with this number, each with the pose where it starts, ordered by the
-    /// latter.
+    /// The allowed moves into the pose with this number, each with the pose where it starts, ordered by the latter.
     pub fn arcs_into(&self, number: usize) -> impl Iterator<Item = Arc> + '_ {
         let Lattice { nx, ny, .. } = self.lattice;
         let pose = self.lattice.pose(number);

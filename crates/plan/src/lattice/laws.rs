@@ -46,8 +46,7 @@ fn all_left(required: &[u32], packing: &Packing) -> Vec<Left> {
     all
 }
 
-/// Exact remaining keys, by (uses left, node): Dijkstra's method backwards, one vector of uses after the
-/// other.
+/// Exact remaining keys, by (uses left, node): Dijkstra's method backwards, one vector of uses after the other.
 fn exact(graph: &Graph, packing: &Packing, all: &[Left]) -> Vec<Vec<Option<u64>>> {
     let position = |left: Left| all.iter().position(|&other| other == left).unwrap();
     let mut to_go: Vec<Vec<Option<u64>>> = vec![vec![None; graph.len()]; all.len()];

@@ -124,8 +124,7 @@ struct Layered<'a, const W: usize> {
     memory: u64,
     nodes: usize,
     blocks: usize,
-    /// By `block * nodes + node`: states reached, those of them that are still to be followed, and the
-    /// levels.
+    /// By `block * nodes + node`: states reached, those of them that are still to be followed, and the levels.
     reached: Vec<Bits<W>>,
     fresh: Vec<Bits<W>>,
     planes: Vec<Vec<Bits<W>>>,
@@ -376,8 +375,6 @@ impl<const W: usize> States<'_, W> {
         }
     }
 }
-
-// Reads results from the bits and planes after the search.
 
 impl<const W: usize> Layered<'_, W> {
     fn solved(&self, node: u32, key: u64) -> Verdict {

@@ -105,8 +105,6 @@ fn fullest(required: &[u32], bits: usize) -> (usize, Vec<bool>) {
     full.unwrap_or((1, vec![false; required.len()]))
 }
 
-// Bits of one node and block.
-
 pub(crate) type Bits<const W: usize> = [u64; W];
 
 pub(crate) fn any<const W: usize>(bits: &Bits<W>) -> bool {
@@ -197,8 +195,6 @@ impl<const W: usize> Shift<W> {
         back
     }
 }
-
-// The arcs of a graph, sorted by their effect on bits and blocks.
 
 /// Arcs by node: where they end, and an index.
 pub(crate) type Fan = ByNode<(u32, u32)>;

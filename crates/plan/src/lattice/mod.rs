@@ -1,10 +1,9 @@
 //! Exact planning on a state lattice whose maneuvers must be used a given number of times.
 //!
-//! A state is a pose (cell and layer) and how often each *informative* action has been used. A plan leads
-//! from the start to a goal, uses every informative action exactly as often as required and basic actions any
-//! number of times, at the least cost; costs are compared by their primary part, then by their secondary
-//! part. [`plan`] finds such a plan and says what is proved about it; [`front`] gives the least cost of every
-//! count vector.
+//! A state is a pose (cell and layer) and how often each *informative* action has been used. A plan leads from the start to a
+//! goal, uses every informative action exactly as often as required and basic actions any number of times, at the least cost;
+//! costs are compared by their primary part, then by their secondary part. [`plan`] finds such a plan and says what is proved
+//! about it; [`front`] gives the least cost of every count vector.
 //!
 //! The search is exhaustive: it visits all states in order of cost (all count vectors of a pose at once, as bits, where
 //! costs allow it). "Optimal" always means proved. Where time or memory end it, a narrow beam may still find a plan. Costs are

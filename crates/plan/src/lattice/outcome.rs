@@ -147,8 +147,7 @@ pub enum Reason {
     },
     /// Each informative action can be used, but no walk uses all of them as often as required and ends in a goal.
     CountsCannotBeCombined {
-        /// Counts that can be had, as many uses in total as any, by informative action; known after an exhaustive
-        /// search.
+        /// Counts that can be had, as many uses in total as any, by informative action; known after an exhaustive search.
         possible: Option<Vec<u32>>,
     },
 }

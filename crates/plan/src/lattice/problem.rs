@@ -124,8 +124,7 @@ impl Problem {
         self.informative.iter().map(|slot| slot.required).collect()
     }
 
-    /// The cost of a plan with these counts whose key is `key`, without the least keys of informative
-    /// actions.
+    /// The cost of a plan with these counts whose key is `key`, without the least keys of informative actions.
     pub(crate) fn cost(&self, key: u64, counts: &[u32]) -> Cost {
         let least =
             self.informative.iter().zip(counts).map(|(slot, &count)| slot.least_key * u64::from(count));
@@ -137,8 +136,7 @@ impl Problem {
         plan.steps.iter().map(|step| self.units.key(step.cost)).sum()
     }
 
-    /// Every plan pays the least key of an informative action `required` times, so that the searches need not
-    /// carry it.
+    /// Every plan pays the least key of an informative action `required` times, so that the searches need not carry it.
     fn split_off_least_keys(&mut self) {
         for (number, slot) in self.informative.iter_mut().enumerate() {
             let moves = || self.moves.iter().filter(|step| step.slot == Some(number as u32));
@@ -206,8 +204,6 @@ fn allowed_moves(
     }
     Ok(all)
 }
-
-// Costs as integers: one unit that divides all of them, and both criteria in one key.
 
 /// The finest decimal of a cost.
 const FINEST_DECIMAL: i32 = 9;

@@ -122,8 +122,7 @@ impl Prepared {
 /// The default bound on the probability of running aground.
 pub(super) const USUAL_PROBABILITY: f64 = 0.01;
 
-/// Probability that the bound of a round does not hold: halved from round to round, so that the sum is
-/// bounded.
+/// Probability that the bound of a round does not hold: halved from round to round, so that the sum is bounded.
 fn doubt(round: u32) -> f64 {
     DOUBT * 0.5_f64.powi(round as i32)
 }
@@ -271,8 +270,6 @@ impl Check {
     }
 }
 
-// Whether chart, lattice and check fit in the memory, decided before large allocations.
-
 /// Approximate bytes of inputs, threads and output.
 const READ_BYTES: u128 = 28 << 20;
 const WRITTEN_BYTES: u128 = 12 << 20;
@@ -298,8 +295,7 @@ impl Prepared {
         Ok(search.reserving(footing.kept_bytes()))
     }
 
-    /// Refuses a plan whose check exceeds the memory; else returns a concurrent search with the remaining
-    /// memory.
+    /// Refuses a plan whose check exceeds the memory; else returns a concurrent search with the remaining memory.
     pub(super) fn within_check<'a>(
         &self,
         moves: &Moves,
@@ -336,8 +332,7 @@ impl Prepared {
         Demand::new(Lattice { nx: grid.nx, ny: grid.ny, layers: grid.layers() }, actions)
     }
 
-    /// Bytes of a round's plan while the next one is searched: its problem, and its legs that are simulated
-    /// again.
+    /// Bytes of a round's plan while the next one is searched: its problem, and its legs that are simulated again.
     pub(super) fn last_bytes(&self, moves: &Moves, counter_examples: &[(usize, SampledVessel)]) -> u128 {
         let anew: BTreeSet<usize> = counter_examples.iter().map(|(leg, _)| self.legs[*leg].group).collect();
         let legs = self.legs.iter().filter(|leg| anew.contains(&leg.group));

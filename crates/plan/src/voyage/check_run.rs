@@ -65,8 +65,7 @@ impl Checking<'_> {
         self.script.prepared
     }
 
-    /// The share of the ends of legs that may be beyond a tolerance: none, unless sensors are noisy, or current or
-    /// wind change.
+    /// The share of the ends of legs that may be beyond a tolerance: none, unless sensors are noisy, or current or wind change.
     pub(super) fn tolerated_astray(&self) -> f64 {
         let task = &self.prepared().brief.task;
         if task.sensors.are_exact() && task.changes.are_none() { 0.0 } else { ASTRAY_BY_NOISE }
@@ -218,8 +217,7 @@ impl Run {
         step == 0 || self.used[step - 1].part() <= 1.0
     }
 
-    /// The steps that began within the tolerance and violated the margin or, `if_astray`, the tolerance, each with
-    /// its vessel.
+    /// The steps that began within the tolerance and violated the margin or, `if_astray`, the tolerance, each with its vessel.
     pub(super) fn counter_examples(
         &self,
         checking: &Checking,
@@ -252,8 +250,6 @@ impl Run {
         }
     }
 }
-
-// A plan as a script for any vessel, in any current.
 
 /// Legs from their nodes (north, east), in order.
 pub(super) struct Script<'a> {

@@ -18,8 +18,7 @@ const FINEST: u32 = 8;
 
 /// Distance of the hull from obstacles.
 pub struct Clearance {
-    /// Outline about the reference point, x forward, y to starboard \[m\], including the midpoints of its
-    /// sides.
+    /// Outline about the reference point, x forward, y to starboard \[m\], including the midpoints of its sides.
     pub outline: Vec<[f64; 2]>,
     /// Greatest distance of the outline from the reference point \[m\].
     pub radius_m: f64,
@@ -186,8 +185,7 @@ fn sight_m(task: &Task) -> f64 {
     BEYOND_M + task.safety.margin_m
 }
 
-/// The finest raster over `bounds`, with cells that divide `cell_m`, of a reasonable size including
-/// `around_m`.
+/// The finest raster over `bounds`, with cells that divide `cell_m`, of a reasonable size including `around_m`.
 fn fine(bounds: &Bounds, cell_m: f64, around_m: f64) -> Result<Raster, Invalid> {
     let wide = bounds.grown(around_m);
     let cells =
@@ -201,8 +199,6 @@ pub(super) fn cells_around(raster: &Raster, margin_m: f64) -> u128 {
     let around = 2 * ((margin_m / raster.cell_m).ceil() as u128 + 1);
     (raster.nx as u128 + around) * (raster.ny as u128 + around)
 }
-
-// Places on the chart as poses of the lattice.
 
 impl Prepared {
     /// The node and heading level nearest to a place, in its speed mode (by default the slowest).

@@ -62,10 +62,7 @@ impl VoyageError {
     }
 }
 
-// The memory of chart, lattice and check.
-
-/// Approximate bytes of a raster cell while obstacles are computed: causes, gaps of rows, distances; and of
-/// its distance alone.
+/// Approximate bytes of a raster cell while obstacles are computed: causes, gaps of rows, distances; and of its distance alone.
 const PER_CELL: u128 = 16;
 const KEPT_PER_CELL: u128 = 10;
 
@@ -99,8 +96,7 @@ impl Footing {
         self.standing().saturating_add(self.cells.saturating_mul(KEPT_PER_CELL))
     }
 
-    /// Bytes that remain from round to round. The allocator keeps the memory for computing clearances for a
-    /// while.
+    /// Bytes that remain from round to round. The allocator keeps the memory for computing clearances for a while.
     fn standing(&self) -> u128 {
         let clearances = self.clearance_cells.saturating_mul(Distances::FOUND_BYTES.into());
         self.other.saturating_add(clearances)
@@ -114,8 +110,6 @@ impl fmt::Display for Footing {
         write!(f, "{poses} poses with up to {moves} moves and {cells} raster cells")
     }
 }
-
-// How a search is executed, and why it found nothing, in terms of the chart.
 
 /// Polled by a search; cancels it by returning false.
 pub type Watch = Box<dyn FnMut(Progress) -> bool>;
@@ -193,8 +187,6 @@ pub(super) fn reason_in_words(reason: &Reason, pose: impl Fn(Pose) -> String, ce
         }
     }
 }
-
-// How far parameters are from the nominal ones, for messages.
 
 /// Differences of parameters from the nominal ones, relative to these \[%\]; 0 for a nominal 0, which is left out of a ship
 /// with forces.

@@ -151,8 +151,6 @@ impl SailedPlan<'_> {
     }
 }
 
-// The contents of the map of a planned trial, on the chart's plane: positions are east and north \[m\].
-
 /// Limits between the shades of depth \[m\].
 const SHADES_M: [f64; 6] = [0.0, 2.0, 5.0, 10.0, 20.0, 50.0];
 
@@ -189,8 +187,7 @@ impl SailedPlan<'_> {
         self.solved.waters.transit().raster()
     }
 
-    /// Cells of gridded charts on that raster, by class: land, then water of each shade with the least depth
-    /// of its cells.
+    /// Cells of gridded charts on that raster, by class: land, then water of each shade with the least depth of its cells.
     pub fn cells(&self) -> Vec<(Class, Vec<bool>)> {
         let (chart, raster) = (&self.prepared.chart, self.raster());
         let cell = |k: usize| {

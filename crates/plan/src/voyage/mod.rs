@@ -1,5 +1,4 @@
-//! A trial on a chart: one walk over the lattice that uses every maneuver as often as required, and its
-//! simulation at sea.
+//! A trial on a chart: one walk over the lattice that uses every maneuver as often as required, and its simulation at sea.
 //!
 //! [`Prepared::new`] lays out chart and lattice and simulates every leg, [`Prepared::solve`] finds the
 //! cheapest walk with its proof, [`Prepared::plan`] simulates it, in the known current and in unknown ones,

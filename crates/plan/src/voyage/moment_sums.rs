@@ -191,8 +191,6 @@ impl MomentSums {
 const LEAST: f64 = -60.0;
 const LEAST_OF_FORCES: f64 = -10.0;
 
-// How much of a plan's information its done maneuvers have.
-
 /// The planned information of the maneuvers that are done, of that of all in the plan, by the D-criterion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -102,8 +102,6 @@ impl Passage {
     }
 }
 
-// Level and stream of the tide during a trial.
-
 /// A row of a tide table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TideRow {
@@ -236,8 +234,6 @@ fn sun(at_s: f64) -> [f64; 2] {
     let (sin, cos) = libm::sincos(longitude);
     [libm::asin(libm::sin(obliquity) * sin), libm::atan2(libm::cos(obliquity) * sin, cos)]
 }
-
-// Legs of a passage under construction, and the lines between their waypoints.
 
 /// Courses that differ by less are one \[rad\].
 const ONE_COURSE_RAD: f64 = 1e-6;

@@ -46,8 +46,7 @@ impl SailedPlan<'_> {
         self.prepared.chart.plane().to_geographic([east, north])
     }
 
-    /// The legs of the steps. Steps that end where they begin are listed at their waypoint: at the first one
-    /// in `before`.
+    /// The legs of the steps. Steps that end where they begin are listed at their waypoint: at the first one in `before`.
     fn drafts(&self, before: &mut Before) -> Vec<Draft> {
         let mut all: Vec<Draft> = Vec::new();
         let mut sample = 0;

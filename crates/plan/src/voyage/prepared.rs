@@ -171,8 +171,6 @@ impl Prepared {
     }
 }
 
-// The chart on its plane, and the lattice laid over the task's area.
-
 /// Name of the mode of a vessel at rest.
 pub const AT_REST: &str = "at rest";
 /// How far beyond the lattice and the hull's margins the chart is read \[m\]: the range of the check, and
@@ -197,8 +195,7 @@ impl Brief {
         Ok((plane, self.task.sight(laid, self.drift_m(&self.wanted()?))?))
     }
 
-    /// Drift by unknown currents, and three standard deviations of their changes, in the longest piece of a
-    /// maneuver \[m\].
+    /// Drift by unknown currents, and three standard deviations of their changes, in the longest piece of a maneuver \[m\].
     pub(super) fn drift_m(&self, wanted: &[Wanted]) -> f64 {
         let longest = wanted.iter().map(|wanted| wanted.piece.samples).max().unwrap_or(0);
         let changes_m_s = self.task.changes.current.map_or(0.0, |current| 3.0 * current.std_m_s);
@@ -242,8 +239,7 @@ impl Task {
         Ok((chart, Grid { nx, ny, headings: self.headings, cell_m: self.cell_m, origin_m, modes }))
     }
 
-    /// South-western corner of the lattice's cells (east, north) \[m\], and the number of nodes eastward and
-    /// northward.
+    /// South-western corner of the lattice's cells (east, north) \[m\], and the number of nodes eastward and northward.
     fn nodes(&self, plane: &Plane) -> Result<([f64; 2], [usize; 2]), Invalid> {
         let corners = match self.area.polygon(plane) {
             Some(polygon) => polygon.rings.concat(),

@@ -117,8 +117,7 @@ impl Prepared {
         Ok((solved, sailing))
     }
 
-    /// A round after the counter-examples `counter_examples`, by leg; if it has no plan, they are removed again if
-    /// `keep`.
+    /// A round after the counter-examples `counter_examples`, by leg; if it has no plan, they are removed again if `keep`.
     fn again(
         &mut self,
         counter_examples: Vec<(usize, SampledVessel)>,
@@ -201,8 +200,6 @@ impl Prepared {
         )))
     }
 }
-
-// The information of a simulated plan against the prediction of its counts.
 
 /// log|det| of the information, per the nominal model; none where a direction is not excited at all.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -295,8 +292,6 @@ impl Prepared {
         efficiency.is_finite().then_some(efficiency)
     }
 }
-
-// A planned trial, for summaries and maps of it.
 
 /// A trial with its plan and the simulation of it.
 #[derive(Clone, Copy, Debug)]

@@ -137,8 +137,7 @@ fn thinned(poses: &[Pose], cell_m: f64) -> impl Iterator<Item = Pose> {
     })
 }
 
-/// The groups of legs of a lattice: from all heading levels, or from those of a quarter turn if all
-/// directions are equivalent.
+/// The groups of legs of a lattice: from all heading levels, or from those of a quarter turn if all directions are equivalent.
 pub(super) fn groups(repertoire: &Repertoire) -> Vec<Group> {
     let grid = repertoire.grid;
     let levels = if repertoire.is_isotropic() { grid.headings / 4 } else { grid.headings };
@@ -151,8 +150,7 @@ pub(super) fn groups(repertoire: &Repertoire) -> Vec<Group> {
 }
 
 impl LegSimulation<'_> {
-    /// Simulates the legs of every group with the sampled vessels and the group's counter-examples, unless
-    /// done already.
+    /// Simulates the legs of every group with the sampled vessels and the group's counter-examples, unless done already.
     pub fn run(
         &self,
         groups: &mut [Group],
@@ -248,8 +246,6 @@ impl Group {
         }
     }
 }
-
-// The pieces and their counts: from the design's shares or as the task states.
 
 /// Most uses of a maneuver that a share may lead to.
 const MOST_USES: f64 = 1e6;

@@ -167,8 +167,6 @@ impl Prepared {
     }
 }
 
-// Fewer uses for less time: the front of cost and information.
-
 /// Counts with what they cost and tell.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -239,8 +237,6 @@ impl Prepared {
         legs.map(|leg| leg.seconds(self.brief.vessel.sample_rate_hz)).fold(f64::INFINITY, f64::min)
     }
 }
-
-// Legs as moves of the lattice, with their costs.
 
 /// The lattice's actions, and the legs of their moves.
 #[derive(Clone, Debug)]

@@ -220,8 +220,7 @@ pub struct Safety {
     /// Instead of that: so many standard errors of the covariance of a `model.json`, jointly; for the `vessel.toml` of a
     /// ship with forces so many standard deviations of the priors of her numbers, jointly.
     pub standard_errors: Option<f64>,
-    /// Simulations of the finished plan with such currents and vessels; by default as many as
-    /// `aground_probability` needs.
+    /// Simulations of the finished plan with such currents and vessels; by default as many as `aground_probability` needs.
     pub runs: Option<u32>,
     /// Without effect, for files that have it: every run has a vessel of its own.
     pub vessels: Option<u32>,
@@ -259,8 +258,7 @@ pub struct ManeuverUse {
     pub name: String,
     /// Number of uses; by default from the design's share.
     pub count: Option<u32>,
-    /// Length of one piece, cut to whole periods if the maneuver is periodic; by default the whole maneuver
-    /// \[s\].
+    /// Length of one piece, cut to whole periods if the maneuver is periodic; by default the whole maneuver \[s\].
     pub piece_s: Option<f64>,
 }
 
@@ -327,8 +325,6 @@ pub enum Secondary {
     Clearance,
 }
 
-// Sampled vessels, currents and offsets: for the simulation of legs, and for the check of a plan.
-
 /// Number of sampled vessels on every leg, besides the nominal vessel on its node.
 const SAMPLED: u32 = 32;
 /// Resolution of the draws.
@@ -344,9 +340,8 @@ impl Brief {
         }
     }
 
-    /// The sampled vessels of every leg: parameters uniform within the stated error, currents of any
-    /// direction, offsets from anywhere that legs may end. Half of them begin at the edge of the tolerance,
-    /// in the strongest current.
+    /// The sampled vessels of every leg: parameters uniform within the stated error, currents of any direction, offsets from
+    /// anywhere that legs may end. Half of them begin at the edge of the tolerance, in the strongest current.
     pub(super) fn sampled_vessels(&self) -> Vec<SampledVessel> {
         (0..SAMPLED).map(|run| self.sampled_vessel(run)).collect()
     }

@@ -154,8 +154,7 @@ impl Prepared {
         })
     }
 
-    /// The speed limits that the nominal vessel exceeds on a leg: at either end, or by more than the
-    /// tolerance on the way.
+    /// The speed limits that the nominal vessel exceeds on a leg: at either end, or by more than the tolerance on the way.
     fn exceeded(&self, settled_leg: &SettledLeg) -> Vec<usize> {
         let task = &self.brief.task;
         let mode_m_s = |layer: usize| self.grid.modes[self.grid.level_and_mode(layer).1].speed_m_s;
@@ -184,8 +183,7 @@ impl Prepared {
         Ok((0..grid.nx * grid.ny).map(node).collect())
     }
 
-    /// The distinct depths and margins of legs, and whether transit-only areas count; and the one that each
-    /// leg uses.
+    /// The distinct depths and margins of legs, and whether transit-only areas count; and the one that each leg uses.
     pub(super) fn obstacle_kinds(&self) -> (Vec<(f64, f64, bool)>, Vec<usize>) {
         let safety = &self.brief.task.safety;
         let mut kinds: Vec<(f64, f64, bool)> = Vec::new();
@@ -246,8 +244,6 @@ impl Prepared {
         Err(VoyageError::NoAnswer(Invalid::new(format!("`{what}`"), place, expected, remedy)))
     }
 }
-
-// What closes a lattice on which the ship has room nowhere, and the keys that would open it.
 
 /// Nodes that are looked at, evenly spread, and kinds of dangers that are named.
 const NODES: usize = 400;

@@ -375,8 +375,6 @@ impl WorstVessels {
     }
 }
 
-// Whether every vessel within the stated errors can be steered at all, before legs are tried.
-
 /// For how many response times a vessel is steered.
 const RESPONSES: f64 = 10.0;
 

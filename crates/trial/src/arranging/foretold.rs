@@ -84,8 +84,6 @@ impl Arranging<'_> {
     }
 }
 
-// The criterion of a whole experiment, with the state carried over from maneuver to maneuver.
-
 /// F and the middle matrix of an estimate's covariance, n × n, per sample, with what is known before.
 pub(super) struct Information {
     pub information: Vec<f64>,

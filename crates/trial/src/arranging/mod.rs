@@ -70,8 +70,6 @@ pub(crate) fn generated_limits(generator: &Generator) -> Option<&Limits> {
     (0..generator.maneuvers().len()).rev().find_map(|q| generator.limits(q))
 }
 
-// A local search over sequences.
-
 /// Neighbours that are evaluated in one round, and most rounds of the search.
 const SEARCHED: (usize, usize) = (48, 90);
 /// Of a ship with forces, of which one sequence takes ten times as long.

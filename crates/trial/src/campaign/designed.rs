@@ -30,8 +30,7 @@ impl Parts {
                     entry.insert(generator.realize(*index, *samples)?);
                 }
             } else if self.longest.get(index).is_none_or(|(longest, _)| longest < samples) {
-                // A length that was too short once will be so again: realize half as much more, if the model
-                // can hold it.
+                // A length that was too short once will be so again: realize half as much more, if the model can hold it.
                 let more = if self.longest.contains_key(index) { samples + samples / 2 } else { *samples };
                 let made = match generator.realize(*index, more) {
                     Ok(made) => (more, Arc::new(made)),
@@ -101,8 +100,7 @@ pub struct Designed {
 }
 
 impl Designed {
-    /// The plan of a run of `samples` samples; `names` are those of the dictionary, of which `tables` are
-    /// played whole.
+    /// The plan of a run of `samples` samples; `names` are those of the dictionary, of which `tables` are played whole.
     ///
     /// # Errors
     /// A maneuver that the dictionary does not have, invalid shares, an order of another length or with parts
@@ -203,8 +201,6 @@ pub(super) fn too_short(samples: usize, key: &str) -> Refusal {
     ))
 }
 
-// Maneuvers with tables of inputs in experiments: each is played whole, so its share is rounded.
-
 /// The content of a run: maneuver (its index in the dictionary) and samples, in order.
 pub type Plan = Vec<(usize, usize)>;
 
@@ -280,8 +276,7 @@ fn said(shares: &[f64], tables: &Tables, plan: &Plan) -> Vec<String> {
     used.map(one).collect()
 }
 
-/// Those of `maneuvers` that can be drawn for segments of `lengths` samples: all but tables of another
-/// length.
+/// Those of `maneuvers` that can be drawn for segments of `lengths` samples: all but tables of another length.
 pub(crate) fn drawable(maneuvers: &[usize], tables: &Tables, lengths: &[usize]) -> Vec<usize> {
     let fits = |q: &&usize| tables.get(*q).is_none_or(|table| lengths.iter().all(|n| *n == table.samples));
     maneuvers.iter().filter(fits).copied().collect()

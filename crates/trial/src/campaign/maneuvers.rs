@@ -70,8 +70,7 @@ impl<'a> Maneuvers<'a> {
         })
     }
 
-    /// Simulates maneuvers `indices`, each from its own initial state, except generated ones that exceed
-    /// their limits.
+    /// Simulates maneuvers `indices`, each from its own initial state, except generated ones that exceed their limits.
     ///
     /// # Errors
     /// A maneuver of zero samples or that the model cannot hold; a simulation that diverges.

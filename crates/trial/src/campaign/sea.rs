@@ -30,8 +30,7 @@ pub struct Group<'a> {
     pub initial: Vec<[f64; 3]>,
     /// Exogenous inputs of each, N × exogenous, row-major; N is the same for all.
     pub exogenous: Vec<&'a [f64]>,
-    /// The commands of each, if they depend on the ship's motion. Then the above are those of an undisturbed
-    /// ship.
+    /// The commands of each, if they depend on the ship's motion. Then the above are those of an undisturbed ship.
     pub helms: Vec<Helm>,
 }
 
@@ -187,8 +186,7 @@ impl<'a> Sea<'a> {
         (states, beyond)
     }
 
-    /// The part at fault if the run in `lane` diverges: the disturbances, if it does not diverge without
-    /// them.
+    /// The part at fault if the run in `lane` diverges: the disturbances, if it does not diverge without them.
     fn at_fault(&self, group: &Group, lane: usize, at: Diverged) -> Refusal {
         let still = Disturbances { current: Current::None, ..self.disturbances };
         let bounded = |disturbances, wind| {

@@ -122,8 +122,6 @@ impl Together<'_> {
     }
 }
 
-// Today's practice: the maneuvers of a dictionary, one after another.
-
 /// Experiments of `samples` samples of today's practice, with their parts; or why there are none, for users.
 ///
 /// A round has the maneuvers that are written by hand, in the dictionary's order and at their own lengths. Rounds are repeated and the

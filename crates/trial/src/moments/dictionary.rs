@@ -47,8 +47,7 @@ impl Moments {
     /// One candidate per maneuver: its additive matrices for the estimate.
     ///
     /// # Errors
-    /// Moments that are not complete, finite and of one shape, duplicate maneuvers, no moments for the
-    /// estimator.
+    /// Moments that are not complete, finite and of one shape, duplicate maneuvers, no moments for the estimator.
     pub fn dictionary(&self, estimated: Estimated) -> Result<Dictionary, Invalid> {
         self.check_structure()?;
         let information = match estimated {
@@ -66,8 +65,7 @@ impl Moments {
         })
     }
 
-    /// The middle matrices of the candidates of [`Moments::dictionary`], the meat of their sandwich
-    /// covariances.
+    /// The middle matrices of the candidates of [`Moments::dictionary`], the meat of their sandwich covariances.
     ///
     /// # Errors
     /// Moments without middle matrices, or with some that are not covariances.
@@ -167,8 +165,7 @@ impl Moments {
         Ok(candidates)
     }
 
-    /// A block per degree of freedom and maneuver: `entries_of` its moments, its name and its lifted
-    /// parameters.
+    /// A block per degree of freedom and maneuver: `entries_of` its moments, its name and its lifted parameters.
     fn blocks(
         &self,
         removal: MeanRemoval,

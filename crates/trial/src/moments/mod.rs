@@ -161,8 +161,7 @@ fn by_name(model: &Model, values: &[f64]) -> BTreeMap<String, f64> {
     model.parameter_names().map(str::to_owned).zip(values.iter().copied()).collect()
 }
 
-/// Refuses an estimated term 1: every degree of freedom of a design has an intercept already, whose error is
-/// not counted.
+/// Refuses an estimated term 1: every degree of freedom of a design has an intercept already, whose error is not counted.
 ///
 /// # Errors
 /// Names the parameter.
@@ -196,9 +195,6 @@ pub(crate) fn rows(model: &Model) -> Vec<String> {
     };
     DegreeOfFreedom::ALL.into_iter().zip(&model.degrees).flat_map(of).collect()
 }
-
-// Ships with other parameters than the maneuvers were computed with: whether inputs reach their motions, and how far
-// promises may be off.
 
 /// What is known of ships with other parameters than those of the moments.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

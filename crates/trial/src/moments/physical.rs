@@ -201,8 +201,6 @@ impl Moments {
     }
 }
 
-// What is known of parameters before a trial.
-
 /// What is known of parameters before the trial: it counts once for the whole trial, as `F` times samples does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -271,8 +269,7 @@ pub struct Prediction<'a> {
     free_runs: Option<Vec<f64>>,
 }
 
-/// A measured run as one run per segment, each from its first measured state; a run of a dictionary
-/// unchanged.
+/// A measured run as one run per segment, each from its first measured state; a run of a dictionary unchanged.
 fn segments(run: &Run) -> Vec<Run> {
     if run.design == DICTIONARY || run.segments.len() < 2 {
         return vec![run.clone()];

@@ -1,5 +1,4 @@
-//! Trials in rounds: design from current knowledge, run, estimate, design the next round; against designs
-//! made once.
+//! Trials in rounds: design from current knowledge, run, estimate, design the next round; against designs made once.
 
 mod planner;
 mod trial;

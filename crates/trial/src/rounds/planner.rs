@@ -58,10 +58,9 @@ impl<'a> Planner<'a> {
         self.maneuvers.iter().map(|maneuver| maneuver.index)
     }
 
-    /// Shares of the `coming` samples that minimize Σ var/size² of the parameters' estimates at their end,
-    /// for the model with parameters `theta`, in addition to the information of the run so far: every
-    /// candidate's matrix is that of the whole, (N_past M_past + N_coming M_q)/N. `None` where the model
-    /// diverges in every maneuver or they do not excite it.
+    /// Shares of the `coming` samples that minimize Σ var/size² of the parameters' estimates at their end, for the model with
+    /// parameters `theta`, in addition to the information of the run so far: every candidate's matrix is that of the whole,
+    /// (N_past M_past + N_coming M_q)/N. `None` where the model diverges in every maneuver or they do not excite it.
     pub fn shares(
         &self,
         theta: &[f64],

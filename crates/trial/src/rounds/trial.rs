@@ -60,9 +60,8 @@ struct Realization<'a> {
 }
 
 impl<'a> Trial<'a> {
-    /// `noise`: the levels that designs and expected errors are predicted from; `estimators`: the estimator
-    /// of the runs; `ends`: samples by the end of every round; `random_segments`: segments of a random
-    /// experiment.
+    /// `noise`: the levels that designs and expected errors are predicted from; `estimators`: the estimator of the runs;
+    /// `ends`: samples by the end of every round; `random_segments`: segments of a random experiment.
     ///
     /// # Errors
     /// A vessel without true parameters that errors can be relative to; maneuvers that the model cannot hold,

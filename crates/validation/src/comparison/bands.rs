@@ -16,8 +16,7 @@ pub struct Known<'a> {
     /// Of its parameters; `None` for an average, whose spread is used instead, and if no covariance is valid. That of
     /// forces has all of them.
     pub covariance: Option<&'a Covariance>,
-    /// RMSE of u, v, r on the recordings that it was fitted to, or, without a covariance, on those that were left
-    /// out.
+    /// RMSE of u, v, r on the recordings that it was fitted to, or, without a covariance, on those that were left out.
     pub rmse: [f64; 3],
 }
 

@@ -48,8 +48,7 @@ pub struct Compared {
     pub outside: Vec<Outside>,
     /// Correlations of the first model's errors with themselves and with inputs.
     pub correlations: Vec<ErrorCorrelations>,
-    /// Stretches in which the ship moves less or more than in any that the model was fitted to; `None` if that is not
-    /// known.
+    /// Stretches in which the ship moves less or more than in any that the model was fitted to; `None` if that is not known.
     pub validity: Option<Validity>,
     /// The verdict and remarks, in words.
     pub statements: Vec<String>,

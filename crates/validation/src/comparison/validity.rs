@@ -226,8 +226,7 @@ pub struct InputCorrelations {
     pub crossed: Vec<f64>,
 }
 
-/// Correlations for the first contestant: one-step residuals of u, v, r, then free-run errors. Empty if nothing
-/// varies.
+/// Correlations for the first contestant: one-step residuals of u, v, r, then free-run errors. Empty if nothing varies.
 pub(super) fn error_correlations(
     first: &Contestant,
     sources: &[(String, Vec<Part>)],

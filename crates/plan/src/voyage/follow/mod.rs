@@ -164,8 +164,6 @@ impl Along<'_> {
     }
 }
 
-// Maneuvers that were sailed along their tracks, and not as planned.
-
 /// A time that a maneuver was broken off for, or that is left out of it \[s\]; the plan goes on by less than a part of it.
 const BROKEN_S: f64 = 30.0;
 const GOES_ON: f64 = 0.3;
@@ -303,8 +301,6 @@ fn input(fixes: &[Fix], name: &str, series: [&[[f64; 2]]; 2]) -> Option<Option<S
     let words = || format!("`{name}` differs from the planned one for {:.0} % of it", 100.0 * part);
     Some((part > FEW).then(words))
 }
-
-// Positions of a ship on the chart.
 
 impl Brief {
     /// Why positions cannot be of the ship: the first that is on land, or in what a ship in transit keeps clear of, with the

@@ -189,8 +189,6 @@ fn check_end(along: &Along) -> Result<(), Invalid> {
     Err(Invalid::new(line(ship), place, expected, "the plan is done: cut the log where it ends"))
 }
 
-// Positions that are all displaced alike: by another datum, or an antenna whose place is not known.
-
 /// Smaller displacements are those of a ship that is steered \[m\].
 const LEAST_M: f64 = 8.0;
 /// Distances by which the search widens those of steps: displaced positions are far from all points.

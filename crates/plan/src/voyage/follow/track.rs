@@ -170,8 +170,6 @@ pub(super) fn median(values: impl Iterator<Item = f64>) -> f64 {
     numerics::statistics::median(values.collect()).unwrap_or(0.0)
 }
 
-// A ship along a track: where she came along it, and how far off.
-
 /// The last seconds of a plan, in which she comes to rest, are not told apart by positions: so many at most, and within this
 /// part of the least distance.
 const LAST_S: f64 = 30.0;
@@ -307,8 +305,6 @@ impl<'a> Along<'a> {
     }
 }
 
-// Positions aligned with a track in the order of time.
-
 /// Cost of a second by which the ship is later than before, or earlier, in seconds of being off the track.
 const WAITS: f64 = 0.1;
 const SKIPS: f64 = 0.25;
@@ -393,8 +389,6 @@ fn traced(costs: &[f64], came_from: &[u16]) -> Vec<usize> {
     steps.reverse();
     steps
 }
-
-// What positions of a ship may be.
 
 /// How much faster than planned a ship may be.
 const FASTER: f64 = 1.5;
