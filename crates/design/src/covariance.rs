@@ -51,19 +51,14 @@ impl Covariance {
     /// # Errors
     /// [`Error::Shape`], [`Error::NotFinite`], [`Error::Empty`]; [`Error::Unexcited`] if equal shares do not excite a
     /// direction; [`Error::SingularCovariance`] if a weighted direction has no variance at equal shares.
-    pub fn new(
-        information: &Candidates,
-        meat: &Candidates,
-        weights: &[f64],
-        norm: Norm,
-    ) -> Result<Self, Error> {
-        if weights.len() != information.dimension() {
-            return Err(Error::Shape { found: weights.len(), expected: information.dimension() });
+    pub fn new(moments: &Candidates, meat: &Candidates, weights: &[f64], norm: Norm) -> Result<Self, Error> {
+        if weights.len() != moments.dimension() {
+            return Err(Error::Shape { found: weights.len(), expected: moments.dimension() });
         }
         if let Some(row) = weights.iter().position(|w| !(w.is_finite() && *w >= 0.0)) {
             return Err(Error::Weight { row, found: weights[row] });
         }
-        Self::built(information, meat, norm, |n, rows| {
+        Self::built(moments, meat, norm, |n, rows| {
             let root = |i: usize| match norm {
                 Norm::LogDet => 1.0,
                 Norm::Trace => weights[rows.start + i].sqrt(),
@@ -78,19 +73,15 @@ impl Covariance {
     ///
     /// # Errors
     /// As [`Covariance::new`].
-    pub fn of_matrices(
-        information: &Candidates,
-        meat: &Candidates,
-        weights: &[Vec<f64>],
-    ) -> Result<Self, Error> {
-        let sizes: Vec<usize> = information.blocks().map(|(n, _)| n * n).collect();
+    pub fn of_matrices(moments: &Candidates, meat: &Candidates, weights: &[Vec<f64>]) -> Result<Self, Error> {
+        let sizes: Vec<usize> = moments.blocks().map(|(n, _)| n * n).collect();
         let found: Vec<usize> = weights.iter().map(Vec::len).collect();
         if found != sizes {
             let (found, expected) = (found.iter().sum(), sizes.iter().sum());
             return Err(Error::Shape { found, expected });
         }
         let mut block = 0;
-        Self::built(information, meat, Norm::Trace, |n, _| {
+        Self::built(moments, meat, Norm::Trace, |n, _| {
             block += 1;
             // Weights that are not finite are refused.
             let (values, vectors) = symmetric(n, &weights[block - 1]).unwrap_or_default();
@@ -106,13 +97,9 @@ impl Covariance {
     ///
     /// # Errors
     /// As [`Covariance::new`]; [`Error::Weight`] for a derivative that is not finite.
-    pub fn of_functions(
-        information: &Candidates,
-        meat: &Candidates,
-        functions: &[Vec<f64>],
-    ) -> Result<Self, Error> {
-        let expected = information.dimension();
-        for function in functions {
+    pub fn of_functions(moments: &Candidates, meat: &Candidates, slopes: &[Vec<f64>]) -> Result<Self, Error> {
+        let expected = moments.dimension();
+        for function in slopes {
             if function.len() != expected {
                 return Err(Error::Shape { found: function.len(), expected });
             }
@@ -120,8 +107,8 @@ impl Covariance {
                 return Err(Error::Weight { row, found: function[row] });
             }
         }
-        Self::built(information, meat, Norm::Trace, |_, rows| {
-            functions.iter().flat_map(|function| function[rows.clone()].iter().copied()).collect()
+        Self::built(moments, meat, Norm::Trace, |_, rows| {
+            slopes.iter().flat_map(|function| function[rows.clone()].iter().copied()).collect()
         })
     }
 

@@ -386,9 +386,8 @@ impl CriterionName {
 
     /// The name in reports.
     pub fn title(self) -> &'static str {
-        let titles =
-            ["D", "covariance D", "covariance A", "covariance relative A", "covariance V", "figures"];
-        titles[self as usize]
+        let names = ["D", "covariance D", "covariance A", "covariance relative A", "covariance V", "figures"];
+        names[self as usize]
     }
 
     /// Its meaning in one line.

@@ -93,29 +93,21 @@ pub fn solve_within(candidates: &Candidates, bounds: &Bounds, options: &Options)
 ///
 /// # Errors
 /// As [`solve_within`].
-pub fn solve_covariance(
-    covariance: &Covariance,
-    bounds: &Bounds,
-    options: &Options,
-) -> Result<Design, Error> {
-    optimise(covariance, bounds, options, covariance.is_concave())
+pub fn solve_covariance(cost: &Covariance, bounds: &Bounds, options: &Options) -> Result<Design, Error> {
+    optimise(cost, bounds, options, cost.is_concave())
 }
 
 /// [`solve_covariance`] without bounds, from `shares`, such as those of a similar problem, instead of equal and random ones.
 ///
 /// # Errors
 /// As there; [`Error::Shape`] if the number of shares differs from that of candidates, [`Error::Solver`] if they are singular.
-pub fn solve_covariance_from(
-    covariance: &Covariance,
-    shares: &[f64],
-    options: &Options,
-) -> Result<Design, Error> {
-    if shares.len() != covariance.len() {
-        return Err(Error::Shape { found: shares.len(), expected: covariance.len() });
+pub fn solve_covariance_from(cost: &Covariance, shares: &[f64], options: &Options) -> Result<Design, Error> {
+    if shares.len() != cost.len() {
+        return Err(Error::Shape { found: shares.len(), expected: cost.len() });
     }
     let (mut from, bounds) = (shares.to_vec(), Bounds::default());
     bounds.fill(&mut from);
-    from_points(covariance, &bounds, options, covariance.is_concave(), vec![from])
+    from_points(cost, &bounds, options, cost.is_concave(), vec![from])
 }
 
 /// [`solve_covariance`] without bounds, from equal shares reduced by multiplicative steps to about `support`
@@ -123,15 +115,11 @@ pub fn solve_covariance_from(
 ///
 /// # Errors
 /// As there.
-pub fn solve_covariance_among(
-    covariance: &Covariance,
-    support: usize,
-    options: &Options,
-) -> Result<Design, Error> {
-    let count = covariance.len();
+pub fn solve_covariance_among(cost: &Covariance, support: usize, options: &Options) -> Result<Design, Error> {
+    let count = cost.len();
     let mut shares = vec![1.0 / count as f64; count];
-    concentrate(covariance, &Bounds::default(), 2 * support, &mut shares);
-    solve_covariance_from(covariance, &shares, options)
+    concentrate(cost, &Bounds::default(), 2 * support, &mut shares);
+    solve_covariance_from(cost, &shares, options)
 }
 
 /// An upper bound on the loss of a criterion of `value`, as a fraction of the experiment's time, against any shares
@@ -209,14 +197,9 @@ fn free_points(count: usize, options: &Options) -> Vec<Vec<f64>> {
     points
 }
 
-fn run<O: Objective>(
-    objective: &O,
-    bounds: &Bounds,
-    from: Vec<f64>,
-    options: &Options,
-) -> Result<Start, Error> {
+fn run<O: Objective>(goal: &O, bounds: &Bounds, from: Vec<f64>, options: &Options) -> Result<Start, Error> {
     let failed = |e: argmin::core::Error| Error::Solver(e.to_string());
-    let result = Executor::new(objective, ActiveSetNewton::new(options.tolerance).within(bounds.clone()))
+    let result = Executor::new(goal, ActiveSetNewton::new(options.tolerance).within(bounds.clone()))
         .configure(|state: State| state.param(from).max_iters(options.max_iterations))
         .timer(false)
         .run()

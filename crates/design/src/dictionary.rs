@@ -107,22 +107,17 @@ impl Dictionary {
                 let part = |i: &usize| size(offset + *i);
                 let most = (0..degree.parameters.len()).map(|i| part(&i)).fold(0.0, f64::max);
                 // Of terms that are alike, the last one has been added to the others.
-                let parameter =
-                    (0..degree.parameters.len()).rev().find(|i| part(i) >= ALIKE * most).unwrap_or(0);
+                let place = (0..degree.parameters.len()).rev().find(|i| part(i) >= ALIKE * most).unwrap_or(0);
                 NoDesign::Unexcited {
                     degree: degree.name.clone(),
-                    parameter: degree.parameters[parameter].clone(),
-                    regressor: degree.regressors[parameter].clone(),
+                    place: degree.parameters[place].clone(),
+                    regressor: degree.regressors[place].clone(),
                 }
             }
             Error::SingularCovariance { block, row } => {
                 let (degree, first) = self.degree(first_row(block) + row);
-                let parameter =
-                    degree.parameters.get(first_row(block) + row - first).or(degree.parameters.last());
-                NoDesign::Singular {
-                    degree: degree.name.clone(),
-                    parameter: parameter.cloned().unwrap_or_default(),
-                }
+                let name = degree.parameters.get(first_row(block) + row - first).or(degree.parameters.last());
+                NoDesign::Singular { degree: degree.name.clone(), name: name.cloned().unwrap_or_default() }
             }
             other => NoDesign::Search(other),
         }

@@ -99,8 +99,7 @@ pub fn select<O: Objective>(
         }
     }
     search.options = options;
-    let polished =
-        now.as_ref().and_then(|current| search.solve(&current.members)).filter(|p| search.keeps(p));
+    let polished = now.as_ref().and_then(|choice| search.solve(&choice.members)).filter(|p| search.keeps(p));
     search.found(polished.or(now), false)
 }
 

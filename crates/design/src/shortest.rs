@@ -137,10 +137,9 @@ impl Question<'_> {
             return Ok((design, None));
         }
         let (shares, bound) = self.errors.least_largest(bounds, options)?;
-        let singular =
-            || NoDesign::Search(Error::Solver("the least largest error is at singular shares".into()));
-        design.log_det = self.criterion.value(&shares).ok_or_else(singular)?;
-        design.sensitivities = self.criterion.sensitivities(&shares).ok_or_else(singular)?;
+        let lost = || NoDesign::Search(Error::Solver("the least largest error is at singular shares".into()));
+        design.log_det = self.criterion.value(&shares).ok_or_else(lost)?;
+        design.sensitivities = self.criterion.sensitivities(&shares).ok_or_else(lost)?;
         let largest = design.sensitivities.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         design.gap = largest - self.criterion.degree();
         design.shares = shares;
@@ -192,8 +191,7 @@ impl Question<'_> {
     /// `shortest` in time, with `rivals`.
     pub fn compare(&self, shortest: &Shortest, rivals: &Rivals) -> Accuracy {
         let (rate, samples, wanted) = (self.dictionary.sample_rate_hz, shortest.samples, self.wanted);
-        let (squared, count) =
-            (self.errors.squared(&shortest.design.shares), self.dictionary.maneuvers.len());
+        let (square, count) = (self.errors.squared(&shortest.design.shares), self.dictionary.maneuvers.len());
         let paper = rivals.paper.as_deref().map(|shares| self.errors.squared(shares));
         let equal = self.errors.squared(&vec![1.0 / count as f64; count]);
         let random = self.median(&rivals.random);
@@ -328,9 +326,8 @@ impl<'a> Errors<'a> {
         for _ in 0..ROUNDS {
             let covariance = self.reweighted(&weights)?;
             let design =
-                solve_covariance(&covariance, bounds, &options).map_err(|e| self.dictionary.explain(e))?;
-            let relative =
-                self.relative(&design.shares).unwrap_or_else(|| vec![f64::INFINITY; weights.len()]);
+                solve_covariance(&summed, bounds, &options).map_err(|e| self.dictionary.explain(e))?;
+            let errors = self.relative(&design.shares).unwrap_or_else(|| vec![f64::INFINITY; weights.len()]);
             bound = bound.max(libm::exp(-design.log_det) * (1.0 - design.gap.max(0.0)));
             let largest = relative.iter().copied().fold(0.0, f64::max);
             if best.as_ref().is_none_or(|(known, _)| largest < *known) {

@@ -231,20 +231,16 @@ impl Pass {
     fn over<S: Blocks>(source: &S, weights: &Weights, scaling: &Scaling) -> Result<Self, S::Error> {
         let look = |i: usize| -> Result<Self, S::Error> {
             let block = source.block(i)?;
-            let sensitivities: Vec<f64> =
+            let gains: Vec<f64> =
                 (0..block.len()).map(|q| dot(&weights.0, block.candidate(q))).collect();
             let join = |q: usize| Joining {
-                sensitivity: sensitivities[q],
+                sensitivity: gains[q],
                 place: (i, q),
                 entries: block.candidate(q).to_vec(),
             };
-            let best = crate::certificate::largest(0..block.len(), &sensitivities, JOINING[0]);
-            let largest = sensitivities.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            Ok(Self {
-                largest,
-                joining: best.into_iter().map(join).collect(),
-                concave: scaling.holds(&block),
-            })
+            let top = crate::certificate::largest(0..block.len(), &gains, JOINING[0]);
+            let largest = gains.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            Ok(Self { largest, joining: top.into_iter().map(join).collect(), concave: scaling.holds(&block) })
         };
         let blocks: Vec<_> = (0..source.blocks()).into_par_iter().map(look).collect();
         let mut all = Self { largest: f64::NEG_INFINITY, joining: Vec::new(), concave: true };

@@ -72,24 +72,18 @@ impl<'a> Autopilot<'a> {
     ///
     /// # Errors
     /// A vessel without the required inputs.
-    pub fn steer(
-        &mut self,
-        phase: &Phase,
-        node: [f64; 2],
-        start: Pose,
-        seen: &Fixed,
-    ) -> Result<&[f64], Invalid> {
-        let (command, sample_s) = (self.command(phase, node, start, seen), self.sample_s);
+    pub fn steer(&mut self, phase: &Phase, node: [f64; 2], at: Pose, fix: &Fixed) -> Result<&[f64], Invalid> {
+        let (command, sample_s) = (self.command(phase, node, at, fix), self.sample_s);
         let part = |of: f64| (of * sample_s / self.handling.response_s).min(MOST_AT_ONCE);
-        let [u, v, r] = seen.state;
+        let [u, v, r] = fix.state;
         let gains = Gains {
             u: command.acceleration * sample_s + part(SPEED) * (command.u - u),
             v: part(SPEED) * (command.v.unwrap_or(0.0) - v),
             sway: command.v.is_some(),
             r: part(YAW_RATE) * (command.r - r),
         };
-        let current = self.known_current(seen.pose);
-        self.inversion.inputs(seen.state, current, &gains)
+        let current = self.known_current(fix.pose);
+        self.inversion.inputs(fix.state, current, &gains)
     }
 
     /// Observes the step from `seen` to where the ship `truly` is, under `inputs`, including open-loop ones; returns

@@ -80,11 +80,10 @@ impl Run<'_> {
     /// The leg with the recoveries of all vessels.
     fn with(&self, recovered: Settled) -> Settled {
         let (mut leg, mut sailed, mut tracks) = (self.leg.clone(), self.sailed.clone(), self.tracks.clone());
-        let Settled { leg: Leg { di, dj, to, phases, .. }, sailed: last, tracks: lasts, farthest } =
-            recovered;
+        let Settled { leg: Leg { di, dj, to, phases, .. }, sailed: last, tracks: rest, farthest } = recovered;
         sailed.samples.extend(last.samples);
         sailed.ends = last.ends;
-        tracks.iter_mut().zip(lasts).for_each(|(track, last)| track.extend(last));
+        tracks.iter_mut().zip(rest).for_each(|(track, last)| track.extend(last));
         leg.phases.extend(phases);
         Settled { leg: Leg { di, dj, to, ..leg }, sailed, tracks, farthest }
     }
@@ -297,9 +296,8 @@ impl Search<'_> {
         let mut levels = vec![nearest, (nearest + 1) % h, (nearest + h - 1) % h];
         levels.dedup();
         let cell = grid.cell_m;
-        let spread =
-            crew.others.iter().map(|one| libm::hypot(one.ship.pose.x - end.x, one.ship.pose.y - end.y));
-        let spread = spread.fold(0.0, f64::max);
+        let off = crew.others.iter().map(|one| libm::hypot(one.ship.pose.x - end.x, one.ship.pose.y - end.y));
+        let spread = off.fold(0.0, f64::max);
         let lookahead = if at_rest { 0.0 } else { 6.0 * handling.lookahead_m };
         let far = (2.0 + ((spread + lookahead) / cell).ceil()).min(grid.nx.max(grid.ny) as f64) as i32;
         let [i, j] = [(end.y / cell).round() as i32, (end.x / cell).round() as i32];

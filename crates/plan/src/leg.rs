@@ -393,13 +393,13 @@ pub fn mirror(vessel: &Vessel) -> Option<Vec<f64>> {
 fn is_mirrored(vessel: &Vessel, signs: &[f64], point: u32) -> bool {
     let value = |i: usize| libm::sin(f64::from(point) * 0.7 + i as f64 * 1.3);
     let count = vessel.model.exogenous();
-    let mut own: Vec<f64> = (0..count).map(|i| if i < signs.len() { value(i + 3) } else { 0.0 }).collect();
+    let mut inputs: Vec<f64> = (0..count).map(|i| if i < signs.len() { value(i + 3) } else { 0.0 }).collect();
     let mut mirrored: Vec<f64> =
-        own.iter().enumerate().map(|(i, u)| signs.get(i).unwrap_or(&1.0) * u).collect();
-    vessel.model.complete(&mut own);
+        inputs.iter().enumerate().map(|(i, u)| signs.get(i).unwrap_or(&1.0) * u).collect();
+    vessel.model.complete(&mut inputs);
     vessel.model.complete(&mut mirrored);
     let [u, v, r] = [0, 1, 2].map(value);
-    let (a, b) = (increments(vessel, [u, v, r], &own), increments(vessel, [u, -v, -r], &mirrored));
+    let (a, b) = (increments(vessel, [u, v, r], &inputs), increments(vessel, [u, -v, -r], &mirrored));
     let close = |x: f64, y: f64| (x - y).abs() <= 1e-9 * (x.abs() + y.abs());
     close(a[0], b[0]) && close(a[1], -b[1]) && close(a[2], -b[2])
 }

@@ -151,25 +151,15 @@ impl Repertoire<'_> {
     ///
     /// # Errors
     /// As [`simulate_legs`].
-    pub fn basic(
-        &self,
-        level: usize,
-        mode: usize,
-        others: &[SampledVessel],
-    ) -> Result<Vec<Outcome>, Invalid> {
+    pub fn basic(&self, level: usize, mode: usize, fleet: &[SampledVessel]) -> Result<Vec<Outcome>, Invalid> {
         let moves = basic_moves(self.grid, self.handling, level, mode);
-        let mut crew = self.crew(self.grid.layer(level, mode), others)?;
+        let mut crew = self.crew(self.grid.layer(level, mode), fleet)?;
         let moves = moves.into_iter().filter(|legs| !legs.is_empty());
-        moves.map(|legs| self.shortest(legs, &mut crew, others)).collect()
+        moves.map(|legs| self.shortest(legs, &mut crew, fleet)).collect()
     }
 
     /// The first of `legs` on which all settle.
-    fn shortest(
-        &self,
-        legs: Vec<Leg>,
-        crew: &mut Crew,
-        others: &[SampledVessel],
-    ) -> Result<Outcome, Invalid> {
+    fn shortest(&self, legs: Vec<Leg>, crew: &mut Crew, fleet: &[SampledVessel]) -> Result<Outcome, Invalid> {
         let from = (legs[0].from, legs[0].purpose.clone());
         let mut best = Best::NONE;
         for leg in legs {
@@ -178,7 +168,7 @@ impl Repertoire<'_> {
                 Err(failed) => best = best.or(failed, leg),
             }
         }
-        Ok(Err(Unsettled::of(from, String::new(), best.failed(self, crew), others)))
+        Ok(Err(Unsettled::of(from, String::new(), best.failed(self, crew), fleet)))
     }
 
     /// The trajectories of `crew` on `leg`, unless one vessel does not settle.
@@ -269,10 +259,9 @@ impl Repertoire<'_> {
         let mut autopilot = Autopilot::new(self.vessel, &self.vessel.nominal, *self.handling);
         autopilot.known_current_m_s = self.mean_current_m_s;
         if let Some(run) = noise {
-            let streams = |purpose: &str| Streams::new(self.seed, purpose);
-            autopilot = autopilot.with_sensors(self.sensors, streams("rehearsal-sensors"), run);
-            ship.changing =
-                self.changes.of_run(streams("rehearsal-changes"), run, self.vessel.sample_rate_hz);
+            let draws = |purpose: &str| Streams::new(self.seed, purpose);
+            autopilot = autopilot.with_sensors(self.sensors, draws("rehearsal-sensors"), run);
+            ship.changing = self.changes.of_run(draws("rehearsal-changes"), run, self.vessel.sample_rate_hz);
         }
         let mut underway = Underway { ship, autopilot };
         if let Some(who) = who {

@@ -390,9 +390,8 @@ impl Doubt<'_> {
             Candidate { current: [x * cos - y * sin, x * sin + y * cos], ..who.clone() }
         });
         let still = Candidate { current: [0.0; 2], ..who.clone() };
-        let moves =
-            (self.current_m_s > 0.0 && [x, y] != [0.0; 2]).then_some(turned.into_iter().chain([still]));
+        let all = (self.current_m_s > 0.0 && [x, y] != [0.0; 2]).then_some(turned.into_iter().chain([still]));
         let deviates = !self.deviations.is_none();
-        mirrored.chain(reduced).filter(|_| deviates).chain(moves.into_iter().flatten()).collect()
+        mirrored.chain(reduced).filter(|_| deviates).chain(all.into_iter().flatten()).collect()
     }
 }

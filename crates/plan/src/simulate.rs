@@ -73,8 +73,7 @@ impl Sailed {
         autopilot: &mut Autopilot,
     ) -> Result<Self, Invalid> {
         let mut samples = Vec::new();
-        let ends =
-            simulate_legs(legs, pieces, mirror, ship, autopilot, |passing| samples.push(passing.into()))?;
+        let ends = simulate_legs(legs, pieces, mirror, ship, autopilot, |now| samples.push(now.into()))?;
         Ok(Self { samples, ends })
     }
 }
@@ -169,8 +168,7 @@ impl<'s> Way<'_, 's, '_> {
             let pose = Pose { x: pose.x, y: side * pose.y, psi: side * pose.psi };
             let seen = Seen { state, own: state, pose };
             command.command(&seen, &mut self.inputs);
-            let mirror =
-                |inputs: &mut [f64]| inputs.iter_mut().zip(signs).for_each(|(input, sign)| *input *= sign);
+            let mirror = |inputs: &mut [f64]| inputs.iter_mut().zip(signs).for_each(|(u, sign)| *u *= sign);
             mirror(&mut self.inputs);
             let mut ends = command.ends().map(|ends| ends.map(<[f64]>::to_vec));
             ends.iter_mut().flatten().for_each(|end| mirror(end));

@@ -5,7 +5,7 @@ use regression::pooled::PooledRuns;
 use ship::model::Vessel;
 use study::Tried;
 use study::documents::CompareDocument;
-use validation::comparison::{CompareOptions, Contestant, Known, Ship, Standing, Traced, compare};
+use validation::comparison::{CompareOptions, Contestant, EstimatedErrors, Ship, Standing, Traced, compare};
 use validation::crossval::CrossError;
 
 /// Compares a model with least squares of the same data, the mean of the recordings, and another model.
@@ -82,7 +82,7 @@ impl<'a> Comparison<'a> {
             vessels.iter().map(|vessel| channels_within(vessel, lead)).collect::<Result<Vec<_>, _>>()?;
         let contestants = self.contestants(lead, &columns);
         let tried: Vec<&Tried> = std::iter::once(self.model).chain(self.averaged).collect();
-        let known: Option<Vec<Known>> = tried.iter().map(|own| own.known()).collect();
+        let known: Option<Vec<EstimatedErrors>> = tried.iter().map(|own| own.known()).collect();
         let known = known.unwrap_or_default();
         let fitted = tried.iter().rev().max_by_key(|own| own.vessel().model.exogenous());
         let (covered, magnitudes) =

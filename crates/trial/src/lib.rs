@@ -95,8 +95,7 @@ impl Piece {
 
     /// Whether its inputs, multiplied by `signs`, are within their ranges, too.
     pub fn is_mirrored_within(&self, vessel: &Vessel, signs: &[f64]) -> bool {
-        let mirrored =
-            |row: &[f64]| row.iter().zip(signs).map(|(input, sign)| sign * input).collect::<Vec<f64>>();
+        let mirrored = |row: &[f64]| row.iter().zip(signs).map(|(u, sign)| sign * u).collect::<Vec<f64>>();
         self.inputs.chunks_exact(signs.len()).all(|row| vessel.beyond_range(&mirrored(row)).is_none())
     }
 

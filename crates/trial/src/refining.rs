@@ -327,9 +327,9 @@ fn slowed(inputs: &[f64], steps: &[f64]) -> (Vec<f64>, Vec<usize>) {
 
 /// 1/θ².
 fn weights(vessel: &Vessel, parameters: &[f64]) -> Result<Vec<f64>, campaign::Refusal> {
-    let by_name: BTreeMap<&str, f64> =
+    let known: BTreeMap<&str, f64> =
         vessel.model.parameter_names().zip(parameters.iter().copied()).collect();
-    match by_name.iter().find(|(_, theta)| **theta == 0.0) {
+    match known.iter().find(|(_, theta)| **theta == 0.0) {
         None => Ok(parameters.iter().map(|theta| 1.0 / (theta * theta)).collect()),
         Some((name, _)) => Err(campaign::Refusal::Vessel(Invalid::new(
             format!("parameter `{name}`"),

@@ -1,6 +1,6 @@
 //! Cross-validation: models simulated over runs or recordings that were left out of their estimate.
 
-use estimation::pooled::{Estimated, FreeRunErrors, NoEstimate, Pool, Score, deviations};
+use estimation::pooled::{FreeRunErrors, NoEstimate, Pool, Score, deviations};
 use estimation::{Contender, Estimator, Recommendation, ScoreStatus};
 use rayon::prelude::*;
 use refusal::{Invalid, listed, names_in, nearest};
@@ -35,10 +35,9 @@ pub enum CrossError {
 impl CrossError {
     /// What is invalid.
     pub fn invalid(&self) -> Invalid {
-        let (expected, remedy) =
-            ("at least two, so that one can be left out", "add runs, or leave out fewer");
+        let (wanted, remedy) = ("at least two, so that one can be left out", "add runs, or leave out fewer");
         match self {
-            Self::OneSource => Invalid::new("runs or recordings", "one", expected, remedy),
+            Self::OneSource => Invalid::new("runs or recordings", "one", wanted, remedy),
             Self::NoWindow => {
                 Invalid::new("windows", "no run as long as a window", "at least one", "shorten --window-s")
             }
@@ -182,7 +181,7 @@ pub struct SourceScore {
 /// The data, cut for simulating.
 struct Cut {
     /// Per source.
-    pub windows: Vec<(String, Vec<Part>)>,
+    windows: Vec<(String, Vec<Part>)>,
     std: [f64; 3],
 }
 
@@ -190,16 +189,9 @@ struct Cut {
 #[derive(Default)]
 struct Tried {
     /// Per source that was left out.
-    pub scores: Vec<(usize, Score)>,
-    pub by_instruments: [bool; 3],
-    pub failed: Option<(ScoreStatus, String)>,
-}
-
-/// The parts that estimates from terms are made of.
-struct Parted<'a> {
-    pool: &'a Pool<'a>,
-    parts: Vec<Part>,
-    cut: &'a Cut,
+    scores: Vec<(usize, Score)>,
+    by_instruments: [bool; 3],
+    failed: Option<(ScoreStatus, String)>,
 }
 
 /// Leaves runs or recordings out, estimates from the others, simulates over those left out. `done` is called with the number
@@ -215,10 +207,10 @@ pub fn cross_validate(
 ) -> Result<CrossValidation, CrossError> {
     let cut = Cut::new(runs, options.window)?;
     let folds = cut.folds(&options.folds)?;
-    let parted = Parted { pool, parts: runs.parts(pool.part_samples), cut: &cut };
+    let parts = runs.parts(pool.part_samples);
     let score = |estimator: &Estimator| {
         let fold = |left_out: &Vec<usize>| {
-            let tried = parted.fold(left_out, *estimator);
+            let tried = cut.fold(pool, &parts, left_out, *estimator);
             done(1);
             tried
         };
@@ -243,10 +235,7 @@ impl EstimatorScore {
 
 impl Cut {
     /// Windows of so many samples, or whole runs.
-    ///
-    /// # Errors
-    /// Nothing can be left out; no window.
-    pub fn new(runs: &PooledRuns, window: Option<usize>) -> Result<Self, CrossError> {
+    fn new(runs: &PooledRuns, window: Option<usize>) -> Result<Self, CrossError> {
         let windows = runs.windows(window);
         if windows.len() < 2 {
             return Err(CrossError::OneSource);
@@ -260,16 +249,13 @@ impl Cut {
     }
 
     /// The places of the sources that each fold leaves out.
-    ///
-    /// # Errors
-    /// See [`Folds::left_out`].
-    pub fn folds(&self, folds: &Folds) -> Result<Vec<Vec<usize>>, CrossError> {
+    fn folds(&self, folds: &Folds) -> Result<Vec<Vec<usize>>, CrossError> {
         let sources: Vec<&str> = self.windows.iter().map(|(source, _)| source.as_str()).collect();
         folds.left_out(&sources)
     }
 
     /// All `scores` over so many folds.
-    pub fn validation(&self, folds: usize, scores: Vec<EstimatorScore>) -> CrossValidation {
+    fn validation(&self, folds: usize, scores: Vec<EstimatorScore>) -> CrossValidation {
         let contenders: Vec<Contender> = scores.iter().map(EstimatorScore::contender).collect();
         let recommendation = Recommendation::new(&contenders);
         let windows = || self.windows.iter().flat_map(|(_, windows)| windows);
@@ -285,7 +271,7 @@ impl Cut {
     }
 
     /// What became of `estimator` in all folds.
-    pub fn score(&self, estimator: Estimator, tried: &[Tried]) -> EstimatorScore {
+    fn score(&self, estimator: Estimator, tried: &[Tried]) -> EstimatorScore {
         let mut scores: Vec<&(usize, Score)> = tried.iter().flat_map(|t| &t.scores).collect();
         let mut whole = Score::default();
         scores.iter().for_each(|(_, score)| whole.merge(score));
@@ -324,72 +310,59 @@ impl Cut {
             error_norm: score.norm(self.std),
         }
     }
-}
 
-impl Parted<'_> {
-    fn fold(&self, fold: &[usize], estimator: Estimator) -> Tried {
-        let left_out =
-            |place: &usize| fold.iter().any(|i| self.cut.windows[*i].0 == self.parts[*place].source);
-        let places: Vec<usize> = (0..self.parts.len()).filter(|place| !left_out(place)).collect();
-        let without: Vec<&str> = fold.iter().map(|i| self.cut.windows[*i].0.as_str()).collect();
-        let without = without.join(", ");
-        let mut tried = Tried::default();
-        match self.pool.estimate(&Drawn { parts: &self.parts, places: &places }, estimator) {
-            Ok(estimated) => self.simulate(fold, &estimated, &without, &mut tried),
+    fn fold(&self, pool: &Pool, parts: &[Part], left_out: &[usize], estimator: Estimator) -> Tried {
+        let without: Vec<&str> = left_out.iter().map(|i| self.windows[*i].0.as_str()).collect();
+        let places: Vec<usize> =
+            (0..parts.len()).filter(|place| !without.contains(&parts[*place].source.as_str())).collect();
+        let failed = |status: ScoreStatus, why: String| {
+            Some((status, format!("without {}: {why}", without.join(", "))))
+        };
+        let estimated = match pool.estimate(&Drawn { parts, places: &places }, estimator) {
+            Ok(estimated) => estimated,
             Err(NoEstimate::Lost(lost)) => {
-                tried.failed = Some((ScoreStatus::Diverged, format!("without {without}: {lost}")))
+                return Tried { failed: failed(ScoreStatus::Diverged, lost.to_string()), ..Tried::default() };
             }
-        }
-        tried
-    }
-
-    fn simulate(&self, fold: &[usize], estimated: &Estimated, without: &str, tried: &mut Tried) {
-        tried.by_instruments = [0, 1, 2]
+        };
+        let by_instruments = [0, 1, 2]
             .map(|d: usize| estimated.used[d].by_instruments() && estimated.degrees[d].solution.is_some());
+        let tried = Tried { by_instruments, ..Tried::default() };
         if let Some(unfound) = &estimated.unfound {
-            tried.failed = Some((ScoreStatus::NotConverged, format!("without {without}: {unfound}")));
-            return;
+            return Tried { failed: failed(ScoreStatus::NotConverged, unfound.to_string()), ..tried };
         }
-        let Some(model) = estimated.parameters(&self.pool.model) else {
-            let why = self.pool.unidentified(&estimated.degrees).join("; ");
-            tried.failed = Some((ScoreStatus::NotIdentifiable, format!("without {without}: {why}")));
-            return;
+        let Some(model) = estimated.parameters(&pool.model) else {
+            let why = pool.unidentified(&estimated.degrees).join("; ");
+            return Tried { failed: failed(ScoreStatus::NotIdentifiable, why), ..tried };
         };
-        let score = |source: &usize| {
-            let windows = self.cut.windows[*source].1.iter().map(Part::view);
-            (*source, Score::of(&self.pool.model, &model, windows))
-        };
-        tried.scores = fold.iter().map(score).collect();
+        let windows = |source: usize| self.windows[source].1.iter().map(Part::view);
+        let score = |source: &usize| (*source, Score::of(&pool.model, &model, windows(*source)));
+        Tried { scores: left_out.iter().map(score).collect(), ..tried }
     }
 }
 
 fn statements(recommendation: Option<&Recommendation>, scores: &[EstimatorScore]) -> Vec<String> {
     let score = |name: Estimator| scores.iter().find(|score| score.name == name);
     let mut out = Vec::new();
-    if let Some((found, errors)) =
-        recommendation.and_then(|recommended| Some((recommended, score(recommended.least)?.errors?)))
-    {
-        out.push(verdict(found, &errors));
-        for other in scores.iter().filter(|e| e.name != found.least) {
-            let best = found.least;
+    if let Some((chosen, errors)) = recommendation.and_then(|one| Some((one, score(one.least)?.errors?))) {
+        out.push(verdict(chosen, &errors));
+        let best = chosen.least;
+        for other in scores.iter().filter(|e| e.name != best) {
             out.extend(other.errors.map(|e| format!("{best} over {}: {}", other.name, ahead(&errors, &e))));
         }
     }
     for failed in scores.iter().filter(|e| e.status != ScoreStatus::Scored) {
-        let reason = failed.reason.as_deref().unwrap_or("");
-        out.push(format!("{}: {}: {reason}", failed.name, failed.status));
+        out.push(format!("{}: {}: {}", failed.name, failed.status, failed.reason.as_deref().unwrap_or("")));
     }
     out
 }
 
 /// The recommended estimator, or those that cannot be distinguished.
-fn verdict(recommendation: &Recommendation, errors: &FreeRunErrors) -> String {
-    let (least, fits) = (recommendation.least, fits(errors));
-    match recommendation.estimator() {
+fn verdict(chosen: &Recommendation, errors: &FreeRunErrors) -> String {
+    let (least, fits) = (chosen.least, fits(errors));
+    match chosen.estimator() {
         Some(_) => format!("recommended: {least} (fit {fits})"),
         None => {
-            let close: Vec<String> =
-                recommendation.candidates()[1..].iter().map(Estimator::to_string).collect();
+            let close: Vec<String> = chosen.candidates()[1..].iter().map(Estimator::to_string).collect();
             format!(
                 "none recommended: {least} (fit {fits}) has the least error, but the recordings cannot tell it from {}",
                 listed(&close)

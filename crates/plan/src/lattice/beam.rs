@@ -23,15 +23,14 @@ type Queue = BinaryHeap<Reverse<(u64, Reverse<u64>, u32)>>;
 const QUEUED_BYTES: u64 = 2 * size_of::<Reverse<(u64, Reverse<u64>, u32)>>() as u64;
 
 /// The end of a search that stopped at a limit without a plan, with the plan of a narrow beam if that takes only a moment.
-pub(crate) fn glimpse(graph: &Graph, memory: u64, lower: u64, by: Limit) -> Verdict {
-    let fits =
-        Bound::entries(graph) * ENTRY_BYTES <= u128::from(memory.saturating_sub(graph.arc_bytes(true)));
+pub(crate) fn glimpse(graph: &Graph, room: u64, lower: u64, by: Limit) -> Verdict {
+    let fits = Bound::entries(graph) * ENTRY_BYTES <= u128::from(room.saturating_sub(graph.arc_bytes(true)));
     let plan = (fits && Bound::entries(graph) <= MOST_ENTRIES).then(|| {
         let mut keep_going = |_| true;
         let mut watch = Watch::new(graph.problem, u64::MAX, &mut keep_going);
         graph.lay_out(true, &mut watch)?;
         let bound = Bound::new(graph, &mut watch)?;
-        search(graph, &bound, memory.saturating_sub(graph.arc_bytes(true) + bound.bytes()))
+        search(graph, &bound, room.saturating_sub(graph.arc_bytes(true) + bound.bytes()))
     });
     Verdict::stopped(plan.flatten(), lower, by)
 }

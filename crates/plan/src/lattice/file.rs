@@ -188,15 +188,11 @@ impl ProblemFile {
     }
 
     /// By action, move and cell: whether the swept boxes are free. `None` if cancelled.
-    fn free_cells(
-        &self,
-        moves: &[&[MoveFile]],
-        keep_going: &dyn Fn() -> bool,
-    ) -> Option<Vec<Vec<Vec<bool>>>> {
+    fn free_cells(&self, all: &[&[MoveFile]], keep_going: &dyn Fn() -> bool) -> Option<Vec<Vec<Vec<bool>>>> {
         let cells = FreeCells::new(self.lattice);
         let of = |one: &MoveFile| keep_going().then(|| cells.of(&self.bounds, &self.obstacles, &one.swept));
         let of_action = |moves: &&[MoveFile]| moves.iter().map(of).collect();
-        moves.iter().map(of_action).collect()
+        all.iter().map(of_action).collect()
     }
 
     fn check_map(&self) -> Result<(), Invalid> {
@@ -272,9 +268,8 @@ impl ProblemFile {
                     Goal::Any => "any pose".to_owned(),
                     Goal::Poses(poses) => format!("{} poses", poses.len()),
                 };
-                let (expected, remedy) =
-                    ("one pose, which is all that the format holds", "plan for one goal");
-                return Err(Invalid::new("goal", given, expected, remedy));
+                let (wanted, remedy) = ("one pose, which is all that the format holds", "plan for one goal");
+                return Err(Invalid::new("goal", given, wanted, remedy));
             }
         };
         let lattice = problem.lattice();
@@ -423,11 +418,10 @@ impl FreeCells {
     }
 
     /// Indices along an axis at which the inner parts of swept box and obstacle overlap.
-    fn overlap(&self, axis: usize, swept: &[f64; 4], obstacle: &[f64; 4]) -> Span {
+    fn overlap(&self, axis: usize, swept: &[f64; 4], block: &[f64; 4]) -> Span {
         let high = axis + 2;
-        let first =
-            self.first(axis, obstacle[axis] - swept[high], |node| node + swept[high] > obstacle[axis]);
-        let end = self.first(axis, obstacle[high] - swept[axis], |node| node + swept[axis] >= obstacle[high]);
+        let first = self.first(axis, block[axis] - swept[high], |node| node + swept[high] > block[axis]);
+        let end = self.first(axis, block[high] - swept[axis], |node| node + swept[axis] >= block[high]);
         first..end
     }
 

@@ -169,14 +169,9 @@ impl Reach {
 ///
 /// # Errors
 /// Cancelled, or its tables and queue need more than `memory` bytes.
-pub(crate) fn within(
-    problem: &Problem,
-    most: u64,
-    memory: u64,
-    watch: &mut Watch,
-) -> Result<Vec<bool>, Limit> {
+pub(crate) fn within(problem: &Problem, most: u64, room: u64, watch: &mut Watch) -> Result<Vec<bool>, Limit> {
     let tables = (problem.lattice().poses() * WITHIN_PER_POSE) as u64;
-    let queued = memory.checked_sub(tables).ok_or(Limit::Memory)?;
+    let queued = room.checked_sub(tables).ok_or(Limit::Memory)?;
     let number = |pose| problem.lattice().number(pose) as u32;
     let uses = problem.required().iter().map(|&count| u64::from(count)).sum::<u64>();
     let price = most / uses.max(1);

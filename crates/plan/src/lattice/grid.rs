@@ -180,13 +180,13 @@ fn cost(thing: &str, cost: Cost) -> Result<(), Invalid> {
 }
 
 fn uses(actions: &[Action]) -> Result<(), Invalid> {
-    let total: u64 = actions.iter().map(|action| u64::from(action.required)).sum();
-    if total > MOST_USES {
-        let expected = format!("at most {MOST_USES}");
+    let uses: u64 = actions.iter().map(|action| u64::from(action.required)).sum();
+    if uses > MOST_USES {
+        let wanted = format!("at most {MOST_USES}");
         return Err(Invalid::new(
             "required uses in total",
-            total.to_string(),
-            expected,
+            uses.to_string(),
+            wanted,
             "take longer maneuvers",
         ));
     }
@@ -223,16 +223,11 @@ pub(crate) fn ends(lattice: &Lattice, start: Pose, goal: &Goal) -> Result<(), In
     }
 }
 
-pub(crate) fn arcs(count: usize) -> Result<(), Invalid> {
+pub(crate) fn arcs(arcs: usize) -> Result<(), Invalid> {
     let too_many = |_| {
-        Invalid::new(
-            "allowed moves",
-            count.to_string(),
-            "fewer than 2^32 over all poses",
-            "take larger cells",
-        )
+        Invalid::new("allowed moves", arcs.to_string(), "fewer than 2^32 over all poses", "take larger cells")
     };
-    u32::try_from(count).map(|_| ()).map_err(too_many)
+    u32::try_from(arcs).map(|_| ()).map_err(too_many)
 }
 
 /// The moves that are allowed from every pose; those that leave the lattice are not.

@@ -77,8 +77,7 @@ impl Layout {
     /// The bits from which a slot in the bit may be used once more, as words.
     pub fn mask<const W: usize>(&self, stride: u32, radix: u32) -> [u64; W] {
         let mut mask = [0; W];
-        let bits =
-            self.digits.iter().map(|digit| if let Digit::Bit { radix, .. } = digit { *radix } else { 1 });
+        let bits = self.digits.iter().map(|one| if let Digit::Bit { radix, .. } = one { *radix } else { 1 });
         for bit in (0..bits.product()).filter(|bit| bit / stride % radix + 1 < radix) {
             mask[bit as usize / 64] |= 1 << (bit % 64);
         }

@@ -157,8 +157,7 @@ fn from_map(problem: &Problem, reach: &Reach) -> Option<Reason> {
     }
     let lattice = problem.lattice();
     if problem.arcs(lattice.number(problem.start())).next().is_none() {
-        let is_usable: Vec<bool> =
-            (0..lattice.poses()).map(|pose| problem.arcs(pose).next().is_some()).collect();
+        let is_usable: Vec<bool> = (0..lattice.poses()).map(|at| problem.arcs(at).next().is_some()).collect();
         let start = problem.start();
         return Some(Reason::StartEnclosed { start, nearest: nearest(problem, &is_usable, &[start]) });
     }
@@ -185,14 +184,13 @@ fn goal(problem: &Problem, reached: &[bool]) -> Option<Reason> {
 
 fn use_of_each(problem: &Problem, Reach { reached, homing }: &Reach) -> Option<Reason> {
     let slots = problem.informative.len();
-    let (mut somewhere, mut within, mut on_the_way) =
-        (vec![None; slots], vec![false; slots], vec![false; slots]);
+    let (mut there, mut within, mut on_the_way) = (vec![None; slots], vec![false; slots], vec![false; slots]);
     for (pose, &reached) in reached.iter().enumerate() {
         for arc in problem.arcs(pose) {
             let Some(slot) = problem.moves[arc.step as usize].slot.map(|slot| slot as usize) else {
                 continue;
             };
-            somewhere[slot].get_or_insert(problem.lattice().pose(pose));
+            there[slot].get_or_insert(problem.lattice().pose(pose));
             within[slot] |= reached;
             on_the_way[slot] |= reached && homing[arc.node as usize];
         }
@@ -203,18 +201,17 @@ fn use_of_each(problem: &Problem, Reach { reached, homing }: &Reach) -> Option<R
     if within[slot] {
         return Some(Reason::NoWayBack { action, name });
     }
-    Some(Reason::FitsNowhere { action, name, elsewhere: somewhere[slot] })
+    Some(Reason::FitsNowhere { action, name, elsewhere: there[slot] })
 }
 
 /// The pose among `candidates` nearest to any of `targets`; of several one in the target's layer, then the first.
 fn nearest(problem: &Problem, candidates: &[bool], targets: &[Pose]) -> Option<(Pose, f64)> {
-    let poses =
-        (0..candidates.len()).filter(|&pose| candidates[pose]).map(|pose| problem.lattice().pose(pose));
+    let all = (0..candidates.len()).filter(|&pose| candidates[pose]).map(|pose| problem.lattice().pose(pose));
     let distance = |pose: Pose, target: &Pose| {
         let (di, dj) = (pose.i.abs_diff(target.i) as f64, pose.j.abs_diff(target.j) as f64);
         (libm::hypot(di, dj), pose.layer != target.layer)
     };
-    let ranked = poses.flat_map(|pose| targets.iter().map(move |target| (distance(pose, target), pose)));
+    let ranked = all.flat_map(|pose| targets.iter().map(move |target| (distance(pose, target), pose)));
     let least = ranked.min_by(|(a, _), (b, _)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
     Some((least.1, least.0.0))
 }

@@ -125,9 +125,8 @@ impl Problem {
     }
 
     /// The cost of a plan with these counts whose key is `key`, without the least keys of informative actions.
-    pub(crate) fn cost(&self, key: u64, counts: &[u32]) -> Cost {
-        let least =
-            self.informative.iter().zip(counts).map(|(slot, &count)| slot.least_key * u64::from(count));
+    pub(crate) fn cost(&self, key: u64, uses: &[u32]) -> Cost {
+        let least = self.informative.iter().zip(uses).map(|(slot, &count)| slot.least_key * u64::from(count));
         self.units.cost(key.saturating_add(least.sum()))
     }
 

@@ -89,8 +89,7 @@ impl Checking<'_> {
             }
             let words = parameters_in_words(&self.prepared().brief.vessel, &vessel.parameters);
             // A vessel that cannot be simulated is not the fault of a file.
-            let named =
-                |invalid: Invalid| Invalid { thing: format!("{} with {words}", invalid.thing), ..invalid };
+            let named = |e: Invalid| Invalid { thing: format!("{} with {words}", e.thing), ..e };
             self.run(vessel).map_err(|refused| VoyageError::NoAnswer(named(refused)))
         };
         let all: Vec<_> = vessels.into_par_iter().map(one).collect();
@@ -218,15 +217,11 @@ impl Run {
     }
 
     /// The steps that began within the tolerance and violated the margin or, `if_astray`, the tolerance, each with its vessel.
-    pub(super) fn counter_examples(
-        &self,
-        checking: &Checking,
-        if_astray: bool,
-    ) -> Vec<(usize, SampledVessel)> {
+    pub(super) fn counter_examples(&self, checking: &Checking, astray: bool) -> Vec<(usize, SampledVessel)> {
         let margin_m = checking.prepared().brief.task.safety.margin_m;
         let failed = |step: &usize| {
             self.clearances_m[*step] < margin_m
-                || (if_astray && self.used[*step].part() > 1.0 && self.began_well(*step))
+                || (astray && self.used[*step].part() > 1.0 && self.began_well(*step))
         };
         let failures = (0..self.used.len()).filter(failed);
         failures.map(|step| (step, self.sampled_vessel(checking, step))).collect()

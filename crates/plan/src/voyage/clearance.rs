@@ -70,10 +70,9 @@ impl Clearance {
         let task = &prepared.brief.task;
         let (area, sight_m) = (task.raster(&prepared.grid).bounds(), sight_m(task));
         let raster = prepared.clearance_raster()?;
-        let corners = task.hull.outline();
+        let hull = task.hull.outline();
         let between = |(a, b): (&[f64; 2], &[f64; 2])| [*a, [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0]];
-        let outline: Vec<[f64; 2]> =
-            corners.iter().zip(corners.iter().cycle().skip(1)).flat_map(between).collect();
+        let outline: Vec<[f64; 2]> = hull.iter().zip(hull.iter().cycle().skip(1)).flat_map(between).collect();
         let radius_m = outline.iter().map(|[x, y]| libm::hypot(*x, *y)).fold(0.0, f64::max);
         let (chart, safety) = (&prepared.chart, &task.safety);
         let (transit, trial) = rayon::join(

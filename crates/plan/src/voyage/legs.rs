@@ -172,9 +172,8 @@ impl SailedPlan<'_> {
     /// The lattice's area.
     pub fn frame(&self) -> Bounds {
         let grid = &self.prepared.grid;
-        let corner =
-            |i: f64, j: f64| [grid.origin_m[0] + grid.cell_m * i, grid.origin_m[1] + grid.cell_m * j];
-        Bounds { min: corner(-0.5, -0.5), max: corner(grid.nx as f64 - 0.5, grid.ny as f64 - 0.5) }
+        let point = |i: f64, j: f64| [grid.origin_m[0] + grid.cell_m * i, grid.origin_m[1] + grid.cell_m * j];
+        Bounds { min: point(-0.5, -0.5), max: point(grid.nx as f64 - 0.5, grid.ny as f64 - 0.5) }
     }
 
     /// Limits between the shades of depth \[m\]; none where no depth is charted.
@@ -270,8 +269,8 @@ impl SailedPlan<'_> {
         let grid = Raster::covering(&bounds, side / TUBE_CELLS).ok()?;
         let body = self.prepared.brief.task.hull.body(grid.cell_m);
         let mut swept = vec![false; grid.nx * grid.ny];
-        let own: Vec<Fix> = self.sailing.sailed.fixes().collect();
-        for track in std::iter::once(&own).chain(&self.sailing.runs) {
+        let sailed: Vec<Fix> = self.sailing.sailed.fixes().collect();
+        for track in std::iter::once(&sailed).chain(&self.sailing.runs) {
             let mut last = [f64::INFINITY; 2];
             for Fix { pose, .. } in track {
                 let place = [pose.y, pose.x];
@@ -290,11 +289,11 @@ impl SailedPlan<'_> {
     pub fn track(&self) -> Vec<TrackPart> {
         let samples = &self.sailing.sailed.samples;
         let mut end = 0;
-        let part = |own: &[Sample]| {
-            end += own.len();
+        let part = |leg: &[Sample]| {
+            end += leg.len();
             let next = samples.get(end).map(place).or_else(|| self.end());
-            let points = own.iter().map(place).chain(next).collect();
-            TrackPart { step: own[0].leg, informative: own[0].informative, points }
+            let points = leg.iter().map(place).chain(next).collect();
+            TrackPart { step: leg[0].leg, informative: leg[0].informative, points }
         };
         samples.chunk_by(|a, b| a.leg == b.leg && a.informative == b.informative).map(part).collect()
     }

@@ -42,8 +42,8 @@ impl Brief {
         let vessel = &self.vessel;
         let forces = match (&vessel.model.forces, self.task.measurement) {
             (None, None) => None,
-            (Some(_), Some(own)) => {
-                let noise = Noise { measurement: own.std(), current: 0.0 };
+            (Some(_), Some(assumed)) => {
+                let noise = Noise { measurement: assumed.std(), current: 0.0 };
                 Some(ForcesPrediction::of_nominal(vessel, noise)?)
             }
             (Some(_), None) => {
@@ -235,7 +235,7 @@ impl Brief {
         done: &BTreeMap<String, u64>,
     ) -> Result<Gathered, VoyageError> {
         let (wanted, summing) = (self.wanted()?, self.summing()?);
-        let mut own: Vec<(MomentSums, GatheredManeuver)> = Vec::new();
+        let mut summed: Vec<(MomentSums, GatheredManeuver)> = Vec::new();
         for (name, count) in planned {
             let Some(piece) = wanted.iter().map(|wanted| &wanted.piece).find(|piece| piece.maneuver == *name)
             else {
@@ -244,9 +244,9 @@ impl Brief {
             };
             let done = done.get(name).copied().unwrap_or(0);
             let maneuver = GatheredManeuver { name: name.clone(), planned: *count, done, share: None };
-            own.push((summing.of_piece(piece), maneuver));
+            summed.push((summing.of_piece(piece), maneuver));
         }
-        Ok(of_pieces(own))
+        Ok(of_pieces(summed))
     }
 }
 

@@ -138,17 +138,17 @@ impl Tide {
     /// `None` where the table does not cover it.
     pub fn worst(table: &[TideRow], departure_s: f64, slot_s: f64) -> Option<Self> {
         let ends = [departure_s, departure_s + slot_s];
-        let within = table.iter().filter(|row| ends[0] < row.at_s && row.at_s < ends[1]).copied();
-        let rows: Vec<TideRow> =
-            [at(table, ends[0])?, at(table, ends[1])?].into_iter().chain(within).collect();
-        let level_m = rows.iter().map(|row| row.level_m).fold(f64::INFINITY, f64::min);
+        let inner = table.iter().filter(|row| ends[0] < row.at_s && row.at_s < ends[1]).copied();
+        let all: Vec<TideRow> =
+            [at(table, ends[0])?, at(table, ends[1])?].into_iter().chain(inner).collect();
+        let level_m = all.iter().map(|row| row.level_m).fold(f64::INFINITY, f64::min);
         let stream_m_s = [0, 1].map(|c: usize| {
-            let of = rows.iter().map(|row| row.stream_m_s[c]);
+            let of = all.iter().map(|row| row.stream_m_s[c]);
             0.5 * (of.clone().fold(f64::INFINITY, f64::min) + of.fold(f64::NEG_INFINITY, f64::max))
         });
         let off =
             |row: &TideRow| libm::hypot(row.stream_m_s[0] - stream_m_s[0], row.stream_m_s[1] - stream_m_s[1]);
-        Some(Self { slot_s, level_m, stream_m_s, spread_m_s: rows.iter().map(off).fold(0.0, f64::max) })
+        Some(Self { slot_s, level_m, stream_m_s, spread_m_s: all.iter().map(off).fold(0.0, f64::max) })
     }
 }
 

@@ -30,8 +30,7 @@ impl SailedPlan<'_> {
         let start = self.solved.solution.steps.first().map_or([0.0; 2], |step| self.prepared.node(step.from));
         let (longitude_deg, latitude_deg) = self.geographic(start);
         let dangers = self.prepared.chart.dangers(self.prepared.brief.task.safety.transit_depth_m);
-        let mut legs: Vec<PassageLeg> =
-            drafts.iter().map(|draft| self.passage_leg(draft, &dangers)).collect();
+        let mut legs: Vec<PassageLeg> = drafts.iter().map(|one| self.passage_leg(one, &dangers)).collect();
         for ([port, starboard], leg) in self.widths(&drafts, &dangers).into_iter().zip(&mut legs) {
             (leg.xtd_port_m, leg.xtd_starboard_m) = (port, starboard);
         }
@@ -114,9 +113,8 @@ impl SailedPlan<'_> {
     fn corner(&self, k: usize) -> Option<([f64; 2], f64)> {
         let (grid, step) = (&self.prepared.grid, &self.solved.solution.steps[k]);
         let leg = &self.prepared.legs[self.sailing.legs[k]].leg;
-        let radius =
-            |phase: &Phase| if let Phase::Arc { radius_m, .. } = phase { Some(*radius_m) } else { None };
-        let radius_m = leg.phases.iter().find_map(radius)?;
+        let of = |phase: &Phase| if let Phase::Arc { radius_m, .. } = phase { Some(*radius_m) } else { None };
+        let radius_m = leg.phases.iter().find_map(of)?;
         let [a, b] = [leg.from, leg.to].map(|layer| grid.heading_rad(grid.level_and_mode(layer).0));
         let (from, to) = (self.prepared.node(step.from), self.prepared.node(step.to));
         let [north, east] = [to[0] - from[0], to[1] - from[1]];

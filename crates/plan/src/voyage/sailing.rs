@@ -155,8 +155,7 @@ impl Prepared {
         (round, is_last): (u32, bool),
         search: &Search,
     ) -> Result<(Sailing, Vec<(usize, SampledVessel)>), VoyageError> {
-        let legs: Vec<usize> =
-            solved.solution.steps.iter().map(|step| solved.moves.leg_of_step(step)).collect();
+        let legs: Vec<usize> = solved.solution.steps.iter().map(|at| solved.moves.leg_of_step(at)).collect();
         let script = self.script(solved, &legs);
         let sailed = script.simulated(&self.brief.vessel.nominal, [0.0; 2])?;
         let left = self.within_check(&solved.moves, (round, sailed.samples.len()), search)?;

@@ -160,8 +160,8 @@ impl Prepared {
             Some(point) => {
                 let counts: Vec<String> =
                     point.counts.iter().map(|(name, n)| format!("{name} × {n}")).collect();
-                let counts = counts.join(", ");
-                format!("{text}; the most informative counts that can be sailed are {counts}")
+                let all = counts.join(", ");
+                format!("{text}; the most informative counts that can be sailed are {all}")
             }
         }
     }
@@ -230,9 +230,8 @@ impl Prepared {
     }
 
     /// Time of the shortest leg that uses a piece \[s\].
-    pub(super) fn shortest_leg_s(&self, wanted: usize) -> f64 {
-        let uses =
-            |purpose: &Purpose| matches!(purpose, Purpose::Informative { piece, .. } if *piece == wanted);
+    pub(super) fn shortest_leg_s(&self, one: usize) -> f64 {
+        let uses = |purpose: &Purpose| matches!(purpose, Purpose::Informative { piece, .. } if *piece == one);
         let legs = self.legs.iter().filter(|leg| uses(&leg.leg.purpose));
         legs.map(|leg| leg.seconds(self.brief.vessel.sample_rate_hz)).fold(f64::INFINITY, f64::min)
     }

@@ -168,13 +168,13 @@ impl Prepared {
     /// Distance of every node to the nearest obstacle, as far as it determines a class \[m\].
     fn node_distances_m(
         &self,
-        raster: Raster,
+        cells: Raster,
         keep_going: &dyn Fn() -> bool,
     ) -> Result<Vec<f64>, VoyageError> {
         let (grid, safety) = (&self.grid, &self.brief.task.safety);
         let farthest_m = CLEARANCE_CLASSES as f64 * grid.cell_m;
         let limits = [safety.transit_depth_m, farthest_m];
-        let obstacles = Distances::in_transit(&self.chart, raster, limits, keep_going)?
+        let obstacles = Distances::in_transit(&self.chart, cells, limits, keep_going)?
             .ok_or(VoyageError::OutOfTime("the layout of the chart"))?;
         let node = |k: usize| {
             let at = grid.pose(k % grid.nx, k / grid.nx, 0);

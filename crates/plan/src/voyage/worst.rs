@@ -142,9 +142,8 @@ impl Checking<'_> {
         let axes = doubt.axes();
         let count = axes.len();
         searched.add(self, &doubt, (axes, Noises::Shared), search)?;
-        let extremes =
-            [searched.nearest(self, &doubt, count), searched.farthest(self, &doubt, count)].concat();
-        searched.add(self, &doubt, (extremes, Noises::Own), search)?;
+        let outer = [searched.nearest(self, &doubt, count), searched.farthest(self, &doubt, count)].concat();
+        searched.add(self, &doubt, (outer, Noises::Own), search)?;
         for _ in 0..SWEEPS {
             if !self.is_last && searched.fails(self) {
                 break;
@@ -235,8 +234,7 @@ impl Searched {
         let mut indices = Vec::new();
         for what in [What::Nearness, What::Used] {
             let targets = checking.targets().filter(|target| target.what == what);
-            let mut worst: Vec<Worst> =
-                targets.filter_map(|target| self.worst(target, Target::compared)).collect();
+            let mut worst: Vec<Worst> = targets.filter_map(|one| self.worst(one, Target::compared)).collect();
             worst.sort_by(|a, b| b.badness.total_cmp(&a.badness));
             let mut some: Vec<usize> = Vec::new();
             for Worst { index, .. } in worst {

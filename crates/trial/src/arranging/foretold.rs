@@ -44,8 +44,7 @@ impl Arranging<'_> {
         let (g, rows, n) = (model.g.as_deref().unwrap_or_default(), &model.rows, model.rows.len());
         let samples = exogenous.len() / self.vessel.model.exogenous().max(1);
         let theta = self.ordered(&model.parameters)?;
-        let place =
-            |name: &String| self.vessel.model.parameter_names().position(|parameter| parameter == name);
+        let place = |name: &String| self.vessel.model.parameter_names().position(|other| other == name);
         let places: Vec<Option<usize>> = rows.iter().map(place).collect();
         let Information { information, mut middle } = self.informed(initial, exogenous, current)?;
         let inverse = scaled_inverse(n, &information)?;
@@ -70,8 +69,7 @@ impl Arranging<'_> {
         let streams = Streams::new(DRAWS.1, "foretold");
         let errors = (0..DRAWS.0).map(|draw| {
             let drawn = estimates.drawn(&streams, draw);
-            let off: Vec<f64> =
-                places.iter().map(|place| place.map_or(0.0, |i| drawn[i] - theta[i])).collect();
+            let off: Vec<f64> = places.iter().map(|at| at.map_or(0.0, |i| drawn[i] - theta[i])).collect();
             let square: f64 = times(g, &off).iter().zip(&off).map(|(slope, off)| slope * off).sum();
             (parameter_error(&drawn, &theta), square.max(0.0).sqrt())
         });

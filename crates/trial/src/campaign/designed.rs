@@ -44,9 +44,9 @@ impl Parts {
 
     /// Takes over the unstretched maneuvers of `others`, for other plans.
     pub(crate) fn take(&mut self, others: Self) {
-        for (index, own) in others.longest {
-            if self.longest.get(&index).is_none_or(|(longest, _)| *longest < own.0) {
-                self.longest.insert(index, own);
+        for (index, other) in others.longest {
+            if self.longest.get(&index).is_none_or(|(longest, _)| *longest < other.0) {
+                self.longest.insert(index, other);
             }
         }
     }
@@ -59,11 +59,11 @@ impl Parts {
 
     /// The helms of a realized plan, each for its samples; tables for parts that do not react.
     pub(crate) fn helms(&self, plan: &[(usize, usize)]) -> Vec<(Helm, usize)> {
-        let own = |part: &(usize, usize)| {
+        let experiment = |part: &(usize, usize)| {
             let (made, inputs) = self.part(part);
             (made.helm.clone().unwrap_or_else(|| Helm::table(inputs)), part.1)
         };
-        plan.iter().map(own).collect()
+        plan.iter().map(experiment).collect()
     }
 
     /// Whether any part that was realized reacts.
@@ -132,8 +132,8 @@ impl Designed {
     /// Stops whose share is one piece longer than the maneuver itself, one line each: the ship is at rest for the remainder.
     pub(super) fn at_rest(&self, generator: &Generator, plan: &Plan, rate_hz: f64) -> Vec<String> {
         let one = |(q, samples): &(usize, usize)| {
-            let own = generator.samples(*q).ok().filter(|needed| needed < samples && generator.stops(*q))?;
-            let [piece_s, own_s] = [*samples, own].map(|samples| samples as f64 / rate_hz);
+            let own_samples = generator.samples(*q).ok().filter(|needed| needed < samples && generator.stops(*q))?;
+            let [piece_s, own_s] = [*samples, own_samples].map(|samples| samples as f64 / rate_hz);
             let name = &generator.maneuvers()[*q].name;
             Some(format!(
                 "{name} has its share in one piece of {piece_s:.0} s, though it takes {own_s:.0} s at most: \
@@ -236,9 +236,8 @@ pub(crate) fn shared_out(shares: &[f64], tables: &Tables, samples: usize) -> Res
 fn plays(shares: &[f64], tables: &Tables, samples: usize) -> BTreeMap<usize, usize> {
     let wanted = |q: &usize| shares[*q] * samples as f64;
     let used = tables.iter().filter(|(q, _)| shares.get(**q).is_some_and(|share| *share > 0.0));
-    let nearest =
-        |(q, table): (&usize, &PlayedTable)| (*q, (wanted(q) / table.samples as f64).round() as usize);
-    let mut plays: BTreeMap<usize, usize> = used.map(nearest).collect();
+    let near = |(q, table): (&usize, &PlayedTable)| (*q, (wanted(q) / table.samples as f64).round() as usize);
+    let mut plays: BTreeMap<usize, usize> = used.map(near).collect();
     while plays.iter().map(|(q, n)| n * tables[q].samples).sum::<usize>() > samples {
         let over = |(q, n): &(&usize, &usize)| (**n * tables[*q].samples) as f64 - wanted(q);
         let played = plays.iter().filter(|(_, n)| **n > 0);
@@ -283,13 +282,8 @@ pub(crate) fn drawable(maneuvers: &[usize], tables: &Tables, lengths: &[usize]) 
 }
 
 /// The maneuvers that random trials leave out, for users.
-pub(super) fn left_out(
-    maneuvers: &[usize],
-    kept: &[usize],
-    tables: &Tables,
-    lengths: &[usize],
-) -> Option<String> {
-    let left_out = maneuvers.iter().filter(|q| !kept.contains(q)).filter_map(|q| tables.get(q));
+pub(super) fn left_out(all: &[usize], kept: &[usize], tables: &Tables, lengths: &[usize]) -> Option<String> {
+    let left_out = all.iter().filter(|q| !kept.contains(q)).filter_map(|q| tables.get(q));
     let names: Vec<String> = left_out.map(|t| format!("{} ({} samples)", t.maneuver, t.samples)).collect();
     let longest = lengths.iter().max().copied().unwrap_or(0);
     let why = || format!("tables are not cut to segments of {longest} samples: {}", names.join(", "));
@@ -297,7 +291,7 @@ pub(super) fn left_out(
         (true, _) => None,
         (false, true) => Some(format!("no random trials, since {}", why())),
         (false, false) => {
-            Some(format!("random trials go without {} of {}, since {}", names.len(), maneuvers.len(), why()))
+            Some(format!("random trials go without {} of {}, since {}", names.len(), all.len(), why()))
         }
     }
 }

@@ -372,8 +372,7 @@ impl Tally {
         }
         let all = self.all_left_out();
         let tightest = self.left_out.iter().max_by(|a, b| a.1.count.cmp(&b.1.count).then(b.0.cmp(a.0)));
-        let (name, about) =
-            tightest.map_or(("", LeftOut::default()), |(name, about)| (name.as_str(), *about));
+        let (name, left) = tightest.map_or(("", LeftOut::default()), |(name, about)| (name.as_str(), *about));
         if name == UNSTEADY {
             return Err(Invalid::new(
                 "`generate`",
@@ -387,7 +386,7 @@ impl Tally {
                 "`generate`",
                 format!(
                     "{} of {all} candidates with {name} most, the nearest by {:.4}",
-                    about.count, about.nearest
+                    left.count, left.nearest
                 ),
                 "at least one within the motion in the logs of the model",
                 "request speeds and yaw rates as in the logs, or allow more with --beyond-range",
@@ -398,7 +397,7 @@ impl Tally {
             format!(
                 "{}, which is the tightest: {} of {all} candidates exceed it most, the nearest reaches {:.4}, and none \
                  keeps all limits",
-                about.allowed, about.count, about.nearest
+                left.allowed, left.count, left.nearest
             ),
             "limits that at least one candidate keeps",
             format!("raise `{name}`, or draw more `candidates`"),

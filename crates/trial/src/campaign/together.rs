@@ -61,8 +61,7 @@ impl Together<'_> {
 
     /// The runs in the form that estimators take.
     pub fn side_by_side(self) -> SideBySide {
-        let rows =
-            || self.experiments.iter().map(|experiment| experiment.exogenous.as_slice()).collect::<Vec<_>>();
+        let rows = || self.experiments.iter().map(|one| one.exogenous.as_slice()).collect::<Vec<_>>();
         let instrument_exogenous = self.instrument_exogenous();
         let known = self.states.exogenous;
         SideBySide {

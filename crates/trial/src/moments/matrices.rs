@@ -94,8 +94,8 @@ impl ManeuverMoments {
         }
         if let (Some(mine), Some(other)) = (&mut self.output_error, &more.output_error) {
             towards(&mut mine.f, &other.f);
-            for (own, other) in [(&mut mine.e, &other.e), (&mut mine.p, &other.p)] {
-                if let (Some(matrix), Some(other)) = (own, other) {
+            for (matrix, other) in [(&mut mine.e, &other.e), (&mut mine.p, &other.p)] {
+                if let (Some(matrix), Some(other)) = (matrix, other) {
                     towards(matrix, other);
                 }
             }
@@ -164,11 +164,10 @@ impl FreeRunModel {
     ///
     /// # Errors
     /// A maneuver that the model cannot hold, or that diverges.
-    pub fn new(vessel: &Vessel, validation: Option<&Generator>) -> Result<Self, Unpredictable> {
+    pub fn new(vessel: &Vessel, known: Option<&Generator>) -> Result<Self, Unpredictable> {
         let (model, simulated_with) = (&vessel.model, vessel.best_known());
         let theta = vessel.parameters(simulated_with).map_err(Unpredictable::Vessel)?;
-        let g =
-            validation.map(|validation| validation_weights(model, &theta, validation)).transpose()?.flatten();
+        let g = known.map(|validation| validation_weights(model, &theta, validation)).transpose()?.flatten();
         Ok(Self { simulated_with, parameters: by_name(model, &theta), rows: rows(model), g })
     }
 }

@@ -326,8 +326,8 @@ impl<'a> ShipSampler<'a> {
             let initial = run.initial.map(Lane::splat);
             simulate(model, parameters, initial, &run.exogenous, &Weather::CALM, &mut states);
             for ship in 0..LANES {
-                let own: Vec<f64> = states.iter().map(|state| state[ship]).collect();
-                let aims = aims_of_motion(&wanted, &own, rate_hz, &Tolerance::default());
+                let speeds: Vec<f64> = states.iter().map(|state| state[ship]).collect();
+                let aims = aims_of_motion(&wanted, &speeds, rate_hz, &Tolerance::default());
                 missed.resize_with(aims.len(), || MissedAim { what: String::new(), ships: 0 });
                 for (known, aim) in missed.iter_mut().zip(aims) {
                     known.what = aim.what;

@@ -220,10 +220,10 @@ impl PriorInformation {
         known: impl Fn(&str) -> Option<f64>,
     ) -> Option<Self> {
         let place = |name: &str| {
-            let own = covariance?;
-            let place = own.names.iter().position(|other| other == name)?;
+            let fitted = covariance?;
+            let place = fitted.names.iter().position(|other| other == name)?;
             // Estimates at bounds have no variance.
-            (own.entries[place * (own.names.len() + 1)] > 0.0).then_some(place)
+            (fitted.entries[place * (fitted.names.len() + 1)] > 0.0).then_some(place)
         };
         let all: Vec<(&str, Option<usize>)> = names
             .map(|name| (name, place(name)))

@@ -155,8 +155,8 @@ fn stopping(
     rate_hz: f64,
 ) -> Stopping {
     let kept = |row: &Row| promised(row).is_some_and(|error| error <= accuracy);
-    let own: Vec<&Row> = rows.iter().filter(|row| row.arm == arm).collect();
-    let trials = own.chunk_by(|a, b| a.realization == b.realization);
+    let of_arm: Vec<&Row> = rows.iter().filter(|row| row.arm == arm).collect();
+    let trials = of_arm.chunk_by(|a, b| a.realization == b.realization);
     let ends: Vec<&Row> =
         trials.filter_map(|rounds| rounds.iter().find(|row| kept(row)).or(rounds.last()).copied()).collect();
     let stopped: Vec<&Row> = ends.iter().copied().filter(|row| kept(row)).collect();
@@ -274,10 +274,10 @@ impl Summary {
 
 fn summary(rows: &[Row], arm: Arm, ends: &[usize], accuracy: f64, rate_hz: f64) -> ArmSummary {
     let point = |(round, end): (usize, &usize)| {
-        let own: Vec<&Row> =
+        let of_round: Vec<&Row> =
             rows.iter().filter(|row| row.arm == arm && row.round as usize == round).collect();
-        let errors = sorted(own.iter().map(|row| row.parameter_error));
-        let count = |wanted: &dyn Fn(&Row) -> bool| own.iter().filter(|row| wanted(row)).count() as u64;
+        let errors = sorted(of_round.iter().map(|row| row.parameter_error));
+        let count = |wanted: &dyn Fn(&Row) -> bool| of_round.iter().filter(|row| wanted(row)).count() as u64;
         let within = count(&|row| row.parameter_error.is_some_and(|error| error <= accuracy));
         ArmPoint {
             time_s: *end as f64 / rate_hz,
@@ -285,9 +285,9 @@ fn summary(rows: &[Row], arm: Arm, ends: &[usize], accuracy: f64, rate_hz: f64) 
             median_interval: Some(quantile_interval(&errors, 0.5)),
             q90: quantile(&errors, 0.9),
             q90_interval: Some(quantile_interval(&errors, 0.9)),
-            predicted: quantile(&sorted(own.iter().map(|row| row.predicted_error)), 0.5),
-            within: within as f64 / own.len().max(1) as f64,
-            within_interval: wilson(within, own.len() as u64),
+            predicted: quantile(&sorted(of_round.iter().map(|row| row.predicted_error)), 0.5),
+            within: within as f64 / of_round.len().max(1) as f64,
+            within_interval: wilson(within, of_round.len() as u64),
             not_identifiable: count(&|row| row.outcome == Outcome::NotIdentifiable),
             not_converged: count(&|row| row.outcome == Outcome::NotConverged),
             diverged: count(&|row| row.outcome == Outcome::Diverged),

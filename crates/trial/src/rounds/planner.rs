@@ -66,11 +66,11 @@ impl<'a> Planner<'a> {
         theta: &[f64],
         sizes: &[f64],
         so_far: Option<SoFar>,
-        coming: usize,
+        next: usize,
     ) -> Option<Vec<f64>> {
         let before = so_far.as_ref().map_or(0, |so_far| so_far.samples);
         let past = so_far.as_ref().map(|so_far| so_far.information);
-        let share = coming as f64 / (before + coming) as f64;
+        let share = next as f64 / (before + next) as f64;
         let each = self.maneuvers.iter();
         let each = each.map(|m| Simulated { theta, initial: m.initial, exogenous: &m.exogenous });
         let found = self.informations(&each.collect::<Vec<_>>());
@@ -134,13 +134,12 @@ impl<'a> Planner<'a> {
         sizes: &[f64],
     ) -> Option<Covariance> {
         let dimensions = vec![self.layout().parameters()];
-        let (mut information, mut middle) =
-            (Candidates::new(dimensions.clone()), Candidates::new(dimensions));
+        let (mut information, mut meat) = (Candidates::new(dimensions.clone()), Candidates::new(dimensions));
         for (sums, noise) in candidates {
             information.push(&sums).ok()?;
-            middle.push(&noise).ok()?;
+            meat.push(&noise).ok()?;
         }
-        Covariance::new(&information, &middle, &self.weights(sizes), Norm::Trace).ok()
+        Covariance::new(&information, &meat, &self.weights(sizes), Norm::Trace).ok()
     }
 
     /// 1/size² of the lifted parameters, zero for intercepts.
@@ -156,8 +155,8 @@ impl<'a> Planner<'a> {
 }
 
 /// (1 − share) past + share × own.
-fn mixed(past: &[f64], own: &[f64], share: f64) -> Vec<f64> {
-    past.iter().zip(own).map(|(past, new)| (1.0 - share) * past + share * new).collect()
+fn mixed(past: &[f64], new: &[f64], share: f64) -> Vec<f64> {
+    past.iter().zip(new).map(|(past, new)| (1.0 - share) * past + share * new).collect()
 }
 
 /// One realization's run so far: it grows, the ship does not restart.

@@ -111,8 +111,7 @@ impl<'a> Trial<'a> {
 
     /// A statement about maneuvers with tables of inputs, if there are any.
     pub fn statement(&self) -> Option<String> {
-        let names: Vec<&str> =
-            self.generator.tables().values().map(|table| table.maneuver.as_str()).collect();
+        let names: Vec<&str> = self.generator.tables().values().map(|one| one.maneuver.as_str()).collect();
         (!names.is_empty()).then(|| {
             format!(
                 "tables of inputs ({}) are played whole: their shares of a round are rounded to plays, and random trials go \
@@ -164,8 +163,7 @@ impl<'a> Trial<'a> {
         let information = self.information(&arms[Arm::Sequential as usize]);
         let information = information.iter().map(Option::as_ref).chain(std::iter::repeat(None));
         let each = arms.iter_mut().flatten().zip(information);
-        let shared =
-            each.map(|(realization, information)| self.extend(realization, information, parts, samples));
+        let shared = each.map(|(trial, information)| self.extend(trial, information, parts, samples));
         let shared: Vec<Shared> = shared.collect::<Result<_, _>>()?;
         let expected = self.expected(&arms[Arm::OneShot as usize]);
         self.sail(round, arms)?;

@@ -12,7 +12,7 @@ use super::simulated::Ship;
 
 /// The estimated errors of the model.
 #[derive(Clone, Copy, Debug)]
-pub struct Known<'a> {
+pub struct EstimatedErrors<'a> {
     /// Of its parameters; `None` for an average, whose spread is used instead, and if no covariance is valid. That of
     /// forces has all of them.
     pub covariance: Option<&'a Covariance>,
@@ -61,10 +61,6 @@ impl Inside {
         }
     }
 
-    pub fn samples(&self) -> u64 {
-        self.samples
-    }
-
     /// The shares inside; `None` without samples.
     pub fn shares(&self) -> Option<[f64; 3]> {
         (self.samples > 0).then(|| self.inside.map(|n| n as f64 / self.samples as f64))
@@ -74,7 +70,7 @@ impl Inside {
 /// The bands of one model.
 pub(super) struct Banded<'a> {
     ship: Ship<'a>,
-    known: Known<'a>,
+    known: EstimatedErrors<'a>,
     structure: Structure<'a>,
 }
 
@@ -88,10 +84,19 @@ enum Structure<'a> {
 
 impl<'a> Banded<'a> {
     /// The bands of `ship`.
-    pub fn new(ship: Ship<'a>, known: Known<'a>) -> Self {
+    pub fn new(ship: Ship<'a>, known: EstimatedErrors<'a>) -> Self {
         let structure = match &ship.model.forces {
             Some(moved) => Structure::Forces(moved),
-            None => Structure::terms(&ship, &known),
+            None => {
+                let model = ship.model.with_intercepts();
+                let layout = model.layout();
+                // The model contains the constant; its error is that of an intercept of zero.
+                let unknowns = [layout.woven(ship.theta, [0.0; 3]), vec![0.0; 3]].concat();
+                let joint = known.covariance.is_some_and(|all| all.names.len() == layout.parameters());
+                let counts = layout.are_intercepts().map(|intercept| joint || !intercept);
+                let free = counts.enumerate().filter_map(|(i, counts)| counts.then_some(i)).collect();
+                Structure::Terms { model: Box::new(model), unknowns, free }
+            }
         };
         Self { ship, known, structure }
     }
@@ -106,10 +111,8 @@ impl<'a> Banded<'a> {
         let rows = 0..=window.samples();
         match &self.structure {
             Structure::Terms { model, unknowns, free } => {
-                let recordings = Recordings {
-                    measured: &window.measured,
-                    ..Recordings::simulated(model, initial, &exogenous)
-                };
+                let simulated = Recordings::simulated(model, initial, &exogenous);
+                let recordings = Recordings { measured: &window.measured, ..simulated };
                 let sensitivities = Sensitivities::of(&recordings, unknowns, free, true);
                 let of = |k: usize| {
                     let all: Vec<[f64; 3]> = (0..free.len()).map(|i| sensitivities.by(k, i)).collect();
@@ -121,10 +124,9 @@ impl<'a> Banded<'a> {
                 let (width, sample_s) = (self.ship.model.exogenous(), moved.sample_s);
                 let run = SimulatedRun { initial, inputs: &exogenous, width, sample_s };
                 let inputs = if are_inputs_held { Inputs::Held } else { Inputs::Linear };
-                let slopes = run.slopes_by(&moved.forces, self.ship.theta, inputs)?;
+                let rates = run.slopes_by(&moved.forces, self.ship.theta, inputs)?;
                 let n = self.ship.theta.len();
-                let of =
-                    |k: usize| [0, 1, 2].map(|d: usize| slopes.by_theta[(3 * k + d) * n..][..n].to_vec());
+                let of = |k: usize| [0, 1, 2].map(|d: usize| rates.by_theta[(3 * k + d) * n..][..n].to_vec());
                 Some(rows.map(|k| self.half(covariance, &of(k))).collect())
             }
         }
@@ -138,19 +140,6 @@ impl<'a> Banded<'a> {
             let variance: f64 = by[d].iter().zip(moved).map(|(a, b)| a * b).sum();
             Z * (wider * variance.max(0.0) + self.known.rmse[d].powi(2)).sqrt()
         })
-    }
-}
-
-impl Structure<'_> {
-    fn terms(ship: &Ship, known: &Known) -> Self {
-        let model = ship.model.with_intercepts();
-        let layout = model.layout();
-        // The model contains the constant; its error is that of an intercept of zero.
-        let unknowns = [layout.woven(ship.theta, [0.0; 3]), vec![0.0; 3]].concat();
-        let joint = known.covariance.is_some_and(|covariance| covariance.names.len() == layout.parameters());
-        let counts = layout.are_intercepts().map(|intercept| joint || !intercept);
-        let free = counts.enumerate().filter_map(|(i, counts)| counts.then_some(i)).collect();
-        Self::Terms { model: Box::new(model), unknowns, free }
     }
 }
 
@@ -193,7 +182,7 @@ pub(super) struct Spreads {
     rmse: Option<[f64; 3]>,
     squares: [f64; 3],
     alone: Inside,
-    together: Inside,
+    pub together: Inside,
 }
 
 impl Spreads {
@@ -221,15 +210,9 @@ impl Spreads {
     /// The spread over all windows; `None` without samples.
     pub fn spread(&self) -> Option<Spread> {
         let [inside_u, inside_v, inside_r] = self.alone.shares()?;
-        let [spread_u, spread_v, spread_r] =
-            self.squares.map(|sum| (sum / self.alone.samples() as f64).sqrt());
+        let [spread_u, spread_v, spread_r] = self.squares.map(|sum| (sum / self.alone.samples as f64).sqrt());
         let models = self.models as u64;
         Some(Spread { models, spread_u, spread_v, spread_r, inside_u, inside_v, inside_r })
-    }
-
-    /// Shares inside the bands.
-    pub fn bands(&self) -> Option<Bands> {
-        self.together.shares().map(Bands::of)
     }
 }
 
@@ -289,13 +272,10 @@ impl<'a> Counter<'a> {
 
     /// The channels with samples outside.
     pub fn outside(&self) -> Vec<Outside> {
-        let outside_of = |(covered, samples): (&Covered, &u64)| Outside {
-            name: covered.name.clone(),
-            unit: covered.unit.clone(),
-            low: covered.low,
-            high: covered.high,
-            samples: *samples,
-            share: *samples as f64 / self.samples.max(1) as f64,
+        let outside_of = |(covered, samples): (&Covered, &u64)| {
+            let (Covered { name, unit, low, high }, samples) = (covered.clone(), *samples);
+            let share = samples as f64 / self.samples.max(1) as f64;
+            Outside { name, unit, low, high, samples, share }
         };
         let left = self.covered.iter().zip(&self.outside).filter(|(_, samples)| **samples > 0);
         left.map(outside_of).collect()

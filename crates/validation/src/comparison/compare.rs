@@ -7,7 +7,7 @@ use regression::pooled::{Part, PooledRuns};
 use ship::engine::RunView;
 use ship::model::DegreeOfFreedom;
 
-use super::bands::{Banded, Bands, Counter, Inside, Known, Outside, Spread, Spreads};
+use super::bands::{Banded, Bands, Counter, EstimatedErrors, Inside, Outside, Spread, Spreads};
 use super::simulated::{ComparedModel, Contestant, Difference, Ship, Simulated, Standing, Trajectory};
 use super::validity::{ErrorCorrelations, Magnitudes, Validity, error_correlations};
 use crate::crossval::CrossError;
@@ -18,7 +18,7 @@ pub struct CompareOptions<'a> {
     /// Length of the windows in samples; `None`: whole runs.
     pub window: Option<usize>,
     /// The estimated errors of the first model: none, its own, or one for each of the models that are averaged.
-    pub known: &'a [Known<'a>],
+    pub known: &'a [EstimatedErrors<'a>],
     /// The ranges that the first model was fitted on; of several, the first one with the most channels.
     pub covered: &'a [Covered],
     /// The magnitudes of the motions that it was fitted to, if known.
@@ -97,8 +97,10 @@ pub fn compare(
     looked.at(&sources, &models[0]);
     let compared: Vec<ComparedModel> = models.iter().map(|one| one.compared(&sources, std)).collect();
     let differences = differences(&compared, &models, std);
-    let (bands, outside) = (looked.bands(), looked.counter.outside());
+    let shares = looked.inside.shares().or_else(|| looked.spreads.as_ref()?.together.shares());
+    let (bands, outside) = (shares.map(Bands::of), looked.counter.outside());
     let spread = looked.spreads.as_ref().and_then(Spreads::spread);
+    let inside = (bands.as_ref(), spread.as_ref());
     let whole = runs.windows(None);
     let validity = options.magnitudes.and_then(|known| {
         let parts = || whole.iter().flat_map(|(_, parts)| parts);
@@ -109,12 +111,7 @@ pub fn compare(
         windows: windows().count() as u64,
         samples: windows().map(|w| w.samples() as u64).sum(),
         std,
-        statements: verdict(
-            &compared,
-            &differences,
-            (validity.as_ref(), &outside),
-            (bands.as_ref(), spread.as_ref()),
-        ),
+        statements: verdict(&compared, &differences, (validity.as_ref(), &outside), inside),
         models: compared,
         differences,
         bands,
@@ -128,10 +125,7 @@ pub fn compare(
 
 /// A part with these rows of inputs and measured disturbances, where there are any.
 fn viewed<'a>((part, rows): (&'a Part, &'a Option<Cow<'a, [f64]>>)) -> RunView<'a> {
-    match rows {
-        Some(exogenous) => RunView { exogenous, ..part.view() },
-        None => part.view(),
-    }
+    rows.as_ref().map_or(part.view(), |exogenous| RunView { exogenous, ..part.view() })
 }
 
 /// The first model sample by sample.
@@ -165,20 +159,14 @@ impl<'a> Looked<'a> {
         }
     }
 
-    /// Shares of the samples inside the bands.
-    fn bands(&self) -> Option<Bands> {
-        self.inside.shares().map(Bands::of).or_else(|| self.spreads.as_ref()?.bands())
-    }
-
-    /// Half-widths of the bands over `window`, where its simulation is `found`; `None` if they are not known.
+    /// Half-widths of the bands over `window`, with its simulation; `None` if they are not known.
     fn halves(&mut self, window: &Part, Trajectory { states, spread }: &Trajectory) -> Option<Vec<[f64; 3]>> {
         let of_spread = self.spreads.as_mut().and_then(|spreads| spreads.add(window, states, spread));
         let each: Option<Vec<_>> =
             self.banded.iter().map(|banded| banded.halves(window, self.are_inputs_held)).collect();
         let each = each.filter(|each| !each.is_empty());
         let mean = each.map(|each| {
-            let of =
-                |k: usize, d: usize| each.iter().map(|halves| halves[k][d]).sum::<f64>() / each.len() as f64;
+            let of = |k: usize, d: usize| each.iter().map(|band| band[k][d]).sum::<f64>() / each.len() as f64;
             (0..=window.samples()).map(|k| [0, 1, 2].map(|d| of(k, d))).collect::<Vec<[f64; 3]>>()
         });
         if let Some(halves) = &mean {
@@ -187,12 +175,12 @@ impl<'a> Looked<'a> {
         mean.or(of_spread)
     }
 
-    fn at(&mut self, sources: &[(String, Vec<Part>)], found: &Simulated) {
-        for ((source, windows), trajectories) in sources.iter().zip(&found.windows) {
+    fn at(&mut self, sources: &[(String, Vec<Part>)], simulated: &Simulated) {
+        for ((source, windows), trajectories) in sources.iter().zip(&simulated.windows) {
             for (i, (window, trajectory)) in windows.iter().zip(trajectories).enumerate() {
-                let Some(found) = trajectory else { continue };
-                let bands = self.halves(window, found);
-                let states = &found.states;
+                let Some(trajectory) = trajectory else { continue };
+                let bands = self.halves(window, trajectory);
+                let states = &trajectory.states;
                 if let Some(ship) = &self.widest {
                     self.counter.add(&ship.exogenous(window), states);
                 }
@@ -216,11 +204,9 @@ const FEW: usize = 6;
 /// The first of `compared` against the others by their error norms: recording by recording, or window by window.
 fn differences(compared: &[ComparedModel], models: &[Simulated], std: [f64; 3]) -> Vec<Difference> {
     let by_window = compared.first().is_none_or(|first| first.recordings.len() < FEW);
-    let norms = |i: usize| -> Vec<Option<f64>> {
-        match by_window {
-            true => models[i].sums.iter().flatten().map(|sum| sum.errors(std, std).error_norm).collect(),
-            false => compared[i].recordings.iter().map(|recording| recording.errors.error_norm).collect(),
-        }
+    let norms = |i: usize| match by_window {
+        true => models[i].sums.iter().flatten().map(|sum| sum.errors(std, std).error_norm).collect(),
+        false => compared[i].recordings.iter().map(|one| one.errors.error_norm).collect::<Vec<_>>(),
     };
     let first = norms(0);
     let difference = |i: usize| {
@@ -258,17 +244,13 @@ fn headline(model: &ComparedModel) -> String {
     if errors.diverged > 0 {
         return format!("useless: {} of {} windows diverge", errors.diverged, errors.windows);
     }
-    let fits: Vec<String> = DegreeOfFreedom::ALL.into_iter().zip(errors.fits()).map(fit).collect();
-    let worse = DegreeOfFreedom::ALL.into_iter().zip(errors.fits());
-    let worse = worse.filter(|(_, fit)| fit.is_some_and(|fit| fit <= 0.0));
+    let degrees = || DegreeOfFreedom::ALL.into_iter().zip(errors.fits());
+    let fits = degrees().map(fit).collect::<Vec<_>>().join(", ");
+    let worse = degrees().filter(|(_, fit)| fit.is_some_and(|fit| fit <= 0.0));
     let worse: Vec<String> = worse.map(|(d, _)| d.name().to_owned()).collect();
-    match worse.len() {
-        0 => format!("fit {}", fits.join(", ")),
-        _ => format!(
-            "useless in {}: no better than the mean of the data (fit {})",
-            listed(&worse),
-            fits.join(", ")
-        ),
+    match worse.is_empty() {
+        true => format!("fit {fits}"),
+        false => format!("useless in {}: no better than the mean of the data (fit {fits})", listed(&worse)),
     }
 }
 

@@ -8,7 +8,7 @@ mod compare;
 mod simulated;
 mod validity;
 
-pub use bands::{Bands, Counter, Known, Outside, Spread};
+pub use bands::{Bands, Counter, EstimatedErrors, Outside, Spread};
 pub use compare::{CompareOptions, Compared, Traced, compare};
 pub use simulated::{
     ComparedErrors, ComparedModel, ComparedRecording, Contestant, Difference, Ship, Standing,

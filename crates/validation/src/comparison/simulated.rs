@@ -76,15 +76,14 @@ impl Simulated {
         simulate: impl Fn(&[Part], &Part) -> Option<Trajectory>,
     ) -> Self {
         let (mut windows, mut sums) = (Vec::new(), Vec::new());
-        for (_, own) in sources {
-            let found: Vec<Option<Trajectory>> = own.iter().map(|window| simulate(own, window)).collect();
+        for (_, parts) in sources {
+            let trajectories: Vec<Option<Trajectory>> =
+                parts.iter().map(|window| simulate(parts, window)).collect();
             let sum = |(window, trajectory): (&Part, &Option<Trajectory>)| {
-                let mut sum = Sums::default();
-                sum.add(window, trajectory.as_ref().map(|trajectory| trajectory.states.as_slice()));
-                sum
+                Sums::of(window, trajectory.as_ref().map(|trajectory| trajectory.states.as_slice()))
             };
-            sums.push(own.iter().zip(&found).map(sum).collect());
-            windows.push(found);
+            sums.push(parts.iter().zip(&trajectories).map(sum).collect());
+            windows.push(trajectories);
         }
         Self { standing, place, windows, sums }
     }
@@ -194,22 +193,19 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    /// Adds a window with its simulated `states`, (N+1) × 3; `None`: it diverged.
-    pub fn add(&mut self, window: &Part, states: Option<&[f64]>) {
-        self.windows += 1;
-        let Some(states) = states else {
-            self.diverged += 1;
-            return;
-        };
-        self.samples += window.samples() as u64;
+    /// Of a window with its simulated `states`, (N+1) × 3; `None`: it diverged.
+    fn of(window: &Part, states: Option<&[f64]>) -> Self {
+        let Some(states) = states else { return Self { windows: 1, diverged: 1, ..Self::default() } };
+        let mut sums = Self { windows: 1, samples: window.samples() as u64, ..Self::default() };
         let pairs = window.measured.as_chunks::<3>().0.iter().zip(states.as_chunks::<3>().0);
         for (measured, simulated) in pairs.skip(1) {
             for d in 0..3 {
                 let error = measured[d] - simulated[d];
-                self.errors[d] += error;
-                self.squares[d] += error * error;
+                sums.errors[d] += error;
+                sums.squares[d] += error * error;
             }
         }
+        sums
     }
 
     pub fn merge(&mut self, other: &Self) {
@@ -222,34 +218,22 @@ impl Sums {
         });
     }
 
-    /// The errors relative to the standard deviations `own` of these windows and `all` of all windows.
+    /// The errors relative to the standard deviations `still` of these windows and `all` of all windows.
     pub fn errors(&self, still: [f64; 3], all: [f64; 3]) -> ComparedErrors {
         let Self { windows, diverged, samples, .. } = *self;
-        let counted = ComparedErrors { windows, diverged, samples, ..ComparedErrors::default() };
+        let mut errors = ComparedErrors { windows, diverged, samples, ..ComparedErrors::default() };
         if diverged > 0 || samples == 0 {
-            return counted;
+            return errors;
         }
         let n = samples as f64;
         let rmse = self.squares.map(|sum| (sum / n).sqrt());
         let fit = |d: usize| (still[d] > 0.0).then(|| 100.0 * (1.0 - rmse[d] / still[d]));
         let norm = (0..3).map(|d| (rmse[d] / all[d]).powi(2)).sum::<f64>().sqrt();
-        let ([rmse_u, rmse_v, rmse_r], [bias_u, bias_v, bias_r]) =
-            (rmse.map(Some), self.errors.map(|sum| Some(sum / n)));
-        let [fit_u, fit_v, fit_r] = [0, 1, 2].map(fit);
-        let error_norm = Some(norm).filter(|norm| norm.is_finite());
-        ComparedErrors {
-            rmse_u,
-            rmse_v,
-            rmse_r,
-            fit_u,
-            fit_v,
-            fit_r,
-            bias_u,
-            bias_v,
-            bias_r,
-            error_norm,
-            ..counted
-        }
+        [errors.rmse_u, errors.rmse_v, errors.rmse_r] = rmse.map(Some);
+        [errors.fit_u, errors.fit_v, errors.fit_r] = [0, 1, 2].map(fit);
+        [errors.bias_u, errors.bias_v, errors.bias_r] = self.errors.map(|sum| Some(sum / n));
+        errors.error_norm = Some(norm).filter(|norm| norm.is_finite());
+        errors
     }
 }
 

@@ -67,15 +67,11 @@ impl Magnitudes {
     ///
     /// # Errors
     /// Runs that cannot be read.
-    pub fn of<R: Recorded>(
-        model: &Model,
-        runs: &PooledRuns<R>,
-        rate_hz: f64,
-    ) -> Result<Option<Self>, R::Error> {
+    pub fn of<R: Recorded>(model: &Model, runs: &PooledRuns<R>, hz: f64) -> Result<Option<Self>, R::Error> {
         let mut ends = vec![[f64::INFINITY, f64::NEG_INFINITY]; model.variables.len()];
         let mut stretches = 0;
         runs.each_source(None, |_, parts| {
-            for stretch in parts.iter().flat_map(|part| magnitudes(part.view(), rate_hz)) {
+            for stretch in parts.iter().flat_map(|part| magnitudes(part.view(), hz)) {
                 stretches += 1;
                 for ([low, high], value) in ends.iter_mut().zip(stretch) {
                     (*low, *high) = (low.min(value), high.max(value));
@@ -102,12 +98,8 @@ fn magnitudes(run: RunView, rate_hz: f64) -> impl Iterator<Item = Vec<f64>> {
         let states = run.measured[3 * rows.start..3 * rows.end].as_chunks::<3>().0;
         let inputs = run.exogenous[width * rows.start..width * rows.end].chunks_exact(width.max(1));
         let mut sums = vec![0.0; 3 + width];
-        for row in states {
-            row.iter().enumerate().for_each(|(d, x)| sums[d] += x * x);
-        }
-        for row in inputs {
-            row.iter().enumerate().for_each(|(i, x)| sums[3 + i] += x * x);
-        }
+        states.iter().for_each(|row| sums.iter_mut().zip(row).for_each(|(sum, x)| *sum += x * x));
+        inputs.for_each(|row| sums[3..].iter_mut().zip(row).for_each(|(sum, x)| *sum += x * x));
         sums.into_iter().map(|sum: f64| (sum / length as f64).sqrt()).collect()
     })
 }
@@ -115,22 +107,17 @@ fn magnitudes(run: RunView, rate_hz: f64) -> impl Iterator<Item = Vec<f64>> {
 impl Validity {
     /// Compares `runs` with `known`; `None` if no run is as long as a stretch.
     pub fn of<'r>(known: &Magnitudes, runs: impl Iterator<Item = RunView<'r>>, rate_hz: f64) -> Option<Self> {
-        let unlike = |c: &Covered| Unlike {
-            name: c.name.clone(),
-            unit: c.unit.clone(),
-            low: c.low,
-            high: c.high,
-            below: 0,
-            above: 0,
+        let unlike = |known: &Covered| {
+            let Covered { name, unit, low, high } = known.clone();
+            Unlike { name, unit, low, high, below: 0, above: 0 }
         };
         let mut channels: Vec<Unlike> = known.channels.iter().map(unlike).collect();
         let (mut stretches, mut outside) = (0, 0);
         for stretch in runs.flat_map(|run| magnitudes(run, rate_hz)) {
             stretches += 1;
             let mut left = false;
-            for (channel, value) in channels.iter_mut().zip(stretch) {
-                let (below, above) =
-                    (value < channel.low * (1.0 - NONE), value > channel.high * (1.0 + NONE));
+            for (channel, x) in channels.iter_mut().zip(stretch) {
+                let (below, above) = (x < channel.low * (1.0 - NONE), x > channel.high * (1.0 + NONE));
                 channel.below += u64::from(below);
                 channel.above += u64::from(above);
                 left |= below || above;
@@ -161,17 +148,12 @@ impl Validity {
     /// In words; `None` if all is inside.
     pub fn statement(&self) -> Option<String> {
         let Self { stretch_s, stretches, outside, channels } = self;
-        let side = |name: &str, word: &str, bound: f64, unit: &str, count: u64| {
-            (count > 0).then(|| format!("{name} {word} {bound:.3e} {unit} in {count}"))
+        let sides = |Unlike { name, unit, low, high, below, above }: &Unlike| {
+            let sides =
+                [("below", low, below), ("above", high, above)].into_iter().filter(|side| *side.2 > 0);
+            sides.map(|(word, bound, count)| format!("{name} {word} {bound:.3e} {unit} in {count}")).collect()
         };
-        let sides = |c: &Unlike| {
-            let sides = [
-                side(&c.name, "below", c.low, &c.unit, c.below),
-                side(&c.name, "above", c.high, &c.unit, c.above),
-            ];
-            sides.into_iter().flatten().collect::<Vec<_>>()
-        };
-        let all: Vec<String> = channels.iter().flat_map(sides).collect();
+        let all: Vec<String> = channels.iter().flat_map::<Vec<_>, _>(sides).collect();
         (*outside > 0).then(|| {
             format!(
                 "outside the range of validity in {outside} of {stretches} stretches of {stretch_s} s, where the ship moves \
@@ -238,8 +220,7 @@ pub(super) fn error_correlations(
     let (followed, errors): (Vec<&Part>, Vec<[Vec<f64>; 3]>) = simulated
         .filter_map(|(window, trajectory)| Some((window, free_run(window, &trajectory.as_ref()?.states))))
         .unzip();
-    let residuals: Vec<[Vec<f64>; 3]> =
-        all().map(|window| one_step(first, window, are_inputs_held)).collect();
+    let residuals: Vec<[Vec<f64>; 3]> = all().map(|part| one_step(first, part, are_inputs_held)).collect();
     let windows: Vec<&Part> = all().collect();
     let one_step = of_states(first, ErrorKind::OneStep, &windows, &residuals);
     one_step.into_iter().chain(of_states(first, ErrorKind::FreeRun, &followed, &errors)).collect()
@@ -294,10 +275,10 @@ fn of_states(
     let inputs: Vec<(&str, Vec<Vec<f64>>)> =
         variables.iter().enumerate().map(|(i, variable)| (variable.name.as_str(), channel(i))).collect();
     let state = |d: DegreeOfFreedom| {
-        let own: Vec<Vec<f64>> = errors.iter().map(|window| window[d as usize].clone()).collect();
-        let samples: usize = own.iter().map(Vec::len).sum();
+        let lagged: Vec<Vec<f64>> = errors.iter().map(|window| window[d as usize].clone()).collect();
+        let samples: usize = lagged.iter().map(Vec::len).sum();
         let crossed = |(name, input): &(&str, Vec<Vec<f64>>)| {
-            let crossed = cross_correlations(&own, input, CROSSED)?;
+            let crossed = cross_correlations(&lagged, input, CROSSED)?;
             Some(InputCorrelations { name: (*name).to_owned(), crossed })
         };
         Some(ErrorCorrelations {
@@ -305,7 +286,7 @@ fn of_states(
             state: d.state().to_owned(),
             samples: samples as u64,
             bound: Z / (samples as f64).sqrt(),
-            own: autocorrelations(&own, OWN)?,
+            own: autocorrelations(&lagged, OWN)?,
             inputs: inputs.iter().filter_map(crossed).collect(),
         })
     };

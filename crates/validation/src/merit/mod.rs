@@ -37,9 +37,8 @@ pub enum Unsimulated {
 
 impl From<Unsimulated> for Invalid {
     fn from(unsimulated: Unsimulated) -> Self {
-        match unsimulated {
-            Unsimulated::Unheld(invalid) | Unsimulated::Diverged(invalid) => invalid,
-        }
+        let (Unsimulated::Unheld(invalid) | Unsimulated::Diverged(invalid)) = unsimulated;
+        invalid
     }
 }
 
@@ -105,15 +104,11 @@ impl<'a> Merit<'a> {
     /// A dictionary without standard maneuvers.
     pub fn new(vessel: &'a Vessel, generator: Option<&'a Generator>, length_m: f64) -> Result<Self, Invalid> {
         let all = generator.map_or(&[][..], |generator| generator.maneuvers());
-        let standard =
-            all.iter().enumerate().filter_map(|(i, maneuver)| Some((i, maneuver, maneuver.kind.standard()?)));
-        let blank = |(i, maneuver, standard): (usize, &maneuver::ManeuverSpec, Standard)| Gathered {
-            index: Some(i),
-            name: maneuver.name.clone(),
-            kind: standard.name().to_owned(),
-            ..Gathered::default()
+        let standard = |(index, one): (usize, &maneuver::ManeuverSpec)| {
+            let (name, kind) = (one.name.clone(), one.kind.standard()?.name().to_owned());
+            Some(Gathered { index: Some(index), name, kind, ..Gathered::default() })
         };
-        let gathered: Vec<Gathered> = standard.map(blank).collect();
+        let gathered: Vec<Gathered> = all.iter().enumerate().filter_map(standard).collect();
         if generator.is_some() && gathered.is_empty() {
             return Err(Invalid::new(
                 "[[maneuver]]",
@@ -132,10 +127,8 @@ impl<'a> Merit<'a> {
         let width = vessel.model.exogenous();
         let ends = run.segments.iter().skip(1).map(|next| next.start).chain([run.samples()]);
         for (segment, end) in run.segments.iter().zip(ends) {
-            let place = self
-                .gathered
-                .iter()
-                .position(|gathered| gathered.index.is_some() && gathered.name == segment.maneuver);
+            let is_it = |one: &Gathered| one.index.is_some() && one.name == segment.maneuver;
+            let place = self.gathered.iter().position(is_it);
             if self.generator.is_some() && place.is_none() {
                 continue;
             }
@@ -161,13 +154,8 @@ impl<'a> Merit<'a> {
     /// The place of what a log called `name` was found to be.
     fn recognised(&mut self, name: &str, maneuver: Option<&Found>) -> usize {
         let (kind, sailed) = maneuver.map_or(("", ""), |sailed| (sailed.kind, sailed.sailed.as_str()));
-        let is_it = |gathered: &Gathered| {
-            gathered.sailed == sailed
-                && gathered
-                    .name
-                    .strip_prefix(name)
-                    .is_some_and(|rest| rest.is_empty() || rest.starts_with(": "))
-        };
+        let is_rest = |rest: &str| rest.is_empty() || rest.starts_with(": ");
+        let is_it = |one: &Gathered| one.sailed == sailed && one.name.strip_prefix(name).is_some_and(is_rest);
         self.gathered.iter().position(is_it).unwrap_or_else(|| {
             // The same name may stand for different maneuvers.
             let is_known = self.gathered.iter().any(|gathered| gathered.name == name);
@@ -213,16 +201,9 @@ impl<'a> Merit<'a> {
         }
     }
 
-    fn note(
-        &mut self,
-        place: usize,
-        design: &str,
-        run: i32,
-        record: &Record,
-        sailed: Result<Found, Invalid>,
-    ) {
+    fn note(&mut self, place: usize, design: &str, run: i32, record: &Record, merit: Result<Found, Invalid>) {
         let gathered = &mut self.gathered[place];
-        match sailed.and_then(all_finite) {
+        match merit.and_then(all_finite) {
             Ok(sailed) => {
                 self.rows.extend(sailed.figures.iter().map(|figure| MeritRow {
                     design: design.to_owned(),
@@ -273,26 +254,22 @@ impl<'a> Merit<'a> {
             let thing = format!("maneuver `{}`, {}", maneuver.name, reason.thing);
             return Err(Invalid { thing, ..reason.clone() });
         }
-        let one = |gathered: &Gathered| {
+        let merit = |one: &Gathered| {
             let merit = ManeuverMerit {
-                name: gathered.name.clone(),
-                kind: gathered.kind.clone(),
-                sailed: Some(gathered.sailed.clone()).filter(|sailed| !sailed.is_empty()),
-                runs: gathered.figures.len() as u64,
-                without: gathered.without,
-                diverged: gathered.diverged,
-                reason: gathered.reason.as_ref().map(ToString::to_string),
-                figures: FigureMerit::all(&gathered.figures, of_parameters),
-                remarks: gathered
-                    .remarks
-                    .values()
-                    .map(|remark| counted(remark, gathered.figures.len()))
-                    .collect(),
-                track: gathered.track.clone().unwrap_or_default(),
+                name: one.name.clone(),
+                kind: one.kind.clone(),
+                sailed: Some(one.sailed.clone()).filter(|sailed| !sailed.is_empty()),
+                runs: one.figures.len() as u64,
+                without: one.without,
+                diverged: one.diverged,
+                reason: one.reason.as_ref().map(ToString::to_string),
+                figures: FigureMerit::all(&one.figures, of_parameters),
+                remarks: one.remarks.values().map(|remark| counted(remark, one.figures.len())).collect(),
+                track: one.track.clone().unwrap_or_default(),
             };
-            merit.with_slopes(gathered.slopes.as_ref())
+            merit.with_slopes(one.slopes.as_ref())
         };
-        Ok(all.into_iter().map(one).collect())
+        Ok(all.into_iter().map(merit).collect())
     }
 }
 
@@ -308,9 +285,8 @@ fn undisturbed<'a>(
     index: usize,
     parameters: &[f64],
 ) -> Result<(Standard<'a>, Record), Unsimulated> {
-    let realized =
-        generator.samples(index).and_then(|samples| Ok((samples, generator.realize(index, samples)?)));
-    let (samples, realized) = realized.map_err(Unsimulated::Unheld)?;
+    let made = generator.samples(index).and_then(|samples| Ok((samples, generator.realize(index, samples)?)));
+    let (samples, realized) = made.map_err(Unsimulated::Unheld)?;
     let maneuver = &generator.maneuvers()[index];
     let (Some(standard), Some(helm)) = (maneuver.kind.standard(), &realized.helm) else {
         let e = Invalid::new("maneuver", "no orders", "those of a standard maneuver", "remove it");

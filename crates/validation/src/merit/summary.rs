@@ -131,13 +131,12 @@ impl ManeuverMerit {
     pub(super) fn with_slopes(mut self, slopes: Option<&Result<Vec<FigureSlopes>, Invalid>>) -> Self {
         let Some(slopes) = slopes else { return self };
         for figure in self.figures.iter_mut().filter(|figure| !figure.is_aside) {
-            let own = slopes.as_ref().map(|all| all.iter().find(|one| one.figure == figure.name));
-            match own.map(|slope| slope.map(|one| &one.slopes)) {
+            let computed = slopes.as_ref().map(|all| all.iter().find(|one| one.figure == figure.name));
+            match computed.map(|of| of.map(|one| &one.slopes)) {
                 Ok(Some(Ok(slopes))) => figure.slopes = Some(slopes.clone()),
                 Ok(Some(Err(why))) | Err(why) => figure.without_slopes = Some(why.to_string()),
                 Ok(None) => {
-                    let why = "the undisturbed model has no such figure";
-                    figure.without_slopes = Some(why.to_owned());
+                    figure.without_slopes = Some("the undisturbed model has no such figure".to_owned())
                 }
             }
         }
@@ -150,7 +149,7 @@ impl FigureMerit {
     pub(super) fn all(runs: &[Vec<Figure>], of_parameters: bool) -> Vec<Self> {
         let mut known: Vec<&Figure> = Vec::new();
         for figure in runs.iter().flatten() {
-            if known.iter().all(|own| own.name != figure.name) {
+            if known.iter().all(|one| one.name != figure.name) {
                 known.push(figure);
             }
         }
@@ -228,7 +227,7 @@ pub struct FigureSlopes {
 }
 
 /// The figures of the undisturbed ship, or why it has none.
-type Found = Result<Vec<Figure>, Invalid>;
+type MeanFigures = Result<Vec<Figure>, Invalid>;
 
 /// Parts of a sample by which the helm of a zig-zag goes over later: figures are means over them. What a coarse model does
 /// depends on where within a sample orders fall, and that jumps with the parameters.
@@ -243,13 +242,8 @@ impl Merit<'_> {
     pub fn differentiate(&mut self, parameters: &[f64], step: f64) -> Result<(), Invalid> {
         let names: Vec<&str> = self.hull.vessel.model.parameter_names().collect();
         if let Some((name, _)) = names.iter().zip(parameters).find(|(_, value)| **value == 0.0) {
-            let remedy = "give it a value, or take the term out";
-            return Err(Invalid::new(
-                format!("parameter `{name}`"),
-                "0",
-                "a value that a step is relative to",
-                remedy,
-            ));
+            let (thing, remedy) = (format!("parameter `{name}`"), "give it a value, or take the term out");
+            return Err(Invalid::new(thing, "0", "a value that a step is relative to", remedy));
         }
         let sample_s = 1.0 / self.hull.vessel.sample_rate_hz;
         let later = |phase| (f64::from(phase) + 0.5) / f64::from(PHASES) * sample_s;
@@ -257,14 +251,14 @@ impl Merit<'_> {
             (0..PHASES).filter_map(|phase| Some(self.generator?.clone().later(later(phase)))).collect();
         for place in 0..self.gathered.len() {
             let Some(index) = self.gathered[place].index else { continue };
-            let found = |parameters: &[f64]| self.found(&phases, index, parameters);
-            let base = found(parameters);
+            let figures_at = |parameters: &[f64]| self.mean_figures(&phases, index, parameters);
+            let base = figures_at(parameters);
             let mut ends = Vec::with_capacity(names.len());
             for (i, name) in names.iter().enumerate() {
                 let off = |sign: f64| {
                     let mut moved = parameters.to_vec();
                     moved[i] *= 1.0 + sign * step;
-                    found(&moved)
+                    figures_at(&moved)
                 };
                 ends.push((*name, 2.0 * step * parameters[i], [off(-1.0), off(1.0)]));
             }
@@ -274,7 +268,7 @@ impl Merit<'_> {
     }
 
     /// The figures of the undisturbed ship with `parameters`, means over the phases in which there is each.
-    fn found(&self, phases: &[Generator], index: usize, parameters: &[f64]) -> Found {
+    fn mean_figures(&self, phases: &[Generator], index: usize, parameters: &[f64]) -> MeanFigures {
         let is_phased = matches!(phases[0].maneuvers()[index].kind, Kind::ZigZagTest(_));
         let phases = if is_phased { phases } else { &phases[..1] };
         let mut mean: Vec<Figure> = Vec::new();
@@ -288,8 +282,7 @@ impl Merit<'_> {
             }
             mean.retain(|known| figures.iter().any(|figure| figure.name == known.name));
             for known in &mut mean {
-                let value =
-                    figures.iter().find(|figure| figure.name == known.name).map(|figure| figure.value);
+                let value = figures.iter().find(|one| one.name == known.name).map(|one| one.value);
                 known.value += part * value.unwrap_or(f64::NAN);
             }
         }
@@ -298,7 +291,7 @@ impl Merit<'_> {
 }
 
 /// The slopes of all `figures` from those at both ends of every parameter's step, which has a name and a width.
-fn slopes(figures: &[Figure], ends: &[(&str, f64, [Found; 2])]) -> Vec<FigureSlopes> {
+fn slopes(figures: &[Figure], ends: &[(&str, f64, [MeanFigures; 2])]) -> Vec<FigureSlopes> {
     let one = |figure: &Figure| {
         let slopes = ends.iter().map(|(name, width, ends)| {
             slope(figure, name, *width, ends).map(|slope| ((*name).to_owned(), slope))
@@ -309,13 +302,13 @@ fn slopes(figures: &[Figure], ends: &[(&str, f64, [Found; 2])]) -> Vec<FigureSlo
 }
 
 /// The derivative of `figure` by the parameter `name` from the figures at both ends of its step, which are `width` apart.
-fn slope(figure: &Figure, name: &str, width: f64, ends: &[Found; 2]) -> Result<f64, Invalid> {
+fn slope(figure: &Figure, name: &str, width: f64, ends: &[MeanFigures; 2]) -> Result<f64, Invalid> {
     let thing = || format!("{} with another `{name}`", figure.what);
-    let of = |end: &Found| {
+    let of = |end: &MeanFigures| {
         let figures =
             end.as_ref().map_err(|e| Invalid { thing: format!("{}: {}", thing(), e.thing), ..e.clone() })?;
-        let own = figures.iter().find(|own| own.name == figure.name).map(|figure| figure.value);
-        own.filter(|value| value.is_finite()).ok_or_else(|| {
+        let value = figures.iter().find(|one| one.name == figure.name).map(|one| one.value);
+        value.filter(|value| value.is_finite()).ok_or_else(|| {
             Invalid::new(thing(), "none", "one on both sides of the parameter", "run the maneuver longer")
         })
     };

@@ -1,23 +1,21 @@
 //! Models from sub-experiments that a design picked, against random picks of the same number.
 
-mod select;
+mod scores;
 
 use std::collections::BTreeMap;
 
-use estimation::pooled::{InstrumentFit, NoEstimate, Pool, Score};
+use estimation::pooled::{InstrumentFit, NoEstimate, Pool, Score, deviations};
 use estimation::{Estimator, ScoreStatus, free_runs};
+use numerics::LANES;
 use numerics::lanes::interleave;
 use refusal::listed;
 use regression::Sums;
 use regression::pooled::{
     Centring, LostInstruments, Options, Part, PooledRuns, PooledSums, Solution, Strength, fit, joined,
 };
-use ship::engine::{RunView, Streams};
+use ship::engine::Streams;
 
-pub use select::{
-    DEGENERATE, PublishedLimits, Selection, SelectionErrors, SelectionOptions, SelectionScores, Selector,
-    SharesBeyond,
-};
+pub use scores::{DEGENERATE, PublishedLimits, Realization, SelectionErrors, SelectionScores, SharesBeyond};
 
 /// The number of `parts` of each maneuver.
 pub fn available(parts: &[Part]) -> BTreeMap<String, u64> {
@@ -29,7 +27,7 @@ pub fn available(parts: &[Part]) -> BTreeMap<String, u64> {
 /// The random draw of a realization.
 struct Draw {
     /// `optimized` or `random`.
-    pub design: &'static str,
+    design: &'static str,
     streams: Streams,
     /// Per picked maneuver: its parts, and the number to pick.
     groups: Vec<(Vec<usize>, usize)>,
@@ -182,42 +180,120 @@ fn poor(fits: [f64; 3], weakest: Option<(String, f64)>) -> Option<String> {
     })
 }
 
-/// One realization: the picked parts, and the score of its model.
+/// Options of a selection study.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Realization {
-    /// `optimized` or `random`.
-    pub design: String,
-    /// Its number.
-    pub number: i32,
-    /// Indices of the parts, ascending: `3 17 40`.
-    pub picked: String,
-    /// The status of its model over all parts.
-    pub status: ScoreStatus,
-    /// Free simulation over all parts: RMSE of u, v, r; absent without a model and if it diverged.
-    pub rmse: Option<[f64; 3]>,
-    /// Norm of RMSE/std.
-    pub error_norm: Option<f64>,
-    /// RMSE over the parts that were not picked.
-    pub left_out_rmse: Option<[f64; 3]>,
-    /// Norm of RMSE/std over them.
-    pub left_out_norm: Option<f64>,
-}
-
-/// Makes realizations from sums per part.
-struct Realizer<'a> {
-    /// The options of all estimates.
-    pub pool: &'a Pool<'a>,
-    /// The estimator.
+pub struct SelectionOptions {
+    /// The estimator: `ls`, `iv` or `auto`.
     pub estimator: Estimator,
-    /// Sums per part.
-    pub prepared: &'a Prepared,
-    /// All parts, to simulate over.
-    pub parts: &'a [RunView<'a>],
-    /// Standard deviations of u, v, r over them.
-    pub std: [f64; 3],
+    /// Number of sub-experiments of each maneuver that the design picks.
+    pub counts: BTreeMap<String, u64>,
+    /// Realizations per design.
+    pub realizations: u32,
+    /// Seed of the picks.
+    pub seed: u64,
+    /// Errors at which the figures of a published study end.
+    pub published_limits: Option<PublishedLimits>,
 }
 
-impl Realizer<'_> {
+/// Models from picked sub-experiments.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Selection {
+    /// Sub-experiments per realization.
+    pub picks: u64,
+    /// Number of sub-experiments of each maneuver.
+    pub available: BTreeMap<String, u64>,
+    /// Number of sub-experiments, all of which every model is simulated over.
+    pub parts: usize,
+    /// Their samples.
+    pub samples: u64,
+    /// Standard deviations of the measured u, v, r over them.
+    pub std: [f64; 3],
+    /// How well the instruments follow the measured u, v, r: 100 (1 − RMSE/std) \[%\].
+    pub instrument_fit: Option<[f64; 3]>,
+    /// Picked by the design, and at random.
+    pub designs: [SelectionScores; 2],
+    /// 90 % quantile of the optimized error norm over that of the random one; `None` if either is infinite.
+    pub ratio_q90: Option<f64>,
+    /// The result and the failures, in words.
+    pub statements: Vec<String>,
+}
+
+/// Makes the realizations of a selection study, in groups that depend only on their number.
+pub struct Selector<'a> {
+    pool: &'a Pool<'a>,
+    options: &'a SelectionOptions,
+    prepared: Prepared,
+    parts: Vec<Part>,
+    /// Standard deviations of the measured u, v, r over the parts.
+    std: [f64; 3],
+    /// By the design, and at random.
+    draws: [Draw; 2],
+}
+
+impl<'a> Selector<'a> {
+    /// Computes the sums of the sub-experiments of `runs`.
+    ///
+    /// # Errors
+    /// The nominal simulation diverges.
+    pub fn new(
+        pool: &'a Pool<'a>,
+        runs: &PooledRuns,
+        options: &'a SelectionOptions,
+    ) -> Result<Self, LostInstruments> {
+        let prepared = Prepared::new(pool, runs, options.estimator)?;
+        let parts: Vec<Part> = runs.parts(None);
+        let labels: Vec<&str> = parts.iter().map(|p| p.label.as_str()).collect();
+        let picks = options.counts.values().sum::<u64>() as usize;
+        let draws = [
+            Draw::by_design(options.seed, &labels, &options.counts),
+            Draw::at_random(options.seed, parts.len(), picks),
+        ];
+        let std = deviations(parts.iter().map(|p| p.measured.as_slice()));
+        Ok(Self { pool, options, prepared, parts, std, draws })
+    }
+
+    /// Number of groups of one design.
+    fn each(&self) -> usize {
+        (self.options.realizations as usize).div_ceil(LANES)
+    }
+
+    /// Number of groups: those that the design picks, then those at random.
+    pub fn groups(&self) -> usize {
+        self.draws.len() * self.each()
+    }
+
+    /// Number of realizations of `group`.
+    pub fn realizations_of(&self, group: usize) -> usize {
+        LANES.min(self.options.realizations as usize - group % self.each() * LANES)
+    }
+
+    /// The realizations of `group`.
+    pub fn group(&self, group: usize) -> Vec<Realization> {
+        let first = group % self.each() * LANES;
+        self.chunk(&self.draws[group / self.each()], first as u32, self.realizations_of(group))
+    }
+
+    /// The result of `realizations`, those of all groups in order.
+    pub fn found(&self, draws: &[Realization]) -> Selection {
+        let [optimized, random] = &self.draws;
+        let (first, others) = draws.split_at(draws.partition_point(|r| r.design == optimized.design));
+        let of = |draw: &Draw, all| SelectionScores::new(draw.design, all, self.options.published_limits);
+        let designs = [of(optimized, first), of(random, others)];
+        let mut statements = vec![conclusion(&designs)];
+        statements.extend(self.prepared.warnings.clone());
+        Selection {
+            picks: self.options.counts.values().sum(),
+            available: available(&self.parts),
+            parts: self.parts.len(),
+            samples: self.parts.iter().map(|p| p.samples() as u64).sum(),
+            std: self.std,
+            instrument_fit: self.prepared.instrument_fit,
+            ratio_q90: q90(&designs[0]).zip(q90(&designs[1])).map(|(optimized, random)| optimized / random),
+            designs,
+            statements,
+        }
+    }
+
     /// Up to [`numerics::LANES`] realizations, from `first` on.
     fn chunk(&self, draw: &Draw, first: u32, count: usize) -> Vec<Realization> {
         let picked: Vec<Vec<usize>> = (0..count as u32).map(|i| draw.realization(first + i)).collect();
@@ -251,7 +327,7 @@ impl Realizer<'_> {
         let zero = vec![0.0; self.pool.model.parameters()];
         let lanes = interleave(&models.iter().map(|m| m.as_deref().unwrap_or(&zero)).collect::<Vec<_>>());
         let mut scores = vec![[Score::default(); 2]; picked.len()];
-        for (place, part) in self.parts.iter().enumerate() {
+        for (place, part) in self.parts.iter().map(Part::view).enumerate() {
             let errors = free_runs(&self.pool.model, &lanes, part.exogenous, part.measured);
             for (lane, draw) in picked.iter().enumerate() {
                 scores[lane][0].add(errors[lane], part.samples());
@@ -271,13 +347,13 @@ impl Realizer<'_> {
 
     /// Collinear picks are estimated too (by `auto` with least squares): the study shows the errors.
     fn solutions(&self, picked: &[usize]) -> [Option<Solution>; 3] {
-        let Prepared { ls, iv, nominal, .. } = self.prepared;
+        let Prepared { ls, iv, nominal, .. } = &self.prepared;
         let fitted = |sums: &[Sums], options: Options| {
-            let own: Vec<&Sums> = picked.iter().map(|i| &sums[*i]).collect();
-            fit(&own, &options).map(|degree| degree.solution)
+            let chosen: Vec<&Sums> = picked.iter().map(|i| &sums[*i]).collect();
+            fit(&chosen, &options).map(|degree| degree.solution)
         };
         let options = |used: Estimator| self.pool.options(nominal.as_deref(), used);
-        match (self.estimator, iv) {
+        match (self.options.estimator, iv) {
             (Estimator::Ls, _) | (_, None) => fitted(ls, options(Estimator::Ls)),
             (Estimator::Auto, Some(iv)) => {
                 let mut solutions = fitted(iv, options(Estimator::Iv));
@@ -291,4 +367,20 @@ impl Realizer<'_> {
             (_, Some(iv)) => fitted(iv, Options { most: f64::INFINITY, ..options(Estimator::Iv) }),
         }
     }
+}
+
+fn q90(scores: &SelectionScores) -> Option<f64> {
+    scores.overlapping.error_norm.q90
+}
+
+fn conclusion([optimized, random]: &[SelectionScores; 2]) -> String {
+    let text = |scores: &SelectionScores| q90(scores).map_or("infinite".to_owned(), |q| format!("{q:.2}"));
+    let share = |scores: &SelectionScores| 100.0 * scores.degenerate_share;
+    format!(
+        "90 % quantile of the error norm: optimized {}, random {}; degenerate: optimized {:.1} %, random {:.1} %",
+        text(optimized),
+        text(random),
+        share(optimized),
+        share(random)
+    )
 }

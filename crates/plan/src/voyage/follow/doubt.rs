@@ -128,9 +128,8 @@ fn check_heading(along: &Along, parts: &[Part]) -> Result<(), Invalid> {
         return Ok(());
     }
     if is_varied && centered[1] * none[0] < 0.1 * centered[0] * none[1] {
-        let headings =
-            "headings that hardly change while courses do, as of radians, or of a sensor that hangs";
-        return Err(refused_heading("heading", headings.to_owned(), "true headings in degrees"));
+        let stuck = "headings that hardly change while courses do, as of radians, or of a sensor that hangs";
+        return Err(refused_heading("heading", stuck.to_owned(), "true headings in degrees"));
     }
     let [velocities, headings, ahead, aside] = if is_varied { centered } else { none };
     let product = libm::hypot(ahead, aside);

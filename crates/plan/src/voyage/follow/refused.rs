@@ -62,15 +62,11 @@ fn without_spikes(
 }
 
 /// Refuses a ship that is too fast over a longer way, or always far too slow: times are in another unit.
-fn check_pace(
-    track: &PlannedTrack,
-    positions: &[ShipPosition],
-    limits: &FollowLimits,
-) -> Result<(), Invalid> {
+fn check_pace(track: &PlannedTrack, positions: &[ShipPosition], limit: &FollowLimits) -> Result<(), Invalid> {
     let (mut from, mut speeds) = (&positions[0], Vec::new());
     for position in positions {
         let way_m = distance(position.place, from.place);
-        if way_m >= 10.0 * limits.uncertain_m {
+        if way_m >= 10.0 * limit.uncertain_m {
             speeds.push(way_m / (position.at_s - from.at_s));
             from = position;
         }
@@ -79,7 +75,7 @@ fn check_pace(
     let ratio = speed_m_s / track.usual_m_s();
     let unit = TIMES.into_iter().find(|(factor, _)| libm::log(ratio / factor).abs() < 0.7);
     let is_slow = speeds.len() > 1 && unit.is_some() && ratio < 0.01;
-    if speeds.is_empty() || speed_m_s <= limits.fastest_m_s && !is_slow {
+    if speeds.is_empty() || speed_m_s <= limit.fastest_m_s && !is_slow {
         return Ok(());
     }
     let unit = unit.map_or(String::new(), |(_, unit)| format!(", as of {unit} in place of seconds"));
@@ -152,10 +148,9 @@ fn check_beginning(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> 
     let maneuver = before.iter().rfind(|point| point.informative);
     let Some(point) = maneuver.filter(|_| first.at_s > limits.max_gap_s) else { return Ok(()) };
     let name = &along.track.steps[point.step].name;
-    let beginning =
-        format!("a beginning at step {}, after `{name}` in step {}", first.step + 1, point.step + 1);
+    let start = format!("a beginning at step {}, after `{name}` in step {}", first.step + 1, point.step + 1);
     let expected = "positions since the departure of the plan";
-    Err(Invalid::new(line(&along.positions[0]), beginning, expected, "give the whole log"))
+    Err(Invalid::new(line(&along.positions[0]), start, expected, "give the whole log"))
 }
 
 fn check_gaps(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {

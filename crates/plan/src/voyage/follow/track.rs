@@ -84,9 +84,8 @@ impl PlannedTrack {
     pub fn new(points: Vec<TrackPoint>, legs: &[VoyageLeg], primitives: &[Primitive], task: &Task) -> Self {
         let least_m = task.approach.tolerance.distance_m + uncertain_m(task.sensors.position_m);
         let step = |(index, leg): (usize, &VoyageLeg)| {
-            let planned =
-                primitives.iter().filter(|primitive| leg.informative && primitive.maneuver == leg.name);
-            let spread_m = planned.map(|primitive| primitive.spread_m).fold(0.0, f64::max);
+            let uses = primitives.iter().filter(|used| leg.informative && used.maneuver == leg.name);
+            let spread_m = uses.map(|primitive| primitive.spread_m).fold(0.0, f64::max);
             let pairs = points.windows(2).filter(|pair| pair[0].step == index && pair[0].informative);
             let way_m: f64 = pairs.map(|pair| pair[0].away_m(pair[1].place)).sum();
             PlannedStep { name: leg.name.clone(), within_m: least_m + spread_m.min(SPREAD * way_m) }
@@ -342,8 +341,7 @@ pub fn aligned(track: &PlannedTrack, positions: &[ShipPosition]) -> Vec<usize> {
 fn off(track: &PlannedTrack, k: usize, position: &ShipPosition) -> f64 {
     let point = &track.points[k];
     let away = point.away_m(position.place) / track.steps[point.step].within_m;
-    let turned =
-        position.heading_deg.map_or(0.0, |heading| turned_deg(heading, point.heading_deg) / HEADING_DEG);
+    let turned = position.heading_deg.map_or(0.0, |deg| turned_deg(deg, point.heading_deg) / HEADING_DEG);
     (away * away + turned * turned).min(1.0)
 }
 
