@@ -2,6 +2,7 @@ use std::ops::Range;
 
 use numerics::{congruence, dot, product, symmetric, transposed};
 
+use crate::candidates::Balanced;
 use crate::spectrum::{Block, Spectrum, is_proportional, row_without_variance};
 use crate::{Candidates, Error, Norm, Objective};
 
@@ -44,7 +45,7 @@ pub struct CovariancePoint {
 }
 
 impl Covariance {
-    /// `information`: M_q = mean of φζᵀ, rows by parameter, columns by instrument. `meat`: B_q per candidate, with
+    /// `moments`: M_q = mean of φζᵀ, rows by parameter, columns by instrument. `meat`: B_q per candidate, with
     /// the same blocks, rows and columns by instrument, symmetric. `weights`: of every row's variance, 0 for a
     /// nuisance; for a [`Norm::LogDet`] it only matters which are zero.
     ///
@@ -77,8 +78,7 @@ impl Covariance {
         let sizes: Vec<usize> = moments.blocks().map(|(n, _)| n * n).collect();
         let found: Vec<usize> = weights.iter().map(Vec::len).collect();
         if found != sizes {
-            let (found, expected) = (found.iter().sum(), sizes.iter().sum());
-            return Err(Error::Shape { found, expected });
+            return Err(Error::Shape { found: found.iter().sum(), expected: sizes.iter().sum() });
         }
         let mut block = 0;
         Self::built(moments, meat, Norm::Trace, |n, _| {
@@ -92,7 +92,7 @@ impl Covariance {
         })
     }
 
-    /// The sum of the variances of linear functions of the parameters. `functions`: the derivatives of each by every
+    /// The sum of the variances of linear functions of the parameters. `slopes`: the derivatives of each by every
     /// row. Rows of different blocks count as uncorrelated.
     ///
     /// # Errors
@@ -122,14 +122,14 @@ impl Covariance {
         if meat.len() != information.len() || meat.size() != information.size() {
             return Err(Error::Shape { found: meat.size(), expected: information.size() });
         }
-        let balanced = information.balanced()?;
-        balanced.candidates.check_excitation()?;
-        let meat = meat.congruent(&balanced.columns);
+        let Balanced { candidates: information, rows, columns, .. } = information.balanced()?;
+        information.check_excitation()?;
+        let meat = meat.congruent(&columns);
         let (mut roots, mut offset, mut first) = (Vec::new(), 0.0, 0);
         for (n, _) in information.blocks() {
             let mut rooted = root(n, first..first + n);
             for row in rooted.chunks_exact_mut(n) {
-                for (entry, unit) in row.iter_mut().zip(&balanced.rows[first..]).filter(|(e, _)| **e != 0.0) {
+                for (entry, unit) in row.iter_mut().zip(&rows[first..]).filter(|(e, _)| **e != 0.0) {
                     match norm {
                         Norm::LogDet => offset -= 2.0 * libm::log(*unit),
                         Norm::Trace => *entry /= unit,
@@ -139,16 +139,8 @@ impl Covariance {
             roots.push(rooted);
             first += n;
         }
-        let concave = is_proportional(&balanced.candidates, &meat);
-        let built = Self {
-            information: balanced.candidates,
-            meat,
-            roots,
-            rows: balanced.rows,
-            norm,
-            offset,
-            concave,
-        };
+        let concave = is_proportional(&information, &meat);
+        let built = Self { information, meat, roots, rows, norm, offset, concave };
         built.check_covariance()?;
         Ok(built)
     }

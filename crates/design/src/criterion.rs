@@ -89,9 +89,7 @@ impl Criterion {
     ) -> Result<Self, NoDesign> {
         let rows = dictionary.by_row(&weights);
         let built = Covariance::new(&dictionary.information, meat, &rows, norm);
-        let covariance = built.map_err(|e| dictionary.explain(e))?;
-        let of = Weighed::Parameters;
-        Ok(Self::Covariance(Box::new(CovarianceCriterion { covariance, weights, of })))
+        Self::built(built, dictionary, weights, Weighed::Parameters)
     }
 
     /// Σ weight · gᵀ cov g / value² over `figures`, plus 10⁻⁵ of the sum of the variances relative to `parameters`,
@@ -108,10 +106,7 @@ impl Criterion {
         let rows = weighted(figures, parameters);
         let functions: Vec<Vec<f64>> = rows.iter().map(|row| dictionary.by_row(row)).collect();
         let built = Covariance::of_functions(&dictionary.information, meat, &functions);
-        let covariance = built.map_err(|e| dictionary.explain(e))?;
-        let weights = vec![1.0; dictionary.parameters()];
-        let of = Weighed::Functions(functions);
-        Ok(Self::Covariance(Box::new(CovarianceCriterion { covariance, weights, of })))
+        Self::built(built, dictionary, vec![1.0; dictionary.parameters()], Weighed::Functions(functions))
     }
 
     /// The mean square of a free run's error: tr(cov G), one block of all rows.
@@ -119,12 +114,17 @@ impl Criterion {
     /// # Errors
     /// As [`Criterion::of_covariance`].
     pub fn of_free_runs(dictionary: &Dictionary, meat: &Candidates, g: Vec<f64>) -> Result<Self, NoDesign> {
-        let g = [g];
-        let built = Covariance::of_matrices(&dictionary.information, meat, &g);
+        let built = Covariance::of_matrices(&dictionary.information, meat, std::slice::from_ref(&g));
+        Self::built(built, dictionary, vec![1.0; dictionary.parameters()], Weighed::Matrix(g))
+    }
+
+    fn built(
+        built: Result<Covariance, Error>,
+        dictionary: &Dictionary,
+        weights: Vec<f64>,
+        of: Weighed,
+    ) -> Result<Self, NoDesign> {
         let covariance = built.map_err(|e| dictionary.explain(e))?;
-        let weights = vec![1.0; dictionary.parameters()];
-        let [g] = g;
-        let of = Weighed::Matrix(g);
         Ok(Self::Covariance(Box::new(CovarianceCriterion { covariance, weights, of })))
     }
 
@@ -392,15 +392,14 @@ impl CriterionName {
 
     /// Its meaning in one line.
     pub fn description(self) -> &'static str {
-        match self {
-            Self::DHessian => "log|det| of the information matrix (the paper's)",
-            Self::D => "log det of the estimate's covariance",
-            Self::A => "Sum of the variances",
-            Self::ARelative => "Sum of the variances relative to the parameters' squares",
-            Self::V => "Variance of free runs over the validation maneuvers (with --for output-error)",
-            Self::Figures => {
-                "Sum of the variances of figures of merit relative to their squares (with --figures)"
-            }
-        }
+        let all = [
+            "log|det| of the information matrix (the paper's)",
+            "log det of the estimate's covariance",
+            "Sum of the variances",
+            "Sum of the variances relative to the parameters' squares",
+            "Variance of free runs over the validation maneuvers (with --for output-error)",
+            "Sum of the variances of figures of merit relative to their squares (with --figures)",
+        ];
+        all[self as usize]
     }
 }

@@ -38,6 +38,17 @@ pub enum Status {
     Stalled,
 }
 
+impl Status {
+    /// Whether the gap was `reached`, in a problem that is proved `concave`.
+    pub(crate) fn of(reached: bool, concave: bool) -> Self {
+        match (reached, concave) {
+            (false, _) => Self::Stalled,
+            (true, true) => Self::Optimal,
+            (true, false) => Self::Stationary,
+        }
+    }
+}
+
 /// The result of one start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
@@ -160,11 +171,7 @@ pub(crate) fn from_points<O: Objective>(
     let sensitivities = objective.sensitivities(&at);
     let p = objective.degree();
     let gap = bounds.gap(&sensitivities, &best.shares, p);
-    let status = match (gap <= options.tolerance * p, concave) {
-        (false, _) => Status::Stalled,
-        (true, true) => Status::Optimal,
-        (true, false) => Status::Stationary,
-    };
+    let status = Status::of(gap <= options.tolerance * p, concave);
     let (shares, log_det) = (best.shares.clone(), best.log_det);
     Ok(Design { shares, log_det, sensitivities, gap, status, starts })
 }

@@ -110,14 +110,15 @@ impl Dictionary {
                 let place = (0..degree.parameters.len()).rev().find(|i| part(i) >= ALIKE * most).unwrap_or(0);
                 NoDesign::Unexcited {
                     degree: degree.name.clone(),
-                    place: degree.parameters[place].clone(),
+                    parameter: degree.parameters[place].clone(),
                     regressor: degree.regressors[place].clone(),
                 }
             }
             Error::SingularCovariance { block, row } => {
                 let (degree, first) = self.degree(first_row(block) + row);
                 let name = degree.parameters.get(first_row(block) + row - first).or(degree.parameters.last());
-                NoDesign::Singular { degree: degree.name.clone(), name: name.cloned().unwrap_or_default() }
+                let (degree, parameter) = (degree.name.clone(), name.cloned().unwrap_or_default());
+                NoDesign::Singular { degree, parameter }
             }
             other => NoDesign::Search(other),
         }

@@ -75,7 +75,7 @@ pub fn counted(
         efficiency: criterion.efficiency(design, &shares, parameters),
         loss: counted.loss_bound(design, degree),
         apportioned: libm::exp((counted.apportioned - counted.value) / degree),
-        counted: Some(counted),
+        found: Some(counted),
     })
 }
 

@@ -80,12 +80,12 @@ pub fn select<O: Objective>(
     options: &Options,
 ) -> Result<Selected, Error> {
     let rough = Options { tolerance: options.tolerance.max(ROUGH), ..*options };
-    let mut search = Search { objective, bounds, options: &rough, restriction, tried: 0 };
+    let mut search = ChoiceSearch { objective, bounds, options: &rough, restriction, tried: 0 };
     let most = restriction.most.min(objective.len());
     if restriction.least <= 0.0 && choices(objective.len(), most) <= EXHAUSTIVE {
         search.options = options;
         let best = search.all(most);
-        return search.found(best, true);
+        return search.selected(best, true);
     }
     let used: Vec<usize> = (0..objective.len()).filter(|q| relaxed.shares[*q] > 0.0).collect();
     let mut now = search.solve(&used);
@@ -100,7 +100,7 @@ pub fn select<O: Objective>(
     }
     search.options = options;
     let polished = now.as_ref().and_then(|choice| search.solve(&choice.members)).filter(|p| search.keeps(p));
-    search.found(polished.or(now), false)
+    search.selected(polished.or(now), false)
 }
 
 /// Number of sets of `k` out of `n`.
@@ -116,7 +116,7 @@ struct Choice {
     sensitivities: Vec<f64>,
 }
 
-struct Search<'a, O> {
+struct ChoiceSearch<'a, O> {
     objective: &'a O,
     bounds: &'a Bounds,
     options: &'a Options,
@@ -124,8 +124,8 @@ struct Search<'a, O> {
     tried: usize,
 }
 
-impl<O: Objective> Search<'_, O> {
-    fn found(&self, best: Option<Choice>, exhaustive: bool) -> Result<Selected, Error> {
+impl<O: Objective> ChoiceSearch<'_, O> {
+    fn selected(&self, best: Option<Choice>, exhaustive: bool) -> Result<Selected, Error> {
         let best = best.ok_or_else(|| Error::Solver("every choice was singular".into()))?;
         let mut shares = vec![0.0; self.objective.len()];
         best.members.iter().zip(&best.shares).for_each(|(q, w)| shares[*q] = *w);
@@ -173,8 +173,8 @@ impl<O: Objective> Search<'_, O> {
             let left: Vec<usize> =
                 from.members.iter().enumerate().filter(|(i, _)| i != out).map(|(_, q)| *q).collect();
             let selected = if left.is_empty() { None } else { self.solve(&left) };
-            if let Some(found) = selected.filter(|f| best.as_ref().is_none_or(|b| f.value > b.value)) {
-                best = Some(found);
+            if let Some(better) = selected.filter(|f| best.as_ref().is_none_or(|b| f.value > b.value)) {
+                best = Some(better);
             }
         }
         best
@@ -223,13 +223,13 @@ impl<O: Objective> Search<'_, O> {
 
 /// An [`Objective`] over some of its candidates; the others have no share.
 struct Subset<'a, O> {
-    pub objective: &'a O,
-    pub members: Vec<usize>,
+    objective: &'a O,
+    members: Vec<usize>,
 }
 
 impl<O: Objective> Subset<'_, O> {
     /// Shares of all candidates.
-    pub(crate) fn whole(&self, shares: &[f64]) -> Vec<f64> {
+    fn whole(&self, shares: &[f64]) -> Vec<f64> {
         let mut whole = vec![0.0; self.objective.len()];
         self.members.iter().zip(shares).for_each(|(q, w)| whole[*q] = *w);
         whole

@@ -201,7 +201,7 @@ impl Question<'_> {
             let n = (samples * factor).max(1.0);
             AccuracyPoint {
                 duration_s: n / rate,
-                design: (squared / n).sqrt(),
+                design: (square / n).sqrt(),
                 equal: at(equal, n),
                 paper: paper.and_then(|p| at(p, n)),
                 random: random.and_then(|r| at(r, n)),
@@ -213,7 +213,7 @@ impl Question<'_> {
             wanted,
             samples: samples as u64,
             duration_s: samples / rate,
-            reached: (squared / samples).sqrt(),
+            reached: (square / samples).sqrt(),
             holds_from_s: holds_from(&shortest.design.shares, self.lengths) / rate,
             bound_s: shortest.bound.map(needs),
             paper_s: needed_s(paper),
@@ -324,16 +324,16 @@ impl<'a> Errors<'a> {
         let (mut best, mut bound): (Option<(f64, Vec<f64>)>, f64) = (None, 0.0);
         let options = Options { random_starts: 0, tolerance: options.tolerance.max(1e-6), ..*options };
         for _ in 0..ROUNDS {
-            let covariance = self.reweighted(&weights)?;
+            let summed = self.reweighted(&weights)?;
             let design =
                 solve_covariance(&summed, bounds, &options).map_err(|e| self.dictionary.explain(e))?;
             let errors = self.relative(&design.shares).unwrap_or_else(|| vec![f64::INFINITY; weights.len()]);
             bound = bound.max(libm::exp(-design.log_det) * (1.0 - design.gap.max(0.0)));
-            let largest = relative.iter().copied().fold(0.0, f64::max);
+            let largest = errors.iter().copied().fold(0.0, f64::max);
             if best.as_ref().is_none_or(|(known, _)| largest < *known) {
                 best = Some((largest, design.shares));
             }
-            weights.iter_mut().zip(&relative).for_each(|(w, r)| *w *= r / largest);
+            weights.iter_mut().zip(&errors).for_each(|(w, r)| *w *= r / largest);
             let sum: f64 = weights.iter().sum();
             weights.iter_mut().for_each(|w| *w /= sum);
         }

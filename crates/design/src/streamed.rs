@@ -54,26 +54,21 @@ const PASSES: u32 = 60;
 /// # Errors
 /// A block cannot be read; as [`crate::solve`].
 pub fn solve_streamed<S: Blocks>(source: &S, options: &Options) -> Result<Streamed, S::Error> {
-    let Surveyed { mut working, mean, candidates } = Surveyed::of(source)?;
+    let (mut working, mean, candidates) = survey(source)?;
     let scaling = Scaling::of(&working.candidates);
     let mut passes = 0;
     loop {
         let relaxed = solve_within(&working.candidates, &Bounds::default(), options)?;
         working.keep(|place| relaxed.shares[place] > 0.0);
         let mut design = solve_within(&working.candidates, &Bounds::default(), options)?;
-        let pass = Pass::over(source, &Weights::at(&working.candidates, &design.shares)?, &scaling)?;
+        let pass = Pass::over(source, &weights(&working.candidates, &design.shares)?, &scaling)?;
         passes += 1;
         let p = working.candidates.dimension() as f64;
         design.gap = pass.largest - p;
         let reached = design.gap <= options.tolerance.max(LEAST_GAP) * p;
         let joined = !reached && passes < PASSES && working.join(pass.joining);
         if !joined {
-            let concave = pass.concave && is_concave(&working.candidates);
-            design.status = match (reached, concave) {
-                (false, _) => Status::Stalled,
-                (true, true) => Status::Optimal,
-                (true, false) => Status::Stationary,
-            };
+            design.status = Status::of(reached, pass.concave && is_concave(&working.candidates));
             return Ok(Streamed { members: working.places, design, mean, candidates, passes });
         }
     }
@@ -114,50 +109,41 @@ impl Working {
     }
 }
 
-/// The result of a first pass over all candidates, before any shares are known.
-struct Surveyed {
-    working: Working,
-    mean: Candidates,
-    candidates: usize,
-}
-
-impl Surveyed {
-    /// An even sample, and the mean of all.
-    fn of<S: Blocks>(source: &S) -> Result<Self, S::Error> {
-        let each = SAMPLE.div_ceil(source.blocks().max(1)).max(1);
-        let survey = |i: usize| -> Result<_, S::Error> {
-            let block = source.block(i)?;
-            let mut sum = Vec::new();
-            block.sum(&vec![1.0; block.len()], &mut sum);
-            let mut sample = Working { places: Vec::new(), candidates: block.none() };
-            for place in sampled(&block, each) {
-                sample.places.push((i, place));
-                sample.candidates.append(block.candidate(place));
-            }
-            Ok((block.len(), sum, sample))
-        };
-        let blocks: Vec<_> = (0..source.blocks()).into_par_iter().map(survey).collect();
-        let mut all: Option<(usize, Vec<f64>, Working)> = None;
-        for block in blocks {
-            let (count, sum, sample) = block?;
-            match &mut all {
-                None => all = Some((count, sum, sample)),
-                Some((known, total, working)) => {
-                    *known += count;
-                    total.iter_mut().zip(&sum).for_each(|(total, more)| *total += more);
-                    working.places.extend(sample.places);
-                    (0..sample.candidates.len())
-                        .for_each(|place| working.candidates.append(sample.candidates.candidate(place)));
-                }
+/// An even sample of all candidates, their mean and their number.
+fn survey<S: Blocks>(source: &S) -> Result<(Working, Candidates, usize), S::Error> {
+    let each = SAMPLE.div_ceil(source.blocks().max(1)).max(1);
+    let sample = |i: usize| -> Result<_, S::Error> {
+        let block = source.block(i)?;
+        let mut sum = Vec::new();
+        block.sum(&vec![1.0; block.len()], &mut sum);
+        let mut sample = Working { places: Vec::new(), candidates: block.none() };
+        for place in sampled(&block, each) {
+            sample.places.push((i, place));
+            sample.candidates.append(block.candidate(place));
+        }
+        Ok((block.len(), sum, sample))
+    };
+    let blocks: Vec<_> = (0..source.blocks()).into_par_iter().map(sample).collect();
+    let mut all: Option<(usize, Vec<f64>, Working)> = None;
+    for block in blocks {
+        let (count, sum, sample) = block?;
+        match &mut all {
+            None => all = Some((count, sum, sample)),
+            Some((known, total, working)) => {
+                *known += count;
+                total.iter_mut().zip(&sum).for_each(|(total, more)| *total += more);
+                working.places.extend(sample.places);
+                (0..sample.candidates.len())
+                    .for_each(|place| working.candidates.append(sample.candidates.candidate(place)));
             }
         }
-        let (candidates, sum, working) = all.filter(|(count, ..)| *count > 0).ok_or(Error::Empty)?;
-        let mut mean = working.candidates.none();
-        mean.append(&sum.iter().map(|entry| entry / candidates as f64).collect::<Vec<_>>());
-        let (scaled, _) = mean.scaled()?;
-        scaled.check_excitation()?;
-        Ok(Self { working, mean, candidates })
     }
+    let (candidates, sum, working) = all.filter(|(count, ..)| *count > 0).ok_or(Error::Empty)?;
+    let mut mean = working.candidates.none();
+    mean.append(&sum.iter().map(|entry| entry / candidates as f64).collect::<Vec<_>>());
+    let (scaled, _) = mean.scaled()?;
+    scaled.check_excitation()?;
+    Ok((working, mean, candidates))
 }
 
 /// `each` evenly spaced indices of `block`, and the candidates with most information about every row, so that a
@@ -194,23 +180,19 @@ impl Scaling {
 }
 
 /// The weights of a candidate's entries in its sensitivity.
-struct Weights(Vec<f64>);
-
-impl Weights {
-    fn at(candidates: &Candidates, shares: &[f64]) -> Result<Self, Error> {
-        let balanced = candidates.balanced()?;
-        let mut at = Evaluation::default();
-        let singular = || Error::Solver("the shares are singular".into());
-        balanced.candidates.evaluate(shares, &mut at).ok_or_else(singular)?;
-        let (mut weights, mut first) = (at.inverse_transposed, 0);
-        for (n, range) in candidates.blocks() {
-            for (e, weight) in weights[range].iter_mut().enumerate() {
-                *weight /= balanced.rows[first + e / n] * balanced.columns[first + e % n];
-            }
-            first += n;
+fn weights(candidates: &Candidates, shares: &[f64]) -> Result<Vec<f64>, Error> {
+    let balanced = candidates.balanced()?;
+    let mut at = Evaluation::default();
+    let singular = || Error::Solver("the shares are singular".into());
+    balanced.candidates.evaluate(shares, &mut at).ok_or_else(singular)?;
+    let (mut weights, mut first) = (at.inverse_transposed, 0);
+    for (n, range) in candidates.blocks() {
+        for (e, weight) in weights[range].iter_mut().enumerate() {
+            *weight /= balanced.rows[first + e / n] * balanced.columns[first + e % n];
         }
-        Ok(Self(weights))
+        first += n;
     }
+    Ok(weights)
 }
 
 /// A candidate whose share should grow.
@@ -228,11 +210,10 @@ struct Pass {
 }
 
 impl Pass {
-    fn over<S: Blocks>(source: &S, weights: &Weights, scaling: &Scaling) -> Result<Self, S::Error> {
+    fn over<S: Blocks>(source: &S, weights: &[f64], scaling: &Scaling) -> Result<Self, S::Error> {
         let look = |i: usize| -> Result<Self, S::Error> {
             let block = source.block(i)?;
-            let gains: Vec<f64> =
-                (0..block.len()).map(|q| dot(&weights.0, block.candidate(q))).collect();
+            let gains: Vec<f64> = (0..block.len()).map(|q| dot(weights, block.candidate(q))).collect();
             let join = |q: usize| Joining {
                 sensitivity: gains[q],
                 place: (i, q),
@@ -250,9 +231,7 @@ impl Pass {
             all.concave &= block.concave;
             all.joining.extend(block.joining);
         }
-        let order =
-            |a: &Joining, b: &Joining| b.sensitivity.total_cmp(&a.sensitivity).then(a.place.cmp(&b.place));
-        all.joining.sort_by(order);
+        all.joining.sort_by(|a, b| b.sensitivity.total_cmp(&a.sensitivity).then(a.place.cmp(&b.place)));
         all.joining.truncate(JOINING[1]);
         Ok(all)
     }
