@@ -1,8 +1,4 @@
-//! From a vessel and its dictionary to moves on a lattice, and from a plan on the lattice back to sea.
-//!
-//! A [`Leg`] is a move of the lattice: a script of phases that an [`Autopilot`] carries out, with an informative maneuver
-//! between a steady approach and a recovery onto the lattice. Poses are north, east \[m\] and compass heading \[rad\]; the
-//! lattice counts headings counter-clockwise from east, and only [`Grid`] converts.
+//! Whole trials: the sea, campaigns, moments of maneuvers, their order, refined inputs, rounds; and pieces of maneuvers.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -117,13 +113,10 @@ impl Piece {
             ));
         }
         let periodic = target.filter(|_| helm.is_none()).and_then(|_| period(&inputs, width));
-        let samples = match periodic {
-            Some(period) => {
-                let whole = ((wanted as f64 / period as f64).round() as usize).clamp(1, all / period);
-                whole * period
-            }
-            None => wanted,
+        let whole = |period: usize| {
+            period * ((wanted as f64 / period as f64).round() as usize).clamp(1, all / period)
         };
+        let samples = periodic.map_or(wanted, whole);
         inputs.truncate(samples * width);
         Ok(Self { maneuver, speed_m_s, inputs, samples, helm, longest: samples })
     }
@@ -134,9 +127,7 @@ impl Piece {
 pub fn period(inputs: &[f64], width: usize) -> Option<usize> {
     let samples = inputs.len() / width.max(1);
     let range = inputs.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
-    let repeats = |shift: &usize| {
-        inputs.iter().zip(&inputs[shift * width..]).all(|(a, b)| (a - b).abs() <= 1e-6 * range)
-    };
-    let constant = repeats(&1.min(samples));
-    if constant { None } else { (2..=samples / 2).find(repeats) }
+    let is_same = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-6 * range;
+    let repeats = |shift: &usize| inputs.iter().zip(&inputs[shift * width..]).all(is_same);
+    if repeats(&1.min(samples)) { None } else { (2..=samples / 2).find(repeats) }
 }

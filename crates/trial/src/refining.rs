@@ -136,9 +136,8 @@ impl Limits {
         let start = start.within_rates(vessel, &slower)?;
         let generated_states = generated.map(|g| [g.u_m_s, g.v_m_s, g.r_rad_s]);
         let state = |d: usize| {
-            stated.states[d]
-                .or(generated_states.map(|g| g[d]))
-                .unwrap_or_else(|| largest(&start.states, d, 3))
+            let known = stated.states[d].or(generated_states.map(|g| g[d]));
+            known.unwrap_or_else(|| largest(&start.states, d, 3))
         };
         let input = |(i, name): (usize, &&str)| {
             let known = stated.inputs.get(*name).or_else(|| generated?.inputs.get(*name)).copied();
@@ -148,13 +147,9 @@ impl Limits {
         let states = [0, 1, 2].map(state);
         let ranges: Vec<InputLimit> = inputs.iter().enumerate().map(input).collect();
         let under = |table: &'static str| inputs.iter().map(move |name| format!("{table}.{name}"));
+        let of_states = STATES.map(str::to_owned).into_iter();
         let limits = Self {
-            names: STATES
-                .map(str::to_owned)
-                .into_iter()
-                .chain(under("inputs"))
-                .chain(under("rates"))
-                .collect(),
+            names: of_states.chain(under("inputs")).chain(under("rates")).collect(),
             allowed: states.into_iter().chain(ranges.iter().map(InputLimit::modulus)).chain(rates).collect(),
             signal: SignalLimits {
                 states,
@@ -169,12 +164,8 @@ impl Limits {
     /// The largest moduli of an experiment, in the limits' units, at a sampling rate of `rate_hz`.
     pub fn moduli(&self, states: &[f64], inputs: &[f64], rate_hz: f64) -> Vec<f64> {
         let width = self.signal.inputs.len();
-        let unit = SignalLimits {
-            states: [1.0; 3],
-            inputs: vec![[-1.0, 1.0]; width],
-            steps: vec![1.0 / rate_hz; width],
-        };
-        unit.reached(states, inputs)
+        let (ranges, steps) = (vec![[-1.0, 1.0]; width], vec![1.0 / rate_hz; width]);
+        SignalLimits { states: [1.0; 3], inputs: ranges, steps }.reached(states, inputs)
     }
 
     fn check(&self, start: &Start) -> Result<(), Refusal> {
@@ -289,9 +280,6 @@ impl Start {
 }
 
 /// The simulated states, (N+1) × 3.
-///
-/// # Errors
-/// A simulation that diverges.
 fn states(
     vessel: &Vessel,
     parameters: &[f64],
@@ -327,8 +315,7 @@ fn slowed(inputs: &[f64], steps: &[f64]) -> (Vec<f64>, Vec<usize>) {
 
 /// 1/θ².
 fn weights(vessel: &Vessel, parameters: &[f64]) -> Result<Vec<f64>, campaign::Refusal> {
-    let known: BTreeMap<&str, f64> =
-        vessel.model.parameter_names().zip(parameters.iter().copied()).collect();
+    let known: BTreeMap<&str, f64> = vessel.model.parameter_names().zip(parameters.iter().copied()).collect();
     match known.iter().find(|(_, theta)| **theta == 0.0) {
         None => Ok(parameters.iter().map(|theta| 1.0 / (theta * theta)).collect()),
         Some((name, _)) => Err(campaign::Refusal::Vessel(Invalid::new(

@@ -311,7 +311,7 @@ impl Cut {
         }
     }
 
-    fn fold(&self, pool: &Pool, parts: &[Part], left_out: &[usize], estimator: Estimator) -> Tried {
+    fn fold(&self, pool: &Pool, parts: &Vec<Part>, left_out: &[usize], estimator: Estimator) -> Tried {
         let without: Vec<&str> = left_out.iter().map(|i| self.windows[*i].0.as_str()).collect();
         let places: Vec<usize> =
             (0..parts.len()).filter(|place| !without.contains(&parts[*place].source.as_str())).collect();

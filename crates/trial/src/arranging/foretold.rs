@@ -56,11 +56,11 @@ impl Arranging<'_> {
             middle.iter_mut().zip(&known).for_each(|(entry, known)| *entry -= known);
             let off = |place: &Option<usize>| place.map_or(0.0, |i| self.vessel.nominal[i] - theta[i]);
             let pulled = times(&inverse, &times(&known, &places.iter().map(off).collect::<Vec<_>>()));
-            places.iter().zip(pulled).for_each(|(place, pull)| {
-                if let Some(i) = *place {
-                    center[i] += pull;
-                }
-            });
+            places
+                .iter()
+                .zip(pulled)
+                .filter_map(|(place, pull)| Some(((*place)?, pull)))
+                .for_each(|(i, pull)| center[i] += pull);
         }
         let entries = numerics::congruence(n, &inverse, &middle);
         let entries = entries.into_iter().map(|entry| entry / samples as f64).collect();
@@ -177,7 +177,7 @@ impl Arranging<'_> {
             instrument_exogenous: &inputs,
             segments: [&[0]; LANES],
         };
-        let found = moments(&batch);
+        let information = moments(&batch);
         let middles = self.noise().map(|noise| middle(&batch, &theta, &noise));
         let sizes: Vec<usize> = model.degrees.iter().map(|d| d.terms.len() + 1).collect();
         let kept: Vec<usize> =
@@ -192,7 +192,7 @@ impl Arranging<'_> {
                 all.flat_map(|((matrix, n), kept)| leading(matrix, *n, *kept)).collect()
             };
             let middle = middles.as_ref().map(|m| cut(&m[i]));
-            self.judge(kept.clone(), &cut(&found[i].matrices), middle.as_deref())
+            self.judge(kept.clone(), &cut(&information[i].matrices), middle.as_deref())
         };
         (0..runs.len()).map(of).collect()
     }

@@ -118,10 +118,8 @@ impl Arranging<'_> {
             }
         }
         if !value.is_finite() {
-            let value = format!(
-                "no sequence of {} s that tells every parameter",
-                samples as f64 / self.vessel.sample_rate_hz
-            );
+            let seconds = samples as f64 / self.vessel.sample_rate_hz;
+            let value = format!("no sequence of {seconds} s that tells every parameter");
             let remedy = "lengthen the trial, fix parameters, or leave it out";
             return Err(Invalid::new("--arrange", value, "one", remedy));
         }
@@ -152,9 +150,8 @@ impl Arranging<'_> {
             self.generator.maneuvers().iter().enumerate().map(|(i, m)| (m.name.as_str(), i)).collect();
         let place = |name: &String| {
             known.get(name.as_str()).copied().ok_or_else(|| {
-                let (value, remedy) =
-                    (format!("no `{name}`"), "name the dictionary that the moments were made with");
-                Invalid::new("maneuvers", value, "the maneuvers of the moments", remedy)
+                let remedy = "name the dictionary that the moments were made with";
+                Invalid::new("maneuvers", format!("no `{name}`"), "the maneuvers of the moments", remedy)
             })
         };
         self.dictionary.maneuvers.iter().map(place).collect()
@@ -163,7 +160,7 @@ impl Arranging<'_> {
     /// Plans at a distance of one to three moves.
     fn neighbours(
         &self,
-        plan: &Plan,
+        now: &Plan,
         (joining, least): (&[usize], &BTreeMap<usize, usize>),
         step: usize,
         round: u32,
@@ -172,35 +169,33 @@ impl Arranging<'_> {
         let neighbours = self.searched().0;
         let mut bits = streams.choices(round, 0, u32::MAX, 16 * neighbours).into_iter();
         let mut draw = move |below: usize| bits.next().unwrap_or(0) as usize % below.max(1);
-        let now = plan;
-        (0..neighbours)
-            .map(|_| {
-                let mut plan = now.clone();
-                for _ in 0..1 + draw(3) {
-                    let (from, to) = (draw(plan.len()), draw(plan.len()));
-                    match draw(5) {
-                        0 => plan.swap(from, to),
-                        1 => {
-                            let part = plan.remove(from);
-                            plan.insert(to.min(plan.len()), part);
-                        }
-                        2 => {
-                            let new = joining[draw(joining.len())];
-                            let taken = plan[from].1.min(step.max(4).max(least[&new]));
-                            plan[from].1 -= taken;
-                            plan.insert(to, (new, taken));
-                        }
-                        _ => {
-                            let taken = plan[from].1.min(1 + draw(step));
-                            plan[from].1 -= taken;
-                            plan[to].1 += taken;
-                        }
+        let neighbour = |_| {
+            let mut plan = now.clone();
+            for _ in 0..1 + draw(3) {
+                let (from, to) = (draw(plan.len()), draw(plan.len()));
+                match draw(5) {
+                    0 => plan.swap(from, to),
+                    1 => {
+                        let part = plan.remove(from);
+                        plan.insert(to.min(plan.len()), part);
+                    }
+                    2 => {
+                        let new = joining[draw(joining.len())];
+                        let taken = plan[from].1.min(step.max(4).max(least[&new]));
+                        plan[from].1 -= taken;
+                        plan.insert(to, (new, taken));
+                    }
+                    _ => {
+                        let taken = plan[from].1.min(1 + draw(step));
+                        plan[from].1 -= taken;
+                        plan[to].1 += taken;
                     }
                 }
-                let plan = self.settled(plan, least);
-                if self.is_whole(&plan) { plan } else { now.clone() }
-            })
-            .collect()
+            }
+            let plan = self.settled(plan, least);
+            if self.is_whole(&plan) { plan } else { now.clone() }
+        };
+        (0..neighbours).map(neighbour).collect()
     }
 
     /// Whether every table is played at its own length.
@@ -217,8 +212,8 @@ impl Arranging<'_> {
             let asked = self.minimal_s.map_or(0, |s| (s * rate_hz).ceil() as usize);
             if asked > samples && !self.generator.tables().contains_key(&q) {
                 let value = format!("{} s", self.minimal_s.unwrap_or_default());
-                let (own_s, name) = (samples as f64 / rate_hz, &self.generator.maneuvers()[q].name);
-                let expected = format!("no more than the {own_s} s of `{name}`");
+                let (whole_s, name) = (samples as f64 / rate_hz, &self.generator.maneuvers()[q].name);
+                let expected = format!("no more than the {whole_s} s of `{name}`");
                 return Err(Invalid::new("--minimal-s", value, expected, "lower it"));
             }
             Ok((q, asked.max((LEAST * samples as f64).ceil() as usize)))

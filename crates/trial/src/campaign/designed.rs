@@ -132,11 +132,12 @@ impl Designed {
     /// Stops whose share is one piece longer than the maneuver itself, one line each: the ship is at rest for the remainder.
     pub(super) fn at_rest(&self, generator: &Generator, plan: &Plan, rate_hz: f64) -> Vec<String> {
         let one = |(q, samples): &(usize, usize)| {
-            let own_samples = generator.samples(*q).ok().filter(|needed| needed < samples && generator.stops(*q))?;
-            let [piece_s, own_s] = [*samples, own_samples].map(|samples| samples as f64 / rate_hz);
+            let whole =
+                generator.samples(*q).ok().filter(|needed| needed < samples && generator.stops(*q))?;
+            let [piece_s, whole_s] = [*samples, whole].map(|samples| samples as f64 / rate_hz);
             let name = &generator.maneuvers()[*q].name;
             Some(format!(
-                "{name} has its share in one piece of {piece_s:.0} s, though it takes {own_s:.0} s at most: \
+                "{name} has its share in one piece of {piece_s:.0} s, though it takes {whole_s:.0} s at most: \
                  `seatrial design --arrange` cuts it into several"
             ))
         };
@@ -290,8 +291,6 @@ pub(super) fn left_out(all: &[usize], kept: &[usize], tables: &Tables, lengths: 
     match (names.is_empty(), kept.is_empty()) {
         (true, _) => None,
         (false, true) => Some(format!("no random trials, since {}", why())),
-        (false, false) => {
-            Some(format!("random trials go without {} of {}, since {}", names.len(), all.len(), why()))
-        }
+        _ => Some(format!("random trials go without {} of {}, since {}", names.len(), all.len(), why())),
     }
 }

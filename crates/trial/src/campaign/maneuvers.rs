@@ -78,7 +78,9 @@ impl<'a> Maneuvers<'a> {
         let (mut runs, mut tally) = (Vec::with_capacity(indices.len()), Tally::default());
         for index in indices {
             if let Some(run) = self.one(index, &mut tally)? {
-                tally.simulated(run.run.samples(), self.generator.limits(index).is_some());
+                tally.maneuvers += 1;
+                tally.samples += run.run.samples();
+                tally.kept += usize::from(self.generator.limits(index).is_some());
                 runs.push(run);
             }
         }
@@ -93,8 +95,8 @@ impl<'a> Maneuvers<'a> {
         let one = |index: usize| {
             let run = self.one(index, &mut Tally::default())?;
             let aims = run.map_or(Vec::new(), |run| self.generator.reached(index, &run.states));
-            let seconds = self.generator.samples(index).map_err(Refusal::Dictionary)? as f64;
-            let seconds = seconds / self.vessel.sample_rate_hz;
+            let samples = self.generator.samples(index).map_err(Refusal::Dictionary)? as f64;
+            let seconds = samples / self.vessel.sample_rate_hz;
             Ok(Reached { maneuver: self.generator.maneuvers()[index].name.clone(), seconds, aims })
         };
         // All, then the first refusal in order: one that a race chose would differ from run to run.
@@ -151,9 +153,8 @@ impl<'a> Maneuvers<'a> {
                         let own_loop = OwnLoop::new(self.vessel, initial, &[(helm.clone(), samples)]);
                         let ran = simulate_command(model, &self.parameters, initial, samples, rate_hz, &helm);
                         (exogenous, commands) = (ran.exogenous, ran.commands);
-                        instruments = own_loop
-                            .map(|own_loop| own_loop.instruments(model, &exogenous))
-                            .unwrap_or_default();
+                        instruments =
+                            own_loop.map_or_else(Vec::new, |one| one.instruments(model, &exogenous));
                         ran.states
                     }
                 };
@@ -285,7 +286,7 @@ pub fn judge(vessel: &Vessel, generator: &Generator, index: usize) -> Result<Jud
 fn left_out(vessel: &Vessel, (d, reached): (usize, f64)) -> Exceeded {
     let [low, high] = vessel.motion.map_or([0.0; 2], |ranges| ranges[d]);
     let limit = format!("{} {BEYOND_LOGS}", DegreeOfFreedom::ALL[d].state());
-    Exceeded { limit, allowed: 0.0, reached: (low - reached).max(reached - high) }
+    Exceeded { limit, allowed: 0.0, found: (low - reached).max(reached - high) }
 }
 
 /// The refusal of a hand-written one.
@@ -330,12 +331,6 @@ pub struct LeftOut {
 }
 
 impl Tally {
-    fn simulated(&mut self, samples: usize, generated: bool) {
-        self.maneuvers += 1;
-        self.samples += samples;
-        self.kept += usize::from(generated);
-    }
-
     fn exceeds(&mut self, Exceeded { limit, allowed, found }: &Exceeded) {
         self.leave_out(limit, LeftOut { count: 1, allowed: *allowed, nearest: *found });
     }
@@ -345,13 +340,9 @@ impl Tally {
     }
 
     fn leave_out(&mut self, name: &str, about: LeftOut) {
-        self.left_out
-            .entry(name.to_owned())
-            .and_modify(|known| {
-                known.count += about.count;
-                known.nearest = known.nearest.min(about.nearest);
-            })
-            .or_insert(about);
+        let known = self.left_out.entry(name.to_owned()).or_insert(LeftOut { count: 0, ..about });
+        known.count += about.count;
+        known.nearest = known.nearest.min(about.nearest);
     }
 
     /// Adds the counts for other maneuvers.

@@ -169,15 +169,9 @@ impl<'a> Campaign<'a> {
         for plan in designs.iter().flat_map(|d| d.occurring(settings.realizations)) {
             parts.make(generator, &plan).map_err(Refusal::Dictionary)?;
         }
-        let realizations = settings.realizations;
-        let reacting = generator.reacting();
-        let prepared =
-            Self { sea, samples, realizations, designs, parts, names, statements, reacting }.prepared();
-        Ok(if settings.random_segments.is_some() {
-            prepared.practised(generator, settings.seed)
-        } else {
-            prepared
-        })
+        let (realizations, reacting) = (settings.realizations, generator.reacting());
+        let all = Self { sea, samples, realizations, designs, parts, names, statements, reacting }.prepared();
+        Ok(if settings.random_segments.is_some() { all.practised(generator, settings.seed) } else { all })
     }
 
     /// Adds today's practice, or says why it is left out.
@@ -292,11 +286,8 @@ impl<'a> Campaign<'a> {
             let (design, first) = (i / groups, i % groups * LANES);
             self.simulate(design, first..self.realizations().min(first + LANES), Wanted::Truth)
         };
-        let found: Vec<_> = (0..self.designs.len() * groups).into_par_iter().map(group).collect();
-        found.into_iter().try_fold(Vec::with_capacity(self.runs()), |mut all, runs| {
-            all.extend(runs?);
-            Ok(all)
-        })
+        let all: Vec<_> = (0..self.designs.len() * groups).into_par_iter().map(group).collect();
+        Ok(all.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
     }
 
     /// Simulates some runs of one design, with what is `wanted` of them.

@@ -223,7 +223,7 @@ impl Group<'_> {
     /// The common inputs of all runs, if there are any.
     fn shared(&self) -> Option<&[f64]> {
         let first = *self.exogenous.first()?;
-        self.exogenous.iter().all(|exogenou| std::ptr::eq(*exogenou, first)).then_some(first)
+        self.exogenous.iter().all(|inputs| std::ptr::eq(*inputs, first)).then_some(first)
     }
 
     fn start(&self) -> [Lane; 3] {

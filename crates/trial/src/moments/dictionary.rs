@@ -130,9 +130,9 @@ impl Moments {
         };
         let square = |name: &String| match values.get(name) {
             Some(theta) if *theta != 0.0 && theta.is_finite() => Ok(theta * theta),
-            found => Err(Invalid::new(
+            value => Err(Invalid::new(
                 format!("parameter `{name}`"),
-                found.map_or("no value".into(), |v| format!("{v}")),
+                value.map_or("no value".into(), |v| format!("{v}")),
                 "a value other than 0 that its error can be relative to",
                 remedy,
             )),
@@ -156,7 +156,7 @@ impl Moments {
                     "run `moments` again with --campaign and --estimator output-error",
                 ));
             };
-            let entries = of(error_moments).map_err(|found| malformed(&maneuver.name, &found))?;
+            let entries = of(error_moments).map_err(|what| malformed(&maneuver.name, &what))?;
             if !is_covariance(&entries, n) {
                 return Err(malformed(&maneuver.name, "an `F`, `E` or `P` that is no covariance"));
             }
@@ -177,10 +177,8 @@ impl Moments {
         let mut candidates = Candidates::new(lifted.iter().map(kept).collect());
         for maneuver in &self.maneuvers {
             if maneuver.degrees.len() != lifted.len() {
-                return Err(malformed(
-                    &maneuver.name,
-                    &format!("{} degrees of freedom", maneuver.degrees.len()),
-                ));
+                let degrees = format!("{} degrees of freedom", maneuver.degrees.len());
+                return Err(malformed(&maneuver.name, &degrees));
             }
             let mut entries = Vec::with_capacity(candidates.size());
             for ((moments, degree), n) in maneuver.degrees.iter().zip(&self.degrees).zip(&lifted) {
@@ -188,10 +186,8 @@ impl Moments {
                     let value = format!("{} entries in {}", moments.m.len(), degree.name);
                     return Err(malformed(&maneuver.name, &value));
                 }
-                entries.extend(
-                    entries_of(moments, &degree.name, *n)
-                        .map_err(|found| malformed(&maneuver.name, &found))?,
-                );
+                let of_degree = entries_of(moments, &degree.name, *n);
+                entries.extend(of_degree.map_err(|what| malformed(&maneuver.name, &what))?);
             }
             candidates.push(&entries).map_err(|e| malformed(&maneuver.name, &e.to_string()))?;
         }
@@ -273,12 +269,12 @@ fn centred(b: &[f64], m: &[f64], lifted: usize, removal: MeanRemoval) -> Vec<f64
     let mean = |i: usize| m[p * lifted + i];
     match removal {
         MeanRemoval::Complete => b.to_vec(),
-        MeanRemoval::Batch => (0..p * p)
-            .map(|k| (k / p, k % p))
-            .map(|(i, j)| {
+        MeanRemoval::Batch => {
+            let of = |(i, j): (usize, usize)| {
                 entry(i, j) - mean(i) * entry(p, j) - entry(i, p) * mean(j) + mean(i) * entry(p, p) * mean(j)
-            })
-            .collect(),
+            };
+            (0..p * p).map(|k| of((k / p, k % p))).collect()
+        }
         MeanRemoval::None => leading(b, lifted, p),
     }
 }
@@ -289,14 +285,12 @@ fn is_covariance(b: &[f64], n: usize) -> bool {
         return false;
     }
     let size = |i: usize, j: usize| (b[i * n + i].max(0.0) * b[j * n + j].max(0.0)).sqrt();
-    let pairs = (0..n * n).map(|k| (k / n, k % n));
-    b.iter().all(|x| x.is_finite())
-        && pairs.into_iter().all(|(i, j)| {
-            let (one, other) = (b[i * n + j], b[j * n + i]);
-            b[i * n + i] >= 0.0
-                && one.abs() <= size(i, j) * (1.0 + 1e-9)
-                && (one - other).abs() <= 1e-9 * size(i, j)
-        })
+    let is_valid = |k: usize| {
+        let (i, j) = (k / n, k % n);
+        let (one, other, size) = (b[k], b[j * n + i], size(i, j));
+        b[i * n + i] >= 0.0 && one.abs() <= size * (1.0 + 1e-9) && (one - other).abs() <= 1e-9 * size
+    };
+    b.iter().all(|x| x.is_finite()) && (0..n * n).all(is_valid)
 }
 
 /// A criterion and what it is of.
@@ -376,16 +370,14 @@ impl Moments {
             }
             shares
         };
+        let options = Options { random_starts: 0, tolerance: 1e-8, ..Options::default() };
+        let dictionary = self.dictionary(Estimated::Iv(removal)).ok();
+        let design =
+            dictionary.and_then(|all| solve_within(&all.information, &Bounds::default(), &options).ok());
         Rivals {
-            paper: self.papers_shares(removal),
+            paper: design.map(|design| design.shares),
             random: (0..RANDOM).map(random).collect(),
             random_segments: SEGMENTS,
         }
-    }
-
-    fn papers_shares(&self, removal: MeanRemoval) -> Option<Vec<f64>> {
-        let dictionary = self.dictionary(Estimated::Iv(removal)).ok()?;
-        let options = Options { random_starts: 0, tolerance: 1e-8, ..Options::default() };
-        solve_within(&dictionary.information, &Bounds::default(), &options).ok().map(|design| design.shares)
     }
 }

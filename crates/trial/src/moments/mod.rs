@@ -76,8 +76,8 @@ impl HeldParameter {
     /// Those of `all`, in words.
     pub fn words(all: &[Self]) -> String {
         let one = |held: &Self| format!("`{}` (`{}` in {})", held.parameter, held.term, held.degree);
-        let (names, are) =
-            (all.iter().map(one).collect::<Vec<_>>().join(", "), if all.len() > 1 { "are" } else { "is" });
+        let names = all.iter().map(one).collect::<Vec<_>>().join(", ");
+        let are = if all.len() > 1 { "are" } else { "is" };
         format!(
             "no maneuver excites {names} apart from the others: {are} held at the model's values, and nothing is learnt about them"
         )
@@ -91,11 +91,8 @@ impl Moments {
     /// # Errors
     /// As [`Moments::dictionary`].
     pub fn unexcited(&self, estimated: Estimated) -> Result<Option<HeldParameter>, Invalid> {
-        let Err(NoDesign::Unexcited { degree, parameter, regressor }) =
-            self.dictionary(estimated)?.check_excited()
-        else {
-            return Ok(None);
-        };
+        let excited = self.dictionary(estimated)?.check_excited();
+        let Err(NoDesign::Unexcited { degree, parameter, regressor }) = excited else { return Ok(None) };
         let is_only = self.degrees.iter().any(|degree| degree.parameters == [parameter.as_str()]);
         Ok((!is_only).then_some(HeldParameter { parameter, degree, term: regressor }))
     }
@@ -349,7 +346,7 @@ impl<'a> ShipSampler<'a> {
 fn off(parameters: &[f64], streams: &Streams, ship: u32) -> Vec<f64> {
     let mut normals = vec![0.0; parameters.len()];
     streams.normals(ship, 0, &mut normals);
-    parameters.iter().zip(normals).map(|(deviation, z)| deviation * libm::exp(OFF * z)).collect()
+    parameters.iter().zip(normals).map(|(value, z)| value * libm::exp(OFF * z)).collect()
 }
 
 impl SampledShips {

@@ -77,16 +77,14 @@ impl<'a> ForcesPrediction<'a> {
     /// F of a run from `initial` under `exogenous`, summed over its samples; `None` where it diverges.
     pub fn information(&self, initial: [f64; 3], exogenous: &[f64]) -> Option<Vec<f64>> {
         let still = WhiteNoise { current: 0.0, ..self.noise };
-        let found = self.simulated(initial, exogenous).information(&self.moved.forces, &self.theta, &still);
-        found.map(|sums| sums.measurement)
+        let sums = self.simulated(initial, exogenous).information(&self.moved.forces, &self.theta, &still);
+        sums.map(|sums| sums.measurement)
     }
 
     /// 1/σ² of every number's prior, in their order; 0 without one.
     pub fn prior_information(&self) -> Vec<f64> {
-        let known = |parameter: &ship::forces::Parameter| {
-            parameter.prior.map_or(0.0, |deviation| 1.0 / (deviation * deviation))
-        };
-        self.moved.forces.parameters().iter().map(known).collect()
+        let known = |sigma: f64| 1.0 / (sigma * sigma);
+        self.moved.forces.parameters().iter().map(|parameter| parameter.prior.map_or(0.0, known)).collect()
     }
 
     fn simulated<'r>(&self, initial: [f64; 3], inputs: &'r [f64]) -> SimulatedRun<'r> {

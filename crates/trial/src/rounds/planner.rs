@@ -46,9 +46,8 @@ impl<'a> Planner<'a> {
             }
         }
         if maneuvers.is_empty() {
-            let (found, expected) = ("none within the limits", "at least one");
             let remedy = "see the messages of `simulate dictionary` about its limits";
-            return Err(Invalid::new("maneuvers", found, expected, remedy));
+            return Err(Invalid::new("maneuvers", "none within the limits", "at least one", remedy));
         }
         Ok(Self { vessel, noise, maneuvers })
     }
@@ -73,8 +72,8 @@ impl<'a> Planner<'a> {
         let share = next as f64 / (before + next) as f64;
         let each = self.maneuvers.iter();
         let each = each.map(|m| Simulated { theta, initial: m.initial, exogenous: &m.exogenous });
-        let found = self.informations(&each.collect::<Vec<_>>());
-        let whole = found.iter().flatten().map(|sums| match past {
+        let informations = self.informations(&each.collect::<Vec<_>>());
+        let whole = informations.iter().flatten().map(|sums| match past {
             None => (sums.information.clone(), sums.middle()),
             Some(past) => (
                 mixed(&past.information, &sums.information, share),
@@ -83,16 +82,13 @@ impl<'a> Planner<'a> {
         });
         let criterion = self.criterion(whole, sizes)?;
         let latest = so_far.map(|so_far| {
-            let kept = so_far.shares.iter().zip(&found).filter(|(_, sum)| sum.is_some());
+            let kept = so_far.shares.iter().zip(&informations).filter(|(_, sum)| sum.is_some());
             kept.map(|(share, _)| *share).collect::<Vec<f64>>()
         });
         let mut designed = self.solved(&criterion, latest)?.into_iter();
-        Some(
-            found
-                .iter()
-                .map(|maneuver| maneuver.as_ref().and_then(|_| designed.next()).unwrap_or(0.0))
-                .collect(),
-        )
+        let share =
+            |sums: &Option<OutputInformation>| sums.as_ref().and_then(|_| designed.next()).unwrap_or(0.0);
+        Some(informations.iter().map(share).collect())
     }
 
     /// The best shares, searched from the `latest` if there are any.
@@ -154,7 +150,7 @@ impl<'a> Planner<'a> {
     }
 }
 
-/// (1 − share) past + share × own.
+/// (1 − share) past + share × new.
 fn mixed(past: &[f64], new: &[f64], share: f64) -> Vec<f64> {
     past.iter().zip(new).map(|(past, new)| (1.0 - share) * past + share * new).collect()
 }

@@ -34,7 +34,7 @@ pub struct Trial<'a> {
 }
 
 /// A realization before its trial.
-struct Start {
+struct DrawnShip {
     number: u32,
     crude: Vec<f64>,
     /// The design from the crude model, for the one-shot trial and the first round.
@@ -42,12 +42,12 @@ struct Start {
 }
 
 /// The estimates of realizations; `None` where the nominal model diverges.
-type Found = Vec<Option<RunEstimate>>;
+type Estimates = Vec<Option<RunEstimate>>;
 
 /// A realization in the trial of an arm.
 struct Realization<'a> {
     arm: Arm,
-    start: &'a Start,
+    start: &'a DrawnShip,
     /// Parameters of the planning model.
     known: Vec<f64>,
     /// Shares of the latest plan.
@@ -126,7 +126,7 @@ impl<'a> Trial<'a> {
     /// # Errors
     /// A maneuver that the model cannot hold; a true vessel that diverges; a run too short for its unknowns.
     pub fn realizations(&self, numbers: std::ops::Range<u32>) -> Result<Vec<Row>, Refusal> {
-        let starts: Vec<Start> = numbers.map(|number| self.start(number)).collect();
+        let starts: Vec<DrawnShip> = numbers.map(|number| self.start(number)).collect();
         let begin = |arm| starts.iter().map(move |start| self.begin(arm, start)).collect();
         let mut arms: Vec<Vec<Realization>> = Arm::ALL.into_iter().map(begin).collect();
         let mut rows = Vec::with_capacity(starts.len() * Arm::ALL.len() * self.ends.len());
@@ -139,14 +139,14 @@ impl<'a> Trial<'a> {
         Ok(rows)
     }
 
-    fn start(&self, number: u32) -> Start {
+    fn start(&self, number: u32) -> DrawnShip {
         let crude = self.knowledge.crude(number);
         let sizes = self.knowledge.sizes(&crude);
         let shares = self.planner.shares(&crude, &sizes, None, self.ends[0]);
-        Start { number, crude, shares }
+        DrawnShip { number, crude, shares }
     }
 
-    fn begin<'s>(&self, arm: Arm, start: &'s Start) -> Realization<'s> {
+    fn begin<'s>(&self, arm: Arm, start: &'s DrawnShip) -> Realization<'s> {
         let known = if arm == Arm::Informed { self.truth.clone() } else { start.crude.clone() };
         let run = GrowingRun::default();
         Realization { arm, start, known, shares: Vec::new(), run, recorded: None, latest: None }
@@ -191,10 +191,11 @@ impl<'a> Trial<'a> {
     }
 
     /// The estimates at the end of a round, arm by arm.
-    fn estimated(&self, round: usize, arms: &[Vec<Realization>]) -> Result<Found, Refusal> {
+    fn estimated(&self, round: usize, arms: &[Vec<Realization>]) -> Result<Estimates, Refusal> {
         let new = Arm::ALL.into_iter().filter(|arm| !repeats(round, *arm));
-        let mut estimates = self.found(round, new.map(|arm| arms[arm as usize].as_slice()))?.into_iter();
-        let mut all: Vec<Found> = Vec::with_capacity(arms.len());
+        let mut estimates =
+            self.estimates_of(round, new.map(|arm| arms[arm as usize].as_slice()))?.into_iter();
+        let mut all: Vec<Estimates> = Vec::with_capacity(arms.len());
         for (arm, realizations) in Arm::ALL.into_iter().zip(arms) {
             all.push(match repeats(round, arm) {
                 true => all[Arm::Sequential as usize].clone(),
@@ -295,8 +296,8 @@ impl<'a> Trial<'a> {
     /// The errors after the runs that crude models predict, by which one-shot trials are sized.
     fn expected(&self, one_shot: &[Realization]) -> Vec<Option<f64>> {
         let expected = |(realization, information): (&Realization, Option<OutputInformation>)| {
-            let (sizes, samples) =
-                (self.knowledge.sizes(&realization.known), realization.run.samples(self.sea.vessel()));
+            let samples = realization.run.samples(self.sea.vessel());
+            let sizes = self.knowledge.sizes(&realization.known);
             let errors = self.planner.standard_errors(&information?, &sizes, samples)?;
             Some(self.knowledge.relative(&errors, &realization.known))
         };
@@ -310,11 +311,11 @@ impl<'a> Trial<'a> {
     }
 
     /// Estimates from the runs of `arms`, arm by arm; `None` where the nominal model diverges.
-    fn found<'r>(
+    fn estimates_of<'r>(
         &self,
         round: usize,
         arms: impl Iterator<Item = &'r [Realization<'r>]>,
-    ) -> Result<Found, Refusal> {
+    ) -> Result<Estimates, Refusal> {
         let (mut kept, mut near, mut bounded) = (Vec::new(), Vec::new(), Vec::new());
         for realization in arms.flatten() {
             let run = realization.recorded.as_ref().filter(|run| self.bounded(run));
@@ -419,6 +420,6 @@ fn tables_alone() -> Invalid {
 }
 
 fn unexcited() -> Invalid {
-    let (found, expected) = ("maneuvers that do not excite every parameter", "a dictionary that does");
-    Invalid::new("maneuvers", found, expected, "add a maneuver; see `design`")
+    let (which, expected) = ("maneuvers that do not excite every parameter", "a dictionary that does");
+    Invalid::new("maneuvers", which, expected, "add a maneuver; see `design`")
 }
