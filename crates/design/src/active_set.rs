@@ -58,17 +58,13 @@ impl<O: Objective> Solver<&O, State> for ActiveSetNewton<O::Point> {
         Ok((self.arrive(start, objective, state), None))
     }
 
-    fn next_iter(
-        &mut self,
-        problem: &mut Problem<&O>,
-        mut state: State,
-    ) -> Result<(State, Option<KV>), Error> {
+    fn next_iter(&mut self, task: &mut Problem<&O>, mut state: State) -> Result<(State, Option<KV>), Error> {
         let shares = state.take_param().ok_or_else(|| Error::msg("no shares"))?;
-        let objective = *problem.problem.as_ref().ok_or_else(|| Error::msg("no problem"))?;
+        let objective = *task.problem.as_ref().ok_or_else(|| Error::msg("no problem"))?;
         // After a checkpoint the iterate may be another one.
         let last = self.last.take().filter(|last| last.shares == shares);
         let last = last.or_else(|| Evaluated::of(objective, shares.clone()));
-        let step = problem.problem("evaluations", |objective| {
+        let step = task.problem("evaluations", |objective| {
             Ok(last.and_then(|last| improve(*objective, &self.bounds, &last, self.tolerance)))
         })?;
         Ok(match step {

@@ -94,7 +94,8 @@ pub fn solve(candidates: &Candidates, options: &Options) -> Result<Design, Error
 pub fn solve_within(candidates: &Candidates, bounds: &Bounds, options: &Options) -> Result<Design, Error> {
     let (scaled, offset) = candidates.scaled()?;
     scaled.check_excitation()?;
-    let mut design = optimise(&scaled, bounds, options, is_concave(candidates))?;
+    let points = starting_points(scaled.len(), bounds, options)?;
+    let mut design = from_points(&scaled, bounds, options, is_concave(candidates), points)?;
     design.log_det += offset;
     design.starts.iter_mut().for_each(|s| s.log_det += offset);
     Ok(design)
@@ -105,7 +106,8 @@ pub fn solve_within(candidates: &Candidates, bounds: &Bounds, options: &Options)
 /// # Errors
 /// As [`solve_within`].
 pub fn solve_covariance(cost: &Covariance, bounds: &Bounds, options: &Options) -> Result<Design, Error> {
-    optimise(cost, bounds, options, cost.is_concave())
+    let points = starting_points(cost.len(), bounds, options)?;
+    from_points(cost, bounds, options, cost.is_concave(), points)
 }
 
 /// [`solve_covariance`] without bounds, from `shares`, such as those of a similar problem, instead of equal and random ones.
@@ -141,16 +143,6 @@ pub(crate) fn loss(value: f64, relaxed: &Design, degree: f64) -> f64 {
     1.0 - libm::exp((value - relaxed.log_det - above) / degree).min(1.0)
 }
 
-fn optimise<O: Objective>(
-    objective: &O,
-    bounds: &Bounds,
-    options: &Options,
-    concave: bool,
-) -> Result<Design, Error> {
-    let points = starting_points(objective.len(), bounds, options)?;
-    from_points(objective, bounds, options, concave, points)
-}
-
 pub(crate) fn from_points<O: Objective>(
     objective: &O,
     bounds: &Bounds,
@@ -181,16 +173,6 @@ fn starting_points(count: usize, bounds: &Bounds, options: &Options) -> Result<V
     if let Some(found) = bounds.count().filter(|found| *found != count) {
         return Err(Error::Shape { found, expected: count });
     }
-    let mut points = free_points(count, options);
-    if bounds.bind() {
-        points.iter_mut().for_each(|p| {
-            bounds.fill(p);
-        });
-    }
-    Ok(points)
-}
-
-fn free_points(count: usize, options: &Options) -> Vec<Vec<f64>> {
     let mut points = vec![vec![1.0 / count as f64; count]];
     for start in 0..options.random_starts {
         let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
@@ -201,7 +183,10 @@ fn free_points(count: usize, options: &Options) -> Vec<Vec<f64>> {
         let total: f64 = shares.iter().sum();
         points.push(shares.iter().map(|w| w / total).collect());
     }
-    points
+    for point in points.iter_mut().filter(|_| bounds.bind()) {
+        bounds.fill(point);
+    }
+    Ok(points)
 }
 
 fn run<O: Objective>(goal: &O, bounds: &Bounds, from: Vec<f64>, options: &Options) -> Result<Start, Error> {

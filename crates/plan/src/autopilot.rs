@@ -141,13 +141,7 @@ impl<'a> Autopilot<'a> {
 
     /// How far off a ship may seem that is where it should be.
     fn unsure(&self) -> Sensors {
-        let smoothed = self.navigation.as_ref().map_or(Sensors::default(), Navigation::smoothed);
-        Sensors {
-            position_m: SEEMS * smoothed.position_m,
-            heading_rad: SEEMS * smoothed.heading_rad,
-            speed_m_s: SEEMS * smoothed.speed_m_s,
-            yaw_rate_rad_s: SEEMS * smoothed.yaw_rate_rad_s,
-        }
+        self.navigation.as_ref().map_or(Sensors::default(), Navigation::smoothed).times(SEEMS)
     }
 
     /// The time after which a phase is late and given up: its position error then remains, and is reported \[s\].
@@ -299,7 +293,7 @@ impl<'a> Inversion<'a> {
 
     /// Limits what is learnt of each of u, v, r from an observation.
     pub fn limit_belief(&mut self, most: [f64; 3]) {
-        self.believed.iter_mut().zip(most).for_each(|(torque, most)| *torque = torque.min(most));
+        self.believed.iter_mut().zip(most).for_each(|(believed, most)| *believed = believed.min(most));
     }
 
     /// The inputs that produce `wanted` at `state`, in a known current of body components `current`.

@@ -201,17 +201,13 @@ impl DerivedHandling {
 
 impl Ability {
     fn of(vessel: &Vessel, speeds: impl Iterator<Item = f64>, slowest: f64) -> Result<Self, Invalid> {
-        let mut handling = Self {
+        let mut ability = Self {
             turn_rate_rad_s: None,
             turn_acceleration_rad_s2: None,
             acceleration_m_s2: None,
             braking_m_s2: None,
             coasting_m_s2: -gains(vessel, slowest, &idle(vessel))[0],
-            lag_s: vessel
-                .actuators
-                .iter()
-                .map(|actuator| actuator.lag_s + actuator.hold_s)
-                .fold(0.0, f64::max),
+            lag_s: vessel.actuators.iter().map(|one| one.lag_s + one.hold_s).fold(0.0, f64::max),
         };
         let least = |known: &mut Option<f64>, new: Option<f64>| {
             *known = [*known, new].into_iter().flatten().reduce(f64::min);
@@ -220,12 +216,12 @@ impl Ability {
             let mut steady = Steady::new(vessel, &vessel.nominal);
             let straight = held(vessel, &mut steady, speed, 0.0)?;
             let [gain, loss, turn] = extremes(vessel, speed, &straight);
-            least(&mut handling.acceleration_m_s2, gain);
-            least(&mut handling.braking_m_s2, loss);
-            least(&mut handling.turn_acceleration_rad_s2, turn);
-            least(&mut handling.turn_rate_rad_s, largest_turn(vessel, &mut steady, speed));
+            least(&mut ability.acceleration_m_s2, gain);
+            least(&mut ability.braking_m_s2, loss);
+            least(&mut ability.turn_acceleration_rad_s2, turn);
+            least(&mut ability.turn_rate_rad_s, largest_turn(vessel, &mut steady, speed));
         }
-        Ok(handling)
+        Ok(ability)
     }
 }
 
@@ -270,9 +266,8 @@ fn laid_s(vessel: &Vessel, speed: f64, turn: f64) -> Result<f64, Invalid> {
 /// The largest yaw rate that can be held at a speed; `None` if it is not bounded.
 fn largest_turn(vessel: &Vessel, steady: &mut Steady, speed: f64) -> Option<f64> {
     let (mut low, mut high) = (0.0, FASTEST_TURN_RAD_S);
-    if vessel.actuators.iter().all(|actuator| actuator.range.is_none())
-        || held(vessel, steady, speed, high).is_ok()
-    {
+    let is_boundless = vessel.actuators.iter().all(|actuator| actuator.range.is_none());
+    if is_boundless || held(vessel, steady, speed, high).is_ok() {
         return None;
     }
     for _ in 0..HALVINGS {
@@ -348,19 +343,18 @@ pub fn basic_moves(grid: &Grid, handling: &Handling, level: usize, mode: usize) 
     moves
 }
 
-fn turn_name(side: f64) -> String {
-    if side > 0.0 { "turn-starboard" } else { "turn-port" }.to_owned()
+fn turn_name(side: f64) -> &'static str {
+    if side > 0.0 { "turn-starboard" } else { "turn-port" }
+}
+
+/// A basic move between two layers.
+fn basic(name: &str, [from, to]: [usize; 2], (di, dj): (i32, i32), phases: Vec<Phase>) -> Leg {
+    Leg { purpose: Purpose::Basic(name.to_owned()), from, di, dj, to, phases }
 }
 
 fn turn_on_the_spot(grid: &Grid, level: usize, to: usize, mode: usize, side: f64) -> Leg {
-    Leg {
-        purpose: Purpose::Basic(turn_name(side)),
-        from: grid.layer(level, mode),
-        di: 0,
-        dj: 0,
-        to: grid.layer(to, mode),
-        phases: vec![Phase::Hold { at: [0.0, 0.0], heading_rad: grid.heading_rad(to) }],
-    }
+    let phases = vec![Phase::Hold { at: [0.0, 0.0], heading_rad: grid.heading_rad(to) }];
+    basic(turn_name(side), [level, to].map(|level| grid.layer(level, mode)), (0, 0), phases)
 }
 
 /// One step ahead, or as many as a change of speed needs, and longer ones.
@@ -379,26 +373,15 @@ fn straight(grid: &Grid, level: usize, [from, to]: [usize; 2], steps: i32) -> Le
     let (v0, v1) = (grid.modes[from].speed_m_s, grid.modes[to].speed_m_s);
     let end = grid.displacement(steps * di, steps * dj);
     let heading_rad = grid.heading_rad(level);
-    let phases = if v0 == 0.0 && v1 == 0.0 {
-        vec![Phase::Hold { at: end, heading_rad }]
-    } else if v1 == 0.0 {
-        vec![line(end, v0, v1), Phase::Hold { at: end, heading_rad }]
-    } else {
-        vec![line(end, v0, v1)]
-    };
+    let ahead = (v0 != 0.0 || v1 != 0.0).then(|| line(end, v0, v1));
+    let hold = (v1 == 0.0).then_some(Phase::Hold { at: end, heading_rad });
     let name = match to.cmp(&from) {
         std::cmp::Ordering::Equal => "straight",
         std::cmp::Ordering::Greater => "faster",
         std::cmp::Ordering::Less => "slower",
     };
-    Leg {
-        purpose: Purpose::Basic(name.to_owned()),
-        from: grid.layer(level, from),
-        di: steps * di,
-        dj: steps * dj,
-        to: grid.layer(level, to),
-        phases,
-    }
+    let layers = [from, to].map(|mode| grid.layer(level, mode));
+    basic(name, layers, (steps * di, steps * dj), ahead.into_iter().chain(hold).collect())
 }
 
 /// From the node along the course to `to`.
@@ -435,14 +418,8 @@ fn arcs(grid: &Grid, handling: &Handling, level: usize, to: usize, mode: usize, 
         let centre = [begin[0] - side * radius_m * libm::sin(a), begin[1] + side * radius_m * libm::cos(a)];
         let before = (p - tangent > 1e-6).then(|| along(begin, a));
         let arc = Phase::Arc { centre, radius_m, to_rad: wrap(b), side, speed_m_s: speed };
-        Leg {
-            purpose: Purpose::Basic(turn_name(side)),
-            from: grid.layer(level, mode),
-            di,
-            dj,
-            to: grid.layer(to, mode),
-            phases: before.into_iter().chain([arc, along(grid.displacement(di, dj), b)]).collect(),
-        }
+        let phases = before.into_iter().chain([arc, along(grid.displacement(di, dj), b)]).collect();
+        basic(turn_name(side), [level, to].map(|level| grid.layer(level, mode)), (di, dj), phases)
     };
     ends.into_iter().map(leg).collect()
 }

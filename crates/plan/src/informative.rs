@@ -31,7 +31,7 @@ impl Repertoire<'_> {
         others: &[SampledVessel],
     ) -> Result<Vec<Outcome>, Invalid> {
         let from = self.grid.layer(level, self.mode_of(index)?);
-        let search = Search { repertoire: self, index, from };
+        let search = ManeuverSearch { repertoire: self, index, from };
         let mirrored = (self.mirror.is_some() && !search.is_straight()).then_some(Side::Mirrored);
         let sides = [Side::AsDesigned].into_iter().chain(mirrored);
         let legs = sides.map(|side| search.legs(side, others)).collect::<Result<Vec<_>, _>>()?;
@@ -60,7 +60,7 @@ impl Repertoire<'_> {
     }
 }
 
-struct Search<'a> {
+struct ManeuverSearch<'a> {
     repertoire: &'a Repertoire<'a>,
     /// Index of the piece.
     index: usize,
@@ -69,14 +69,14 @@ struct Search<'a> {
 }
 
 /// A maneuver that all vessels have run, before its recovery.
-struct Run<'a> {
+struct ManeuverRun<'a> {
     leg: Leg,
     sailed: Sailed,
     crew: Crew<'a>,
     tracks: Vec<Vec<Pose>>,
 }
 
-impl Run<'_> {
+impl ManeuverRun<'_> {
     /// The leg with the recoveries of all vessels.
     fn with(&self, recovered: Settled) -> Settled {
         let (mut leg, mut sailed, mut tracks) = (self.leg.clone(), self.sailed.clone(), self.tracks.clone());
@@ -107,7 +107,7 @@ struct Lane {
     across: i32,
 }
 
-impl Search<'_> {
+impl ManeuverSearch<'_> {
     fn piece(&self) -> &Piece {
         &self.repertoire.pieces[self.index]
     }
@@ -135,11 +135,9 @@ impl Search<'_> {
             Ok(run) => self.recovered(run)?,
             Err(failed) => Err(failed),
         };
+        let with_farthest = |settled| Ok(Settled { farthest: farthest(&settled, &all), ..settled });
         match recovered {
-            Ok(legs) => Ok(legs
-                .into_iter()
-                .map(|settled| Ok(Settled { farthest: farthest(&settled, &all), ..settled }))
-                .collect()),
+            Ok(legs) => Ok(legs.into_iter().map(with_farthest).collect()),
             Err(failed) => unsettled("", failed),
         }
     }
@@ -201,8 +199,7 @@ impl Search<'_> {
     }
 
     /// Approach and maneuver, by all vessels.
-    fn run<'a>(&self, approach: Leg, crew: &mut Crew<'a>) -> Result<Result<Run<'a>, Failed>, Invalid> {
-        let mut leg = approach;
+    fn run<'a>(&self, mut leg: Leg, crew: &mut Crew<'a>) -> Result<Result<ManeuverRun<'a>, Failed>, Invalid> {
         leg.phases.push(Phase::Maneuver);
         let mut nominal = crew.nominal.clone();
         let sailed = self.repertoire.simulated(&leg, &mut nominal)?;
@@ -214,13 +211,13 @@ impl Search<'_> {
         });
         Ok(others.map(|others| {
             let (tracks, ends) = others.into_iter().unzip();
-            Run { leg, sailed, crew: Crew::new(nominal, ends), tracks }
+            ManeuverRun { leg, sailed, crew: Crew::new(nominal, ends), tracks }
         }))
     }
 
     /// Legs with recoveries on which all of them settle: onto the first such node, and onto the first such node of the
     /// nearest other lanes. From these the search for a plan chooses.
-    fn recovered(&self, mut run: Run) -> Result<Result<Vec<Settled>, Failed>, Invalid> {
+    fn recovered(&self, mut run: ManeuverRun) -> Result<Result<Vec<Settled>, Failed>, Invalid> {
         let speed = run.crew.nominal.ship.state[0];
         let nodes = self.nodes(&run.crew, speed);
         let step = nodes.len().saturating_sub(NEAREST).div_ceil(FARTHER).max(1);
@@ -240,7 +237,7 @@ impl Search<'_> {
     /// The first of `nodes` where all of them settle, and the leg with that recovery.
     fn first_settled<'n>(
         &self,
-        run: &mut Run,
+        run: &mut ManeuverRun,
         nodes: impl Iterator<Item = &'n Node>,
         speed: f64,
     ) -> Result<Result<(Node, Settled), Best>, Invalid> {

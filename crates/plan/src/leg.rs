@@ -40,18 +40,12 @@ pub enum Purpose {
 impl Purpose {
     /// The index of a maneuver's piece.
     pub fn piece(&self) -> Option<usize> {
-        match self {
-            Self::Informative { piece, .. } => Some(*piece),
-            Self::Basic(_) => None,
-        }
+        if let Self::Informative { piece, .. } = self { Some(*piece) } else { None }
     }
 
     /// The side of a maneuver.
     pub fn side(&self) -> Option<Side> {
-        match self {
-            Self::Informative { side, .. } => Some(*side),
-            Self::Basic(_) => None,
-        }
+        if let Self::Informative { side, .. } = self { Some(*side) } else { None }
     }
 }
 
@@ -108,14 +102,8 @@ impl Leg {
     pub(crate) fn turned(&self, quarters: usize, grid: &Grid) -> Self {
         let ([dj, di], mut phases) = (turned([self.dj, self.di], quarters), self.phases.clone());
         phases.iter_mut().for_each(|phase| phase.turn(quarters));
-        Self {
-            purpose: self.purpose.clone(),
-            from: grid.turned(self.from, quarters),
-            di,
-            dj,
-            to: grid.turned(self.to, quarters),
-            phases,
-        }
+        let [from, to] = [self.from, self.to].map(|layer| grid.turned(layer, quarters));
+        Self { purpose: self.purpose.clone(), from, di, dj, to, phases }
     }
 }
 
@@ -308,6 +296,16 @@ impl Sensors {
         *self == Self::default()
     }
 
+    /// Each `part` times as large.
+    pub(crate) fn times(self, part: f64) -> Self {
+        Self {
+            position_m: part * self.position_m,
+            heading_rad: part * self.heading_rad,
+            speed_m_s: part * self.speed_m_s,
+            yaw_rate_rad_s: part * self.yaw_rate_rad_s,
+        }
+    }
+
     fn deviations(&self) -> [f64; MEASURED] {
         let Self { position_m, heading_rad, speed_m_s, yaw_rate_rad_s } = *self;
         [position_m, position_m, heading_rad, speed_m_s, speed_m_s, yaw_rate_rad_s]
@@ -325,13 +323,7 @@ impl Navigation {
     /// The standard deviations that remain after smoothing: σ √(K / (2 − K)) for a gain of K.
     pub fn smoothed(&self) -> Sensors {
         let part = (self.gain / (2.0 - self.gain)).sqrt();
-        let Sensors { position_m, heading_rad, speed_m_s, yaw_rate_rad_s } = self.sensors;
-        Sensors {
-            position_m: part * position_m,
-            heading_rad: part * heading_rad,
-            speed_m_s: part * speed_m_s,
-            yaw_rate_rad_s: part * yaw_rate_rad_s,
-        }
+        self.sensors.times(part)
     }
 
     /// The fraction of what an estimate of u, v, r gains on its prediction that may count as a lasting error of the model:

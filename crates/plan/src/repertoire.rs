@@ -227,9 +227,7 @@ impl Repertoire<'_> {
     pub fn is_isotropic(&self) -> bool {
         self.mean_current_m_s == [0.0; 2]
     }
-}
 
-impl Repertoire<'_> {
     /// The nominal vessel and `others` at the origin, in `layer`.
     pub(crate) fn crew(&self, layer: usize, others: &[SampledVessel]) -> Result<Crew<'_>, Invalid> {
         let others = others.iter().zip(0..).map(|(who, run)| self.underway(layer, Some(who), Some(run)));
@@ -294,35 +292,32 @@ impl Repertoire<'_> {
         if doubt.is_none() {
             return Ok(Vec::new());
         }
-        let search = Search { repertoire: self, approached, doubt };
+        let search = FarthestSearch { repertoire: self, approached, doubt };
         let axes = doubt.axes().iter().map(|who| search.ended(who)).collect::<Result<Vec<_>, _>>()?;
-        let mut found: Vec<Candidate> = Vec::new();
+        let mut farthest: Vec<Candidate> = Vec::new();
         for goal in goals() {
             let values: Vec<f64> = axes.iter().map(|ended| goal_value(&goal, ended)).collect();
             let who = search.climbed(doubt.extreme(&values), &goal)?;
-            if !found.contains(&who) {
-                found.push(who);
+            if !farthest.contains(&who) {
+                farthest.push(who);
             }
         }
-        Ok(found.iter().map(|who| search.sampled(who)).collect())
+        Ok(farthest.iter().map(|who| doubt.on_node(who)).collect())
     }
 
     pub(crate) fn doubt(&self) -> Doubt<'_> {
-        Doubt {
-            nominal: &self.vessel.nominal,
-            deviations: self.deviations,
-            current_m_s: self.unknown_current_m_s,
-        }
+        let (nominal, current_m_s) = (&self.vessel.nominal, self.unknown_current_m_s);
+        Doubt { nominal, deviations: self.deviations, current_m_s }
     }
 }
 
-struct Search<'a> {
+struct FarthestSearch<'a> {
     repertoire: &'a Repertoire<'a>,
     approached: &'a Leg,
     doubt: Doubt<'a>,
 }
 
-impl Search<'_> {
+impl FarthestSearch<'_> {
     /// The better one of a candidate and its neighbours.
     fn climbed(&self, first: Candidate, goal: &Ended) -> Result<Candidate, Invalid> {
         let mut best = (goal_value(goal, &self.ended(&first)?), first.clone());
@@ -338,23 +333,14 @@ impl Search<'_> {
     /// How a candidate ends; that of the nominal vessel if it cannot be simulated, which the check finds.
     fn ended(&self, who: &Candidate) -> Result<Ended, Invalid> {
         let layer = self.approached.from;
-        let mut underway = self.repertoire.underway(layer, Some(&self.sampled(who)), None)?;
+        let mut underway = self.repertoire.underway(layer, Some(&self.doubt.on_node(who)), None)?;
         let (pose, [u, _, r]) = match self.repertoire.track(self.approached, &mut underway) {
             Ok((_, end)) => end,
             Err(_) => (Pose::default(), [0.0; 3]),
         };
-        let heading = self.heading();
+        let (level, _) = self.repertoire.grid.level_and_mode(layer);
+        let heading = self.repertoire.grid.heading_rad(level);
         let [along, across] = turned_back([pose.x, pose.y], heading);
         Ok([along, across, wrap(pose.psi - heading), u, r])
-    }
-
-    fn heading(&self) -> f64 {
-        let (level, _) = self.repertoire.grid.level_and_mode(self.approached.from);
-        self.repertoire.grid.heading_rad(level)
-    }
-
-    /// The vessel of a candidate, on its node.
-    fn sampled(&self, who: &Candidate) -> SampledVessel {
-        self.doubt.on_node(who)
     }
 }

@@ -101,8 +101,8 @@ impl From<Invalid> for Stopped {
 
 impl From<Stopped> for Invalid {
     fn from(stopped: Stopped) -> Self {
-        let (Stopped::Unfinished(sailed) | Stopped::Lost(sailed)) = stopped;
-        sailed
+        let (Stopped::Unfinished(invalid) | Stopped::Lost(invalid)) = stopped;
+        invalid
     }
 }
 

@@ -7,7 +7,7 @@ use std::collections::{BinaryHeap, HashMap};
 use super::watch::RadixHeap;
 use crate::lattice::Limit;
 use crate::lattice::graph::Graph;
-use crate::lattice::watch::{Verdict, Walk, Watch, filled};
+use crate::lattice::watch::{MoveSequence, Verdict, Watch, filled};
 
 /// States that are followed for every number of uses left.
 const WIDTH: usize = 64;
@@ -36,7 +36,7 @@ pub(crate) fn glimpse(graph: &Graph, room: u64, lower: u64, by: Limit) -> Verdic
 }
 
 /// Follows at most [`WIDTH`] states for every number of uses left (as many as needed once none is left), as far as memory allows.
-fn search(graph: &Graph, bound: &Bound, memory: u64) -> Option<(u64, Walk)> {
+fn search(graph: &Graph, bound: &Bound, memory: u64) -> Option<(u64, MoveSequence)> {
     let packing = Packing::new(&graph.problem.required());
     let all = packing.all();
     let mut nodes = Nodes::default();
@@ -217,8 +217,8 @@ impl Nodes {
     }
 
     /// The moves that lead to a state.
-    pub fn walk(&self, mut index: u32) -> Walk {
-        let mut walk = Walk::new();
+    pub fn walk(&self, mut index: u32) -> MoveSequence {
+        let mut walk = MoveSequence::new();
         while let Some((parent, step)) = self.at(index).by {
             walk.push(step);
             index = parent;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::watch::RadixHeap;
 use crate::lattice::Limit;
 use crate::lattice::graph::Graph;
-use crate::lattice::watch::{self, Verdict, Walk, Watch, filled};
+use crate::lattice::watch::{self, MoveSequence, Verdict, Watch, filled};
 
 /// States between two checks of the queue's memory.
 const LOOKS: u32 = 1 << 12;
@@ -187,7 +187,7 @@ impl<'a, D: Stored> Dense<'a, D> {
         }
     }
 
-    fn walk(&self, node: u32) -> Option<Walk> {
+    fn walk(&self, node: u32) -> Option<MoveSequence> {
         let distance = |node: u32, counts: &[u32]| self.distance(watch::number(counts, &self.strides), node);
         self::walk(self.graph, node, self.required.clone(), &distance)
     }
@@ -213,8 +213,13 @@ impl<'a, D: Stored> Dense<'a, D> {
 pub(crate) type Distance<'a> = dyn Fn(u32, &[u32]) -> Option<u64> + 'a;
 
 /// The walk to `node` with `counts`, which are reached according to the distances.
-pub(crate) fn walk(graph: &Graph, mut node: u32, mut counts: Vec<u32>, distance: &Distance) -> Option<Walk> {
-    let mut walk = Walk::new();
+pub(crate) fn walk(
+    graph: &Graph,
+    mut node: u32,
+    mut counts: Vec<u32>,
+    distance: &Distance,
+) -> Option<MoveSequence> {
+    let mut walk = MoveSequence::new();
     loop {
         let here = distance(node, &counts)?;
         let Entry { along, before } = entry(graph, node, &mut counts, here, distance)?;
@@ -233,7 +238,7 @@ pub(crate) fn walk(graph: &Graph, mut node: u32, mut counts: Vec<u32>, distance:
 
 /// How a walk enters a node: over free basic moves (`along`, last first) after the move `before`, or from the start.
 struct Entry {
-    along: Walk,
+    along: MoveSequence,
     before: Option<(u32, u32)>,
 }
 
@@ -275,8 +280,8 @@ fn entry(graph: &Graph, node: u32, counts: &mut [u32], here: u64, distance: &Dis
 }
 
 /// The free moves from `at` to where the search began, last first.
-fn along(after: &BTreeMap<u32, Option<(u32, u32)>>, mut at: u32) -> Walk {
-    let mut moves = Walk::new();
+fn along(after: &BTreeMap<u32, Option<(u32, u32)>>, mut at: u32) -> MoveSequence {
+    let mut moves = MoveSequence::new();
     while let Some(&Some((next, step))) = after.get(&at) {
         moves.push(step);
         at = next;

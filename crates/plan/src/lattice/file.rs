@@ -159,9 +159,8 @@ impl ProblemFile {
         super::grid::ends(&lattice, pose(self.start), &Goal::Poses(vec![pose(self.goal)]))?;
         let Some(free) = self.free_cells(&moves, keep_going) else { return Ok(None) };
         let mut poll = Poll::new(keep_going);
-        let allowed = |id: crate::lattice::MoveId, i: usize, j: usize| {
-            poll.proceed() && free[id.action][id.index][j * lattice.nx + i]
-        };
+        let allowed =
+            |id: MoveId, i: usize, j: usize| poll.proceed() && free[id.action][id.index][j * lattice.nx + i];
         let goal = Goal::Poses(vec![pose(self.goal)]);
         let problem = Problem::new(lattice, actions, pose(self.start), goal, allowed)?;
         Ok(Some(problem).filter(|_| !poll.stopped))
@@ -203,12 +202,8 @@ impl ProblemFile {
         }
         if !origin.iter().all(|value| value.is_finite()) {
             let value = format!("{origin:?}");
-            return Err(Invalid::new(
-                "lattice.origin",
-                value,
-                "finite coordinates",
-                "give node (0, 0) in metres",
-            ));
+            let (expected, remedy) = ("finite coordinates", "give node (0, 0) in metres");
+            return Err(Invalid::new("lattice.origin", value, expected, remedy));
         }
         check_box("bounds", &self.bounds)?;
         let mut obstacles = self.obstacles.iter().enumerate();
@@ -272,8 +267,8 @@ impl ProblemFile {
                 return Err(Invalid::new("goal", given, wanted, remedy));
             }
         };
-        let lattice = problem.lattice();
-        let strips = Strips { problem, cell_m, width_m: 2.0 * lattice.nx as f64 * cell_m };
+        let Lattice { nx, ny, layers: headings } = problem.lattice();
+        let strips = Strips { problem, cell_m, width_m: 2.0 * nx as f64 * cell_m };
         let mut obstacles = Vec::new();
         let (mut informative, mut basic, mut strip) = (Vec::new(), Vec::new(), 0);
         for (action, wanted) in problem.actions().iter().enumerate() {
@@ -288,7 +283,7 @@ impl ProblemFile {
                 count => informative.push(InformativeFile { name, count, cost: 0.0, moves }),
             }
         }
-        let [right, top] = [strip as f64 * strips.width_m, lattice.ny as f64 * cell_m];
+        let [right, top] = [strip as f64 * strips.width_m, ny as f64 * cell_m];
         let node = |pose: Pose| [pose.i, pose.j, pose.layer];
         Ok(Self {
             schema: SCHEMA.to_owned(),
@@ -297,13 +292,7 @@ impl ProblemFile {
                 "A level h is a heading in a speed mode. The boxes are no map: each move has a strip of its own along x.".to_owned(),
             ),
             variant: None,
-            lattice: LatticeFile {
-                nx: lattice.nx,
-                ny: lattice.ny,
-                headings: lattice.layers,
-                cell: cell_m,
-                origin: [0.0; 2],
-            },
+            lattice: LatticeFile { nx, ny, headings, cell: cell_m, origin: [0.0; 2] },
             bounds: [-cell_m, -cell_m, right, top],
             obstacles,
             informative,

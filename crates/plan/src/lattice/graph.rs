@@ -229,43 +229,36 @@ fn least_keys<I: Iterator<Item = Arc>>(
 
 /// The poses that are reached from the start by any moves.
 pub(crate) fn reached(problem: &Problem, watch: &mut Watch) -> Option<Vec<bool>> {
-    let mut reached = vec![false; problem.lattice().poses()];
-    let start = problem.lattice().number(problem.start());
-    reached[start] = true;
-    let mut stack = vec![start as u32];
-    while let Some(pose) = stack.pop() {
-        if !watch.keep_going(1) {
-            return None;
-        }
-        for arc in problem.arcs(pose as usize) {
-            if !std::mem::replace(&mut reached[arc.node as usize], true) {
-                stack.push(arc.node);
-            }
-        }
-    }
-    Some(reached)
+    let start = problem.lattice().number(problem.start()) as u32;
+    flooded(problem, vec![start], |pose| problem.arcs(pose), watch)
 }
 
 /// The poses from which any moves lead to a goal.
 fn homing(problem: &Problem, watch: &mut Watch) -> Option<Vec<bool>> {
-    let poses = problem.lattice().poses();
-    let Goal::Poses(goals) = problem.goal() else {
-        return Some(vec![true; poses]);
-    };
-    let mut homing = vec![false; poses];
-    let mut stack: Vec<u32> = goals.iter().map(|&pose| problem.lattice().number(pose) as u32).collect();
-    stack.iter().for_each(|&pose| homing[pose as usize] = true);
+    let Goal::Poses(goals) = problem.goal() else { return Some(vec![true; problem.lattice().poses()]) };
+    let goals = goals.iter().map(|&pose| problem.lattice().number(pose) as u32).collect();
+    flooded(problem, goals, |pose| problem.arcs_into(pose), watch)
+}
+
+/// The poses that `arcs` lead to from any of `ends`, and these. `None` if cancelled.
+fn flooded<I: Iterator<Item = Arc>>(
+    problem: &Problem,
+    ends: Vec<u32>,
+    arcs: impl Fn(usize) -> I,
+    watch: &mut Watch,
+) -> Option<Vec<bool>> {
+    let mut flooded = vec![false; problem.lattice().poses()];
+    ends.iter().for_each(|&pose| flooded[pose as usize] = true);
+    let mut stack = ends;
     while let Some(pose) = stack.pop() {
-        if !watch.keep_going(1) {
-            return None;
-        }
-        for arc in problem.arcs_into(pose as usize) {
-            if !std::mem::replace(&mut homing[arc.node as usize], true) {
+        watch.keep_going(1).then_some(())?;
+        for arc in arcs(pose as usize) {
+            if !std::mem::replace(&mut flooded[arc.node as usize], true) {
                 stack.push(arc.node);
             }
         }
     }
-    Some(homing)
+    Some(flooded)
 }
 
 /// `None` if cancelled.

@@ -182,23 +182,14 @@ fn cost(thing: &str, cost: Cost) -> Result<(), Invalid> {
 fn uses(actions: &[Action]) -> Result<(), Invalid> {
     let uses: u64 = actions.iter().map(|action| u64::from(action.required)).sum();
     if uses > MOST_USES {
-        let wanted = format!("at most {MOST_USES}");
-        return Err(Invalid::new(
-            "required uses in total",
-            uses.to_string(),
-            wanted,
-            "take longer maneuvers",
-        ));
+        let (expected, remedy) = (format!("at most {MOST_USES}"), "take longer maneuvers");
+        return Err(Invalid::new("required uses in total", uses.to_string(), expected, remedy));
     }
     let bits: u32 = actions.iter().map(|action| u32::BITS - action.required.leading_zeros()).sum();
     if bits > COUNT_BITS {
         let expected = format!("counts of all informative actions within {COUNT_BITS} bits");
-        return Err(Invalid::new(
-            "required uses",
-            format!("{bits} bits"),
-            expected,
-            "take fewer or longer maneuvers",
-        ));
+        let remedy = "take fewer or longer maneuvers";
+        return Err(Invalid::new("required uses", format!("{bits} bits"), expected, remedy));
     }
     Ok(())
 }
@@ -213,12 +204,10 @@ pub(crate) fn ends(lattice: &Lattice, start: Pose, goal: &Goal) -> Result<(), In
     inside("start", start)?;
     match goal {
         Goal::Any => Ok(()),
-        Goal::Poses(poses) if poses.is_empty() => Err(Invalid::new(
-            "goal",
-            "no pose",
-            "at least one pose",
-            "list poses, or let the plan end anywhere",
-        )),
+        Goal::Poses(poses) if poses.is_empty() => {
+            let remedy = "list poses, or let the plan end anywhere";
+            Err(Invalid::new("goal", "no pose", "at least one pose", remedy))
+        }
         Goal::Poses(poses) => poses.iter().try_for_each(|&pose| inside("goal", pose)),
     }
 }

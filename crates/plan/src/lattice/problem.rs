@@ -55,7 +55,9 @@ impl Problem {
         grid::actions(&lattice, &actions)?;
         grid::ends(&lattice, start, &goal)?;
         let informative = informative(&actions);
-        let units = Units::new(&costs(&actions), longest_plan(&lattice, &actions))?;
+        let costs: Vec<Cost> =
+            actions.iter().flat_map(|one| one.moves.iter().map(|step| step.cost)).collect();
+        let units = Units::new(&costs, longest_plan(&lattice, &actions))?;
         let moves = known_moves(&actions, &units);
         let allowed = allowed_moves(&lattice, &actions, &moves, allowed)?;
         let mut problem = Self { lattice, actions, start, goal, units, moves, informative, allowed };
@@ -152,10 +154,6 @@ impl Problem {
 fn informative(actions: &[Action]) -> Vec<Informative> {
     let slots = actions.iter().enumerate().filter(|(_, action)| action.required > 0);
     slots.map(|(action, a)| Informative { action, required: a.required, least_key: 0 }).collect()
-}
-
-fn costs(actions: &[Action]) -> Vec<Cost> {
-    actions.iter().flat_map(|action| action.moves.iter().map(|step| step.cost)).collect()
 }
 
 /// Steps of the longest plan that repeats no state: between two informative moves every pose at most once.
@@ -267,6 +265,7 @@ impl Units {
     pub fn new(costs: &[Cost], steps: u64) -> Result<Self, Invalid> {
         let primary = Scale::of("primary", &costs.iter().map(|cost| cost.primary).collect::<Vec<_>>())?;
         let secondary = Scale::of("secondary", &costs.iter().map(|cost| cost.secondary).collect::<Vec<_>>())?;
+        let steps_of_cost = primary.largest.max(secondary.largest);
         let steps = u128::from(steps.max(1));
         let radix = steps * u128::from(secondary.largest) + 1;
         let sum =
@@ -275,10 +274,7 @@ impl Units {
             Some(sum) => Ok(Self { primary, secondary, radix: radix as u64, largest_sum: sum as u64 }),
             None => Err(Invalid::new(
                 "costs",
-                format!(
-                    "{} different steps of cost at their common unit",
-                    primary.largest.max(secondary.largest)
-                ),
+                format!("{steps_of_cost} different steps of cost at their common unit"),
                 "sums below 2^61 in units of the costs' common divisor",
                 "round the costs, for instance to 0.1, or leave out the secondary cost",
             )),
@@ -292,10 +288,8 @@ impl Units {
 
     /// The cost of a sum of keys.
     pub fn cost(&self, key: u64) -> Cost {
-        Cost {
-            primary: self.primary.cost(key / self.radix),
-            secondary: self.secondary.cost(key % self.radix),
-        }
+        let (primary, secondary) = (key / self.radix, key % self.radix);
+        Cost { primary: self.primary.cost(primary), secondary: self.secondary.cost(secondary) }
     }
 }
 

@@ -3,13 +3,13 @@
 use crate::lattice::{Limit, Problem, Progress};
 
 /// A plan as moves in order.
-pub(crate) type Walk = Vec<u32>;
+pub(crate) type MoveSequence = Vec<u32>;
 
 /// The result of an engine. Keys are without the least keys of informative actions.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Verdict {
     /// The best plan found and its key.
-    pub plan: Option<(u64, Walk)>,
+    pub plan: Option<(u64, MoveSequence)>,
     /// No plan has a smaller key.
     pub lower: u64,
     /// `None` if the search was completed: the plan is optimal, or there is none.
@@ -19,12 +19,12 @@ pub(crate) struct Verdict {
 }
 
 impl Verdict {
-    pub fn proved(plan: Option<(u64, Walk)>) -> Self {
+    pub fn proved(plan: Option<(u64, MoveSequence)>) -> Self {
         let lower = plan.as_ref().map_or(0, |plan| plan.0);
         Self { plan, lower, stopped_by: None, possible: None }
     }
 
-    pub fn stopped(plan: Option<(u64, Walk)>, lower: u64, by: Limit) -> Self {
+    pub fn stopped(plan: Option<(u64, MoveSequence)>, lower: u64, by: Limit) -> Self {
         match plan {
             Some((key, _)) if key <= lower => Self::proved(plan),
             _ => Self { plan, lower, stopped_by: Some(by), possible: None },

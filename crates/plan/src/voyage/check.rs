@@ -314,15 +314,14 @@ impl Prepared {
             self.obstacle_kinds().0.len().max(1) + usize::from(task.cost.secondary == Secondary::Clearance);
         let masks = usize::from(!task.area.corners.is_empty()) + task.speed_limits.len();
         let around = cells_around(&raster, task.safety.margin_m);
+        let read = READ_BYTES.max(self.brief.chart_bytes.into());
+        let legs = self.legs.iter().map(|leg| self.bytes_of(leg)).sum::<u128>();
         Ok(Footing {
             lattice: self.demand(actions),
             cells: layers as u128 * around + (masks * raster.nx * raster.ny) as u128,
             clearance_cells: self.clearance_cells()?,
             // The chart was in memory as it was read, too, except for the cells of its grids.
-            other: self.read_bytes()
-                + 2 * u128::from(self.chart.bytes())
-                + u128::from(self.chart.grid_bytes())
-                + self.leg_bytes(),
+            other: read + 2 * u128::from(self.chart.bytes()) + u128::from(self.chart.grid_bytes()) + legs,
             check: self.check_bytes(1, self.least_samples()),
         })
     }
@@ -339,19 +338,10 @@ impl Prepared {
         self.demand(&moves.actions).kept_bytes() + legs.map(|leg| self.bytes_of(leg)).sum::<u128>()
     }
 
-    /// Bytes of the inputs.
-    fn read_bytes(&self) -> u128 {
-        READ_BYTES.max(self.brief.chart_bytes.into())
-    }
-
-    /// Bytes of the simulated legs.
-    fn leg_bytes(&self) -> u128 {
-        self.legs.iter().map(|leg| self.bytes_of(leg)).sum()
-    }
-
-    fn bytes_of(&self, settled_leg: &SettledLeg) -> u128 {
+    /// Bytes of a simulated leg.
+    fn bytes_of(&self, leg: &SettledLeg) -> u128 {
         let sample = size_of::<Sample>() + 8 * self.brief.vessel.model.inputs;
-        (settled_leg.sailed.samples.len() * sample + size_of_val(settled_leg.footprint.runs())) as u128
+        (leg.sailed.samples.len() * sample + size_of_val(leg.footprint.runs())) as u128
     }
 
     /// Bytes of a check's runs, of the tracks that are kept of them and of the nominal one.

@@ -42,7 +42,7 @@ pub(super) struct Vessel {
 }
 
 /// A run of a check.
-pub(super) struct Run {
+pub(super) struct CheckedRun {
     pub vessel: Vessel,
     /// Over all legs.
     pub passage: Cleared,
@@ -72,7 +72,7 @@ impl Checking<'_> {
     }
 
     /// Whether more ends of legs than that are beyond a tolerance.
-    pub(super) fn are_too_many_astray(&self, runs: &[&Run]) -> bool {
+    pub(super) fn are_too_many_astray(&self, runs: &[&CheckedRun]) -> bool {
         let astray: u64 = runs.iter().map(|run| run.ends_astray()).sum();
         let ends: usize = runs.iter().map(|run| run.ends.len()).sum();
         astray as f64 > self.tolerated_astray() * ends as f64
@@ -82,7 +82,7 @@ impl Checking<'_> {
     ///
     /// # Errors
     /// A simulation that diverges; no time.
-    pub(super) fn all(&self, vessels: Vec<Vessel>, search: &Search) -> Result<Vec<Run>, VoyageError> {
+    pub(super) fn all(&self, vessels: Vec<Vessel>, search: &Search) -> Result<Vec<CheckedRun>, VoyageError> {
         let one = |vessel: Vessel| {
             if !(search.keep_going)() {
                 return Err(VoyageError::OutOfTime("the check of the plan"));
@@ -100,7 +100,7 @@ impl Checking<'_> {
     ///
     /// # Errors
     /// A vessel that cannot be commanded; a simulation that diverges.
-    pub(super) fn run(&self, vessel: Vessel) -> Result<Run, Invalid> {
+    pub(super) fn run(&self, vessel: Vessel) -> Result<CheckedRun, Invalid> {
         let (clearance, brief) = (self.clearance, &self.prepared().brief);
         let open = if vessel.is_searched { clearance.open_to_compare() } else { clearance.open() };
         let mut passages = vec![open; self.legs.len()];
@@ -124,7 +124,7 @@ impl Checking<'_> {
                 track.push(Fix { leg: sample.leg, pose: sample.pose });
             }
         })?;
-        Ok(Run {
+        Ok(CheckedRun {
             passage: passages.iter().fold(clearance.open(), |a, b| a.and(b)),
             clearances_m: passages.iter().map(|passage| passage.clearance_m).collect(),
             between_cells_m: passages.iter().filter_map(|passage| passage.between_cells_m).collect(),
@@ -137,9 +137,9 @@ impl Checking<'_> {
         })
     }
 
-    fn noise(&self, vessel: &Vessel) -> Option<Noise> {
+    fn noise(&self, vessel: &Vessel) -> Option<RunNoise> {
         let kind = if vessel.is_searched { "searched" } else { "checked" };
-        Some(Noise { kind, round: self.round, run: vessel.noise })
+        Some(RunNoise { kind, round: self.round, run: vessel.noise })
     }
 
     fn is_aground_open_loop(&self, vessel: &Vessel) -> bool {
@@ -192,16 +192,16 @@ pub(super) struct Drawn {
     pub track: Option<Vec<Fix>>,
 }
 
-impl From<Run> for Drawn {
-    fn from(run: Run) -> Self {
+impl From<CheckedRun> for Drawn {
+    fn from(run: CheckedRun) -> Self {
         let ends = [run.ends.len() as u64, run.ends_astray()];
         let used = run.most_used();
-        let Run { passage, is_aground_open_loop, seconds, track, .. } = run;
+        let CheckedRun { passage, is_aground_open_loop, seconds, track, .. } = run;
         Self { passage, is_aground_open_loop, ends, used, seconds, track }
     }
 }
 
-impl Run {
+impl CheckedRun {
     pub(super) fn ends_astray(&self) -> u64 {
         self.used.iter().filter(|used| used.part() > 1.0).count() as u64
     }
@@ -256,7 +256,7 @@ pub(super) struct Script<'a> {
 
 /// The noise of a vessel's sensors, and of the changes of current and wind.
 #[derive(Clone, Copy)]
-pub(super) struct Noise {
+pub(super) struct RunNoise {
     /// What it is simulated for.
     pub kind: &'static str,
     /// In which round.
@@ -265,7 +265,7 @@ pub(super) struct Noise {
     pub run: u32,
 }
 
-impl Noise {
+impl RunNoise {
     fn streams(&self, seed: u64, of: &str) -> Streams {
         Streams::new(seed, &format!("{}-{of}-{}", self.kind, self.round))
     }
@@ -278,7 +278,7 @@ impl Script<'_> {
         &self,
         parameters: &[f64],
         unknown: [f64; 2],
-        noise: Option<Noise>,
+        noise: Option<RunNoise>,
         record: impl FnMut(Passing),
     ) -> Result<Vec<End>, Invalid> {
         let Prepared { brief, pieces, mirror, .. } = self.prepared;
@@ -307,7 +307,7 @@ impl Script<'_> {
         nominal: &Sailed,
         parameters: &[f64],
         unknown: [f64; 2],
-        noise: Option<Noise>,
+        noise: Option<RunNoise>,
         mut record: impl FnMut(Passing) -> bool,
     ) {
         let mut ship = self.ship(parameters, unknown, noise);
@@ -320,7 +320,7 @@ impl Script<'_> {
         }
     }
 
-    fn ship<'s>(&'s self, parameters: &[f64], unknown: [f64; 2], noise: Option<Noise>) -> Ship<'s> {
+    fn ship<'s>(&'s self, parameters: &[f64], unknown: [f64; 2], noise: Option<RunNoise>) -> Ship<'s> {
         let brief = &self.prepared.brief;
         let mut ship = Ship::new(&brief.vessel, parameters, self.start, self.speed_m_s);
         ship.current_m_s = [0, 1].map(|d| brief.task.known_current_m_s[d] + unknown[d]);

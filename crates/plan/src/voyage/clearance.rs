@@ -63,23 +63,20 @@ impl Cleared {
 
 impl Clearance {
     /// Rasters of the chart around the lattice, finer than those of the search.
-    pub(super) fn new(
-        prepared: &Prepared,
-        keep_going: &(dyn Fn() -> bool + Sync),
-    ) -> Result<Self, VoyageError> {
-        let task = &prepared.brief.task;
-        let (area, sight_m) = (task.raster(&prepared.grid).bounds(), sight_m(task));
-        let raster = prepared.clearance_raster()?;
+    pub(super) fn new(plan: &Prepared, keep_going: &(dyn Fn() -> bool + Sync)) -> Result<Self, VoyageError> {
+        let task = &plan.brief.task;
+        let (area, sight_m) = (task.raster(&plan.grid).bounds(), sight_m(task));
+        let raster = plan.clearance_raster()?;
         let hull = task.hull.outline();
         let between = |(a, b): (&[f64; 2], &[f64; 2])| [*a, [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0]];
         let outline: Vec<[f64; 2]> = hull.iter().zip(hull.iter().cycle().skip(1)).flat_map(between).collect();
         let radius_m = outline.iter().map(|[x, y]| libm::hypot(*x, *y)).fold(0.0, f64::max);
-        let (chart, safety) = (&prepared.chart, &task.safety);
+        let (chart, safety) = (&plan.chart, &task.safety);
         let (transit, trial) = rayon::join(
             || Distances::in_transit(chart, raster, [safety.transit_depth_m, sight_m], keep_going),
             || {
                 let trial = || Distances::new(chart, raster, [safety.trial_depth_m, sight_m], keep_going);
-                prepared.has_waters_of_trials().then(trial).transpose()
+                plan.has_waters_of_trials().then(trial).transpose()
             },
         );
         let late = VoyageError::OutOfTime("the layout of the chart");
@@ -133,9 +130,8 @@ impl Clearance {
         let cell_m = obstacles.raster().cell_m;
         let far = obstacles.distance_m(pose.y, pose.x) - self.radius_m - 2.0 * cell_m;
         // Interpolated distances may be a cell less.
-        let nearest = passage
-            .between_cells_m
-            .map_or(passage.clearance_m, |between| between.max(passage.clearance_m) + cell_m);
+        let least_m = passage.clearance_m;
+        let nearest = passage.between_cells_m.map_or(least_m, |between| between.max(least_m) + cell_m);
         let inside_m = self.inside_m(place, passage.left_area.then(|| obstacles.raster().bounds()));
         if far > nearest && inside_m >= 0.0 {
             passage.unseen_m = (far - nearest).min(inside_m);
@@ -147,11 +143,8 @@ impl Clearance {
             let distance_m = obstacles.distance_m(place[0], place[1]);
             passage.clearance_m = passage.clearance_m.min(distance_m);
             // Interpolated, it is at most a cell's diagonal less.
-            if let Some(least) = passage
-                .between_cells_m
-                .as_mut()
-                .filter(|between_cells_m| distance_m < **between_cells_m + 1.5 * cell_m)
-            {
+            let between = passage.between_cells_m.as_mut();
+            if let Some(least) = between.filter(|least| distance_m < **least + 1.5 * cell_m) {
                 *least = least.min(obstacles.between_cells_m(place[0], place[1]));
             }
             let is_outside = || inside_m < 0.0 && self.inside_polygon_m(place) < 0.0;
@@ -207,20 +200,15 @@ impl Prepared {
         let (i, j) = (node(east, self.grid.origin_m[0]), node(north, self.grid.origin_m[1]));
         let inside = |n: f64, count: usize| n >= 0.0 && n < count as f64;
         if !inside(i, self.grid.nx) || !inside(j, self.grid.ny) || !place.heading_deg.is_finite() {
-            let value = format!(
-                "longitude {}, latitude {}, heading {}",
-                place.longitude_deg, place.latitude_deg, place.heading_deg
-            );
+            let Place { longitude_deg, latitude_deg, heading_deg, .. } = place;
+            let value = format!("longitude {longitude_deg}, latitude {latitude_deg}, heading {heading_deg}");
             let expected = "a place inside `area` and a compass heading";
             return Err(refuse(key, &value, expected, "move it, or widen `area`"));
         }
         let grid_rad = place.heading_deg.to_radians() + self.chart.plane().north_rad([east, north]);
         let level = self.grid.nearest_level(grid_rad);
-        Ok(lattice::Pose {
-            i: i as usize,
-            j: j as usize,
-            layer: self.grid.layer(level, self.mode(key, place)?),
-        })
+        let layer = self.grid.layer(level, self.mode(key, place)?);
+        Ok(lattice::Pose { i: i as usize, j: j as usize, layer })
     }
 
     fn mode(&self, key: &str, place: &Place) -> Result<usize, Invalid> {

@@ -99,7 +99,7 @@ impl SailedPlan<'_> {
         let at = grid.pose(step.from.i, step.from.j, level);
         let (longitude_deg, latitude_deg) = chart.plane().to_geographic([at.y, at.x]);
         let to = self.prepared.node(step.to);
-        let off = |pose: ship::engine::Pose| libm::hypot(pose.x - to[0], pose.y - to[1]);
+        let off = |pose: Pose| libm::hypot(pose.x - to[0], pose.y - to[1]);
         let open = samples.iter().position(|s| s.informative);
         let largest = |i: usize| samples.iter().map(|s| s.inputs[i].abs()).fold(0.0, f64::max);
         let model = &brief.vessel.model;
@@ -124,28 +124,27 @@ impl SailedPlan<'_> {
     /// One per informative leg.
     pub fn primitives(&self) -> Vec<Primitive> {
         let legs = self.prepared.legs.iter().enumerate();
-        legs.filter_map(|(index, step)| self.primitive(index, step)).collect()
+        legs.filter_map(|(index, leg)| self.primitive(index, leg)).collect()
     }
 
-    fn primitive(&self, index: usize, settled_leg: &SettledLeg) -> Option<Primitive> {
-        let grid = &self.prepared.grid;
+    fn primitive(&self, index: usize, settled: &SettledLeg) -> Option<Primitive> {
+        let (grid, leg) = (&self.prepared.grid, &settled.leg);
         let rate_hz = self.prepared.brief.vessel.sample_rate_hz;
-        let [north, east] = grid.displacement(settled_leg.leg.di, settled_leg.leg.dj);
-        let (from, _) = grid.level_and_mode(settled_leg.leg.from);
-        let (to, _) = grid.level_and_mode(settled_leg.leg.to);
-        let turned = compass_deg(settled_leg.end.psi - grid.heading_rad(to));
+        let [north, east] = grid.displacement(leg.di, leg.dj);
+        let [(from, _), (to, _)] = [leg.from, leg.to].map(|layer| grid.level_and_mode(layer));
+        let turned = compass_deg(settled.end.psi - grid.heading_rad(to));
         Some(Primitive {
-            maneuver: settled_leg.name.clone(),
-            side: settled_leg.leg.purpose.side()?,
+            maneuver: settled.name.clone(),
+            side: leg.purpose.side()?,
             h: from as u64,
-            di: i64::from(settled_leg.leg.di),
-            dj: i64::from(settled_leg.leg.dj),
+            di: i64::from(leg.di),
+            dj: i64::from(leg.dj),
             to_h: to as u64,
-            maneuver_s: settled_leg.maneuver() as f64 / rate_hz,
-            leg_s: settled_leg.seconds(rate_hz),
-            residual_m: libm::hypot(settled_leg.end.x - north, settled_leg.end.y - east),
+            maneuver_s: settled.maneuver() as f64 / rate_hz,
+            leg_s: settled.seconds(rate_hz),
+            residual_m: libm::hypot(settled.end.x - north, settled.end.y - east),
             residual_deg: if turned > 180.0 { turned - 360.0 } else { turned },
-            spread_m: settled_leg.spread_m(),
+            spread_m: settled.spread_m(),
             fits: self.solved.waters.fits_at(index) as u64,
         })
     }
@@ -221,7 +220,7 @@ impl SailedPlan<'_> {
         let mut areas = self.prepared.chart.drawn(&self.frame());
         areas.retain(|polygon| match polygon.class {
             Class::Danger { least_m } => {
-                !(polygon.is_of_point || least_m.is_some_and(|least_m| least_m >= deep_m))
+                !(polygon.is_of_point || least_m.is_some_and(|least| least >= deep_m))
             }
             _ => true,
         });
@@ -252,13 +251,13 @@ impl SailedPlan<'_> {
         let waters = &self.solved.waters;
         [waters.deepest(&self.prepared.legs), waters.transit()].map(|obstacles: &Obstacles| {
             let raster = obstacles.raster();
-            let distance_m = |k: usize| {
+            let is_margin = |k: usize| {
                 let (col, row) = (k % raster.nx, k / raster.nx);
                 let causes = obstacles.causes(col, row);
                 let solid = [Causes::LAND, Causes::NO_GO, Causes::UNCHARTED].iter().any(|c| causes.has(*c));
                 obstacles.is_blocked(col, row) && !solid
             };
-            (0..raster.nx * raster.ny).map(distance_m).collect()
+            (0..raster.nx * raster.ny).map(is_margin).collect()
         })
     }
 
@@ -352,11 +351,8 @@ pub fn widest(rings: &[Vec<[f64; 2]>], y: f64) -> Option<[f64; 2]> {
     let mut crossings: Vec<f64> = Vec::new();
     for ring in rings {
         let edges = ring.iter().zip(ring.iter().cycle().skip(1));
-        crossings.extend(
-            edges
-                .filter(|(p, q)| (p[1] > y) != (q[1] > y))
-                .map(|(p, q)| p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0])),
-        );
+        let crossing = edges.filter(|(p, q)| (p[1] > y) != (q[1] > y));
+        crossings.extend(crossing.map(|(p, q)| p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0])));
     }
     crossings.sort_by(f64::total_cmp);
     let intervals = crossings.chunks_exact(2).map(|pair| [pair[0], pair[1]]);

@@ -76,8 +76,8 @@ impl Summing<'_> {
             Some(forces) => {
                 let prior = forces.prior_information();
                 let nothing = || vec![0.0; prior.len() * prior.len()];
-                let unwrap_or_else = forces.information(initial, &exogenous).unwrap_or_else(nothing);
-                MomentSums { degrees: vec![unwrap_or_else], prior }
+                let information = forces.information(initial, &exogenous).unwrap_or_else(nothing);
+                MomentSums { degrees: vec![information], prior }
             }
             None => self.lifted(initial, states, &exogenous),
         }
@@ -237,9 +237,9 @@ impl Brief {
         let (wanted, summing) = (self.wanted()?, self.summing()?);
         let mut summed: Vec<(MomentSums, GatheredManeuver)> = Vec::new();
         for (name, count) in planned {
-            let Some(piece) = wanted.iter().map(|wanted| &wanted.piece).find(|piece| piece.maneuver == *name)
+            let Some(super::Wanted { piece, .. }) = wanted.iter().find(|one| one.piece.maneuver == *name)
             else {
-                let known = wanted.iter().map(|wanted| wanted.piece.maneuver.clone()).collect();
+                let known = wanted.iter().map(|one| one.piece.maneuver.clone()).collect();
                 return Err(VoyageError::UnknownManeuver { name: name.clone(), known });
             };
             let done = done.get(name).copied().unwrap_or(0);
@@ -260,12 +260,7 @@ fn of_pieces(mut gathered: Vec<(MomentSums, GatheredManeuver)>) -> Gathered {
     for (moments, maneuver) in &mut gathered {
         maneuver.share = all.share_of(moments).map(|share| share * maneuver.planned as f64);
     }
-    let part = |gathered_maneuver: &GatheredManeuver| {
-        Some(
-            gathered_maneuver.share? * gathered_maneuver.done as f64
-                / gathered_maneuver.planned.max(1) as f64,
-        )
-    };
+    let part = |one: &GatheredManeuver| Some(one.share? * one.done as f64 / one.planned.max(1) as f64);
     let efficiency = libm::exp((so_far.log_det() - all.log_det()) / all.dimension() as f64);
     Gathered {
         share: gathered.iter().map(|(_, maneuver)| part(maneuver)).sum(),

@@ -139,8 +139,7 @@ impl Tide {
     pub fn worst(table: &[TideRow], departure_s: f64, slot_s: f64) -> Option<Self> {
         let ends = [departure_s, departure_s + slot_s];
         let inner = table.iter().filter(|row| ends[0] < row.at_s && row.at_s < ends[1]).copied();
-        let all: Vec<TideRow> =
-            [at(table, ends[0])?, at(table, ends[1])?].into_iter().chain(inner).collect();
+        let all: Vec<TideRow> = [at(table, ends[0])?, at(table, ends[1])?].into_iter().chain(inner).collect();
         let level_m = all.iter().map(|row| row.level_m).fold(f64::INFINITY, f64::min);
         let stream_m_s = [0, 1].map(|c: usize| {
             let of = all.iter().map(|row| row.stream_m_s[c]);

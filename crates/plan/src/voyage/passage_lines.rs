@@ -14,18 +14,10 @@ const ONE_PLACE_M: f64 = 1.0;
 /// Least distance of the positions of a track from which dangers are searched \[m\].
 const LOOKOUT_M: f64 = 5.0;
 
-/// What is done before the first leg, and the sample at which the ship leaves.
-#[derive(Default)]
-struct Before {
-    what: Vec<String>,
-    leaves: usize,
-}
-
 impl SailedPlan<'_> {
     /// The passage from waypoint to waypoint, as wide as the tracks of the check.
     pub fn passage(&self) -> Passage {
-        let mut before = Before::default();
-        let drafts = self.drafts(&mut before);
+        let (drafts, before, leaves) = self.drafts();
         let rate_hz = self.prepared.brief.vessel.sample_rate_hz;
         let start = self.solved.solution.steps.first().map_or([0.0; 2], |step| self.prepared.node(step.from));
         let (longitude_deg, latitude_deg) = self.geographic(start);
@@ -37,29 +29,25 @@ impl SailedPlan<'_> {
         let departure = self.prepared.brief.task.departure.and_then(|at| Timestamp::from_second(at).ok());
         let departure = departure.map(|at| at.to_string());
         let tide = self.prepared.brief.task.tide;
-        let leave_s = before.leaves as f64 / rate_hz;
-        Passage { departure, tide, longitude_deg, latitude_deg, before: before.what, leave_s, legs }
+        let leave_s = leaves as f64 / rate_hz;
+        Passage { departure, tide, longitude_deg, latitude_deg, before, leave_s, legs }
     }
 
     fn geographic(&self, [north, east]: [f64; 2]) -> (f64, f64) {
         self.prepared.chart.plane().to_geographic([east, north])
     }
 
-    /// The legs of the steps. Steps that end where they begin are listed at their waypoint: at the first one in `before`.
-    fn drafts(&self, before: &mut Before) -> Vec<Draft> {
-        let mut all: Vec<Draft> = Vec::new();
-        let mut sample = 0;
+    /// The legs of the steps. Steps that end where they begin are listed at their waypoint: those at the first one beside the
+    /// legs, with the sample at which the ship leaves it.
+    fn drafts(&self) -> (Vec<Draft>, Vec<String>, usize) {
+        let (mut all, mut before, mut leaves, mut sample) = (Vec::<Draft>::new(), Vec::new(), 0, 0);
         for (k, step) in self.solved.solution.steps.iter().enumerate() {
             let samples = sample..sample + self.sailing.sailed.samples.iter().filter(|s| s.leg == k).count();
             sample = samples.end;
             let (from, to) = (self.prepared.node(step.from), self.prepared.node(step.to));
             let leg = &self.prepared.legs[self.sailing.legs[k]];
             let side = leg.leg.purpose.side();
-            let what = if side == Some(Side::Mirrored) {
-                format!("{} (mirrored)", leg.name)
-            } else {
-                leg.name.clone()
-            };
+            let what = leg.name.clone() + if side == Some(Side::Mirrored) { " (mirrored)" } else { "" };
             if distance(from, to) < ONE_PLACE_M {
                 // Deviations at a waypoint count for the leg that leads there.
                 match all.last_mut() {
@@ -67,10 +55,7 @@ impl SailedPlan<'_> {
                         last.then.push(what);
                         (last.steps.end, last.leaves) = (k + 1, samples.end);
                     }
-                    None => {
-                        before.what.push(what);
-                        before.leaves = samples.end;
-                    }
+                    None => (leaves, ()) = (samples.end, before.push(what)),
                 }
                 continue;
             }
@@ -106,7 +91,7 @@ impl SailedPlan<'_> {
                 None => append_leg(&mut all, straight(&what, from, to, samples)),
             }
         }
-        all
+        (all, before, leaves)
     }
 
     /// The intersection of the courses at both ends of a step, if it turns under way, and the turn's radius.
@@ -162,18 +147,17 @@ impl SailedPlan<'_> {
     }
 
     fn passage_leg(&self, draft: &Draft, dangers: &Dangers) -> PassageLeg {
-        let ends = [draft.from, draft.to].map(|place| {
-            let (lon_deg, lat_deg) = self.geographic(place);
-            Waypoint { lon_deg, lat_deg, ..Waypoint::default() }
-        });
-        let (longitude_deg, latitude_deg) = (ends[1].lon_deg, ends[1].lat_deg);
-        let line = Route { waypoints: ends.into(), ..Route::default() };
+        let (longitude_deg, latitude_deg) = self.geographic(draft.to);
+        let line = self.route([draft.from, draft.to]);
         let rate_hz = self.prepared.brief.vessel.sample_rate_hz;
         let places = self.places(&draft.samples);
+        let bearing_deg = |between: [[f64; 2]; 2]| {
+            self.route(between.map(|[east, north]| [north, east])).course_deg(0).unwrap_or(0.0)
+        };
         let nearest = dangers.nearest(&places).map(|nearest| NearestDanger {
             what: nearest.called.to_string(),
             distance_m: nearest.distance_m,
-            bearing_deg: self.bearing_deg(nearest.between),
+            bearing_deg: bearing_deg(nearest.between),
         });
         let task = &self.prepared.brief.task;
         let least_depth_m = self.prepared.chart.least_depth_m(&places);
@@ -199,14 +183,13 @@ impl SailedPlan<'_> {
         }
     }
 
-    /// The true bearing of one place from another, both east and north \[m\].
-    fn bearing_deg(&self, places: [[f64; 2]; 2]) -> f64 {
+    /// From one place to another, both north and east \[m\].
+    fn route(&self, places: [[f64; 2]; 2]) -> Route {
         let waypoint = |place: [f64; 2]| {
-            let (lon_deg, lat_deg) = self.prepared.chart.plane().to_geographic(place);
+            let (lon_deg, lat_deg) = self.geographic(place);
             Waypoint { lon_deg, lat_deg, ..Waypoint::default() }
         };
-        let line = Route { waypoints: places.map(waypoint).into(), ..Route::default() };
-        line.course_deg(0).unwrap_or(0.0)
+        Route { waypoints: places.map(waypoint).into(), ..Route::default() }
     }
 
     /// East and north of the nominal track, thinned for the search for dangers.

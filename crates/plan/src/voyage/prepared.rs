@@ -10,12 +10,12 @@ use trial::Piece;
 
 use super::error::{Search, VoyageError, parameters_in_words};
 use super::moment_sums::MomentSums;
-use super::settled_legs::{Dropped, Group, LegSimulation, SettledLeg, Wanted, groups};
+use super::settled_legs::{Dropped, LegGroup, LegSimulation, SettledLeg, Wanted, groups};
 use super::task::{Area, Brief, Task};
 use crate::{Grid, Mode, Repertoire, SampledVessel, mirror};
 
 /// The groups of legs, the legs on which all vessels settle, and the others.
-pub(super) type Known = (Vec<Group>, Vec<Arc<SettledLeg>>, Vec<Dropped>);
+pub(super) type KnownLegs = (Vec<LegGroup>, Vec<Arc<SettledLeg>>, Vec<Dropped>);
 
 /// A trial prepared for the search.
 #[derive(Clone, Debug)]
@@ -32,7 +32,7 @@ pub struct Prepared {
     pub(super) pieces: Vec<Piece>,
     /// Signs of inputs for the other side, if the vessel has mirror symmetry.
     pub(super) mirror: Option<Vec<f64>>,
-    groups: Vec<Group>,
+    groups: Vec<LegGroup>,
     others: Vec<SampledVessel>,
     /// Every leg of the lattice.
     pub legs: Vec<Arc<SettledLeg>>,
@@ -129,12 +129,8 @@ impl Prepared {
 
     /// The vessel that does not settle on a dropped leg, and how.
     fn named(&self, Dropped { why, parameters, .. }: &Dropped) -> String {
-        match parameters {
-            None => format!(", {why}"),
-            Some(parameters) => {
-                format!(", such as {}: {why}", parameters_in_words(&self.brief.vessel, parameters))
-            }
-        }
+        let who = parameters.as_ref().map(|all| parameters_in_words(&self.brief.vessel, all));
+        who.map_or_else(|| format!(", {why}"), |who| format!(", such as {who}: {why}"))
     }
 
     /// Adds counter-examples to the sampled vessels of their legs; returns the previous state.
@@ -142,7 +138,7 @@ impl Prepared {
         &mut self,
         counter_examples: Vec<(usize, SampledVessel)>,
         search: &Search,
-    ) -> Result<Known, VoyageError> {
+    ) -> Result<KnownLegs, VoyageError> {
         let mut groups = self.groups.clone();
         counter_examples.into_iter().for_each(|(leg, who)| groups[self.legs[leg].group].learn(who));
         let task = &self.brief.task;
@@ -158,10 +154,22 @@ impl Prepared {
     }
 
     /// Replaces the known legs; returns the previous ones.
-    pub(super) fn know(&mut self, (groups, legs, dropped): Known) -> Known {
+    pub(super) fn know(&mut self, (groups, legs, dropped): KnownLegs) -> KnownLegs {
         let groups = std::mem::replace(&mut self.groups, groups);
         let legs = std::mem::replace(&mut self.legs, legs);
         (groups, legs, std::mem::replace(&mut self.dropped, dropped))
+    }
+
+    /// The share of the area that no chart covers, from 0 to 1, counted on the lattice's raster.
+    pub fn uncharted_share(&self) -> f64 {
+        let raster = self.brief.task.raster(&self.grid);
+        let area = self.brief.task.area.polygon(self.chart.plane());
+        let beyond = area.map(|polygon| Mask::beyond(&polygon, raster));
+        let is_in = |cell: usize| beyond.as_ref().is_none_or(|beyond| !beyond.closed()[cell]);
+        let cells = self.chart.uncharted_cells(raster).into_iter().enumerate();
+        let inside = cells.filter(|(cell, _)| is_in(*cell)).map(|(_, uncharted)| u64::from(uncharted));
+        let (all, uncharted) = inside.fold((0_u64, 0), |(all, sum), cell| (all + 1, sum + cell));
+        uncharted as f64 / all.max(1) as f64
     }
 
     /// North and east of a pose's node \[m\].
@@ -265,21 +273,17 @@ impl Task {
     }
 
     /// The same lattice, moved by up to half a cell if its start has to be a node, and cropped to the area.
-    fn on_start(
-        &self,
-        plane: &Plane,
-        (mut corner, mut count): ([f64; 2], [usize; 2]),
-    ) -> ([f64; 2], [usize; 2]) {
+    fn on_start(&self, plane: &Plane, (mut min, mut size): ([f64; 2], [usize; 2])) -> ([f64; 2], [usize; 2]) {
         let start = plane.to_plane(self.start.longitude_deg, self.start.latitude_deg);
         for k in 0..2 {
-            let cells = (start[k] - corner[k]) / self.cell_m - 0.5;
+            let cells = (start[k] - min[k]) / self.cell_m - 0.5;
             let off = cells - cells.round();
             if self.on_node && off.abs() > ON_NODE {
-                corner[k] += (if off < 0.0 { off + 1.0 } else { off }) * self.cell_m;
-                count[k] -= 1;
+                min[k] += (if off < 0.0 { off + 1.0 } else { off }) * self.cell_m;
+                size[k] -= 1;
             }
         }
-        (corner, count)
+        (min, size)
     }
 
     /// The speed modes, slowest first; at rest first of all where the vessel can turn on the spot.
@@ -296,20 +300,6 @@ impl Task {
         let origin = grid.origin_m.map(|o| o - self.cell_m / 2.0);
         let count = |n: usize| n * self.raster_per_cell;
         Raster { origin, cell_m, nx: count(grid.nx), ny: count(grid.ny) }
-    }
-}
-
-impl Prepared {
-    /// The share of the area that no chart covers, from 0 to 1, counted on the lattice's raster.
-    pub fn uncharted_share(&self) -> f64 {
-        let raster = self.brief.task.raster(&self.grid);
-        let area = self.brief.task.area.polygon(self.chart.plane());
-        let beyond = area.map(|polygon| Mask::beyond(&polygon, raster));
-        let is_in = |cell: usize| beyond.as_ref().is_none_or(|beyond| !beyond.closed()[cell]);
-        let cells = self.chart.uncharted_cells(raster).into_iter().enumerate();
-        let inside = cells.filter(|(cell, _)| is_in(*cell)).map(|(_, uncharted)| u64::from(uncharted));
-        let (all, uncharted) = inside.fold((0_u64, 0), |(all, sum), cell| (all + 1, sum + cell));
-        uncharted as f64 / all.max(1) as f64
     }
 }
 

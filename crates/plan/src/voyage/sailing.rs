@@ -61,14 +61,10 @@ impl Round {
     /// The counter-examples by leg, and the rest of the round. The waters are dropped, since they need most
     /// memory and can be computed again.
     fn ended(self) -> (Vec<(usize, SampledVessel)>, Last) {
-        let Self { number, solved: Solved { moves, problem, solution, .. }, sailing, counter_examples } =
-            self;
-        let counter_examples = counter_examples
-            .into_iter()
-            .take(MOST_COUNTER_EXAMPLES)
-            .map(|(step, who)| (sailing.legs[step], who))
-            .collect();
-        (counter_examples, Last { number, moves, problem, solution })
+        let Solved { moves, problem, solution, .. } = self.solved;
+        let kept = self.counter_examples.into_iter().take(MOST_COUNTER_EXAMPLES);
+        let by_leg = kept.map(|(step, who)| (self.sailing.legs[step], who)).collect();
+        (by_leg, Last { number: self.number, moves, problem, solution })
     }
 }
 
@@ -93,8 +89,8 @@ impl Prepared {
             // It stays in memory only if it may be returned.
             let last = keep_unsafe.then_some(last);
             let kept = last.as_ref().map_or(0, |last| self.last_bytes(&last.moves, &counter_examples));
-            let next_round =
-                self.again(counter_examples, (next, keep_unsafe), &clearance, &search.reserving(kept));
+            let search_left = search.reserving(kept);
+            let next_round = self.next_round(counter_examples, (next, keep_unsafe), &clearance, &search_left);
             round = match (next_round, last) {
                 (Ok(round), _) => round,
                 (Err(_), Some(last)) => return self.simulate_again(last, &clearance, search),
@@ -117,8 +113,8 @@ impl Prepared {
         Ok((solved, sailing))
     }
 
-    /// A round after the counter-examples `counter_examples`, by leg; if it has no plan, they are removed again if `keep`.
-    fn again(
+    /// A round after `counter_examples`, by leg; if it has no plan, they are removed again if `keep`.
+    fn next_round(
         &mut self,
         counter_examples: Vec<(usize, SampledVessel)>,
         (number, keep): (u32, bool),
@@ -178,9 +174,7 @@ impl Prepared {
             speed_m_s: self.grid.modes[mode].speed_m_s,
         }
     }
-}
 
-impl Prepared {
     /// Refuses a trial that exceeds its slot, or that of its tide.
     ///
     /// # Errors
@@ -276,7 +270,7 @@ impl Prepared {
     }
 
     /// The counts compared with the design's shares over the same time in maneuvers.
-    fn design_efficiency(&self, summing: &Summing, legs: &[usize], moment_sums: &MomentSums) -> Option<f64> {
+    fn design_efficiency(&self, summing: &Summing, legs: &[usize], counted: &MomentSums) -> Option<f64> {
         let (design, vessel) = (self.brief.design.as_ref()?, &self.brief.vessel);
         let samples: f64 = self.pieces_of(legs).map(|piece| self.pieces[piece].samples as f64).sum();
         let mut best = MomentSums::default();
@@ -287,7 +281,7 @@ impl Prepared {
                 best.add(&of_piece, share * samples / run.samples() as f64);
             }
         }
-        let efficiency = libm::exp((moment_sums.log_det() - best.log_det()) / moment_sums.dimension() as f64);
+        let efficiency = libm::exp((counted.log_det() - best.log_det()) / counted.dimension() as f64);
         efficiency.is_finite().then_some(efficiency)
     }
 }

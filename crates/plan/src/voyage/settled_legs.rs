@@ -61,7 +61,7 @@ pub struct Dropped {
 
 /// Legs with the same beginning, which are simulated together.
 #[derive(Clone, Debug)]
-pub(super) struct Group {
+pub(super) struct LegGroup {
     level: usize,
     what: What,
     /// Counter-examples from checks for legs of this group.
@@ -138,13 +138,13 @@ fn thinned(poses: &[Pose], cell_m: f64) -> impl Iterator<Item = Pose> {
 }
 
 /// The groups of legs of a lattice: from all heading levels, or from those of a quarter turn if all directions are equivalent.
-pub(super) fn groups(repertoire: &Repertoire) -> Vec<Group> {
+pub(super) fn groups(repertoire: &Repertoire) -> Vec<LegGroup> {
     let grid = repertoire.grid;
     let levels = if repertoire.is_isotropic() { grid.headings / 4 } else { grid.headings };
     let basic = (0..grid.modes.len()).map(What::Basic);
     let all = basic.chain((0..repertoire.pieces.len()).map(What::Informative));
     all.flat_map(|what| {
-        (0..levels).map(move |level| Group { level, what, counter_examples: Vec::new(), outcomes: None })
+        (0..levels).map(move |level| LegGroup { level, what, counter_examples: Vec::new(), outcomes: None })
     })
     .collect()
 }
@@ -153,7 +153,7 @@ impl LegSimulation<'_> {
     /// Simulates the legs of every group with the sampled vessels and the group's counter-examples, unless done already.
     pub fn run(
         &self,
-        groups: &mut [Group],
+        groups: &mut [LegGroup],
         keep_going: &(dyn Fn() -> bool + Sync),
     ) -> Result<(Vec<Arc<SettledLeg>>, Vec<Dropped>), VoyageError> {
         let new = groups.par_iter_mut().enumerate().filter(|(_, group)| group.outcomes.is_none());
@@ -174,7 +174,7 @@ impl LegSimulation<'_> {
     }
 
     /// The legs of a group, from its heading level and from those that lie quarter turns to port of it.
-    fn tried(&self, group: &Group, index: usize) -> Result<Vec<Tried>, Invalid> {
+    fn tried(&self, group: &LegGroup, index: usize) -> Result<Vec<Tried>, Invalid> {
         let (grid, outcomes) = (self.repertoire.grid, group.simulated(&self.repertoire, self.others)?);
         let tried = |outcome: Outcome| match outcome {
             Ok(settled) => self.settled_leg(settled, index).map(Ok),
@@ -204,16 +204,8 @@ impl LegSimulation<'_> {
         let Settled { leg, sailed, farthest, tracks } = settled;
         let end = end(&sailed);
         let longest = tracks.iter().map(|poses| poses.len() - 1).fold(sailed.samples.len(), usize::max);
-        Ok(SettledLeg {
-            name: self.name(&leg.purpose),
-            leg,
-            sailed,
-            end,
-            longest,
-            farthest,
-            footprint,
-            group,
-        })
+        let name = self.name(&leg.purpose);
+        Ok(SettledLeg { name, leg, sailed, end, longest, farthest, footprint, group })
     }
 
     fn footprint(&self, Settled { sailed, tracks, .. }: &Settled) -> Result<Footprint, Invalid> {
@@ -231,7 +223,7 @@ fn end(sailed: &Sailed) -> Pose {
     sailed.ends.last().map(|(pose, _)| *pose).unwrap_or_default()
 }
 
-impl Group {
+impl LegGroup {
     /// Adds a counter-example.
     pub(super) fn learn(&mut self, who: SampledVessel) {
         self.counter_examples.push(who);
@@ -315,9 +307,8 @@ impl Brief {
     /// n_q = N_q / N′_q, rounded, with N_q = share × time.
     fn count(&self, piece: &Piece) -> Result<u32, VoyageError> {
         let refuse = |value: &str, remedy: &str| {
-            let thing = format!("maneuver `{}`", piece.maneuver);
-            Err(Invalid::new(thing, value, "a `count`, or a design's share of `informative_s`", remedy)
-                .into())
+            let expected = "a `count`, or a design's share of `informative_s`";
+            Err(Invalid::new(format!("maneuver `{}`", piece.maneuver), value, expected, remedy).into())
         };
         let Some(design) = &self.design else {
             return refuse("no `count` and no design", "add `count` or give --design");

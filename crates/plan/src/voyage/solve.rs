@@ -67,9 +67,9 @@ impl Prepared {
         let mut goal = self.goal(&task.goal, start)?;
         self.check_water(waters, "start", start)?;
         if let crate::lattice::Goal::Poses(poses) = &mut goal {
-            poses
-                .iter_mut()
-                .try_for_each(|pose| self.clear_goal(waters, *pose).map(|clear| *pose = clear))?;
+            for pose in poses {
+                *pose = self.clear_goal(waters, *pose)?;
+            }
         }
         let lattice = Lattice { nx: self.grid.nx, ny: self.grid.ny, layers: self.grid.layers() };
         let by_class = task.cost.secondary == Secondary::Clearance;
@@ -138,11 +138,9 @@ impl Prepared {
         let said = pairs.filter_map(|(slow, fast)| {
             let way_m = (fast.speed_m_s.powi(2) - slow.speed_m_s.powi(2)) / (2.0 * acceleration_m_s2);
             let (slow, fast) = (&slow.name, &fast.name);
-            (way_m > longest_m).then(|| {
-                format!(
-                    "; between `{slow}` and `{fast}` she takes {way_m:.0} m (`handling.acceleration_m_s2`)"
-                )
-            })
+            let key = "handling.acceleration_m_s2";
+            (way_m > longest_m)
+                .then(|| format!("; between `{slow}` and `{fast}` she takes {way_m:.0} m (`{key}`)"))
         });
         said.collect()
     }
@@ -203,9 +201,9 @@ impl Prepared {
         });
         let mut best = f64::NEG_INFINITY;
         points.retain(|p| {
-            let better = p.log_det > best;
+            let before = best;
             best = best.max(p.log_det);
-            better
+            p.log_det > before
         });
         points
     }
@@ -266,12 +264,12 @@ impl Moves {
         moves
     }
 
-    fn action(&mut self, settled_leg: &SettledLeg, wanted: &[Wanted]) -> usize {
-        if let Some(known) = self.actions.iter().position(|a| a.name == settled_leg.name) {
+    fn action(&mut self, leg: &SettledLeg, wanted: &[Wanted]) -> usize {
+        if let Some(known) = self.actions.iter().position(|a| a.name == leg.name) {
             return known;
         }
-        let required = settled_leg.leg.purpose.piece().map_or(0, |piece| wanted[piece].count);
-        self.actions.push(Action { name: settled_leg.name.clone(), required, moves: Vec::new() });
+        let required = leg.leg.purpose.piece().map_or(0, |piece| wanted[piece].count);
+        self.actions.push(Action { name: leg.name.clone(), required, moves: Vec::new() });
         self.legs.push(Vec::new());
         self.actions.len() - 1
     }
@@ -285,15 +283,15 @@ impl Moves {
     }
 }
 
-fn cost(settled_leg: &SettledLeg, rule: &CostRule, class: usize, seconds: f64) -> Cost {
+fn cost(leg: &SettledLeg, rule: &CostRule, class: usize, seconds: f64) -> Cost {
     let primary = match rule.primary {
-        Primary::BasicMoves => f64::from(u8::from(!settled_leg.is_informative())),
+        Primary::BasicMoves => f64::from(u8::from(!leg.is_informative())),
         Primary::Seconds => seconds,
     };
     let secondary = match rule.secondary {
         Secondary::Seconds if rule.primary == Primary::Seconds => 0.0,
         Secondary::Seconds => seconds,
-        Secondary::Turns => f64::from(u8::from(settled_leg.name.starts_with("turn-"))),
+        Secondary::Turns => f64::from(u8::from(leg.name.starts_with("turn-"))),
         Secondary::Clearance => class as f64,
     };
     Cost { primary, secondary }

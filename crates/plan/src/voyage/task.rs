@@ -333,11 +333,8 @@ const STEPS: u32 = 1 << 20;
 impl Brief {
     /// The vessels and currents that legs and plans have to hold for.
     pub(crate) fn doubt(&self) -> Doubt<'_> {
-        Doubt {
-            nominal: &self.vessel.nominal,
-            deviations: &self.task.deviations,
-            current_m_s: self.task.safety.unknown_current_m_s,
-        }
+        let (nominal, current_m_s) = (&self.vessel.nominal, self.task.safety.unknown_current_m_s);
+        Doubt { nominal, deviations: &self.task.deviations, current_m_s }
     }
 
     /// The sampled vessels of every leg: parameters uniform within the stated error, currents of any direction, offsets from
@@ -352,23 +349,17 @@ impl Brief {
         let extreme = run.is_multiple_of(2);
         let size = |i: usize| if extreme { 1.0 } else { part(i) };
         // From -1 to 1.
-        let offset = |i: usize| match extreme {
-            true => (2.0 * part(i) - 1.0).signum(),
-            false => 2.0 * part(i) - 1.0,
-        };
+        let offset = |i: usize| if extreme { (2.0 * part(i) - 1.0).signum() } else { 2.0 * part(i) - 1.0 };
         let (towards, away) = (libm::sincos(TAU * part(0)), libm::sincos(TAU * part(1)));
         let tolerance = self.task.approach.tolerance.begun();
         let current = self.task.safety.unknown_current_m_s * size(2);
         let distance = tolerance.distance_m * size(3).sqrt();
+        let most = [tolerance.surge_m_s, tolerance.sway_m_s, tolerance.yaw_rate_rad_s];
         SampledVessel {
             parameters: self.drawn("parameter-error", run),
             current_m_s: [current * towards.1, current * towards.0],
             off: [distance * away.1, distance * away.0, tolerance.heading_rad * offset(4)],
-            motion: [
-                tolerance.surge_m_s * offset(5),
-                tolerance.sway_m_s * offset(6),
-                tolerance.yaw_rate_rad_s * offset(7),
-            ],
+            motion: [0, 1, 2].map(|d: usize| most[d] * offset(5 + d)),
         }
     }
 

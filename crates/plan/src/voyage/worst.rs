@@ -12,7 +12,7 @@ use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::check_run::{Checking, Run, Vessel};
+use super::check_run::{CheckedRun, Checking, Vessel};
 use super::clearance::compass_deg;
 use super::error::{Search, VoyageError, in_words, numbers, parameters_in_words, percent_off};
 use super::prepared::Prepared;
@@ -73,7 +73,7 @@ pub struct WorstVessel {
 
 /// The runs of a search.
 pub(super) struct Searched {
-    runs: Vec<(Candidate, Run)>,
+    runs: Vec<(Candidate, CheckedRun)>,
 }
 
 /// A quantity of a leg that is made as bad as possible.
@@ -111,7 +111,7 @@ struct Worst {
 
 impl Target {
     /// The greater, the worse; `None` of a leg that began beyond its tolerance, since another one is the cause.
-    fn badness(self, run: &Run) -> Option<f64> {
+    fn badness(self, run: &CheckedRun) -> Option<f64> {
         let Self { step, what } = self;
         run.began_well(step).then(|| match what {
             What::Nearness => -run.clearances_m[step],
@@ -120,7 +120,7 @@ impl Target {
     }
 
     /// The same where the search compares runs: distances are interpolated between cells.
-    fn compared(self, run: &Run) -> Option<f64> {
+    fn compared(self, run: &CheckedRun) -> Option<f64> {
         match self.what {
             What::Nearness => run.began_well(self.step).then(|| -run.between_cells_m[self.step]),
             What::Used => self.badness(run),
@@ -188,7 +188,7 @@ impl Searched {
 
     /// The corners where legs come nearest to a danger, by the first `axes` runs.
     fn nearest(&self, checking: &Checking, doubt: &Doubt, axes: usize) -> Vec<Candidate> {
-        let value = |target: Target, run: &Run| target.compared(run).unwrap_or(0.0);
+        let value = |target: Target, run: &CheckedRun| target.compared(run).unwrap_or(0.0);
         let corner = |target: Target| {
             let values: Vec<f64> = self.runs[..axes].iter().map(|(_, run)| value(target, run)).collect();
             doubt.extreme(&values)
@@ -205,7 +205,7 @@ impl Searched {
         };
         let (goals, mut corners) = (goals(), Vec::new());
         for step in 0..checking.legs.len() {
-            let off = |run: &Run| run.began_well(step).then(|| checking.off(step, run.ends[step]));
+            let off = |run: &CheckedRun| run.began_well(step).then(|| checking.off(step, run.ends[step]));
             let off: Vec<_> = self.runs[..axes].iter().map(|(_, run)| off(run).unwrap_or_default()).collect();
             corners.extend(goals.iter().map(|goal| (step, corner(&off, goal))));
         }
@@ -217,8 +217,8 @@ impl Searched {
     }
 
     /// The worst candidate of a target.
-    fn worst(&self, target: Target, badness: fn(Target, &Run) -> Option<f64>) -> Option<Worst> {
-        let measured = |(index, (_, run)): (usize, &(Candidate, Run))| {
+    fn worst(&self, target: Target, badness: fn(Target, &CheckedRun) -> Option<f64>) -> Option<Worst> {
+        let measured = |(index, (_, run)): (usize, &(Candidate, CheckedRun))| {
             badness(target, run).map(|badness| Worst { badness, index, step: target.step })
         };
         // The first of equals.
@@ -279,7 +279,8 @@ impl Searched {
     pub(super) fn summary(&self, checking: &Checking) -> Option<WorstVessels> {
         let (near, far) = (self.worst_of(checking, What::Nearness)?, self.worst_of(checking, What::Used)?);
         let margin_m = checking.prepared().brief.task.safety.margin_m;
-        let count = |is: &dyn Fn(&Run) -> bool| self.runs.iter().filter(|(_, run)| is(run)).count() as u64;
+        let count =
+            |is: &dyn Fn(&CheckedRun) -> bool| self.runs.iter().filter(|(_, run)| is(run)).count() as u64;
         Some(WorstVessels {
             searched: self.runs.len() as u64,
             aground: count(&|run| run.passage.clearance_m <= 0.0),

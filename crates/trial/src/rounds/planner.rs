@@ -57,19 +57,13 @@ impl<'a> Planner<'a> {
         self.maneuvers.iter().map(|maneuver| maneuver.index)
     }
 
-    /// Shares of the `coming` samples that minimize Σ var/size² of the parameters' estimates at their end, for the model with
+    /// Shares of the next `n` samples that minimize Σ var/size² of the parameters' estimates at their end, for the model with
     /// parameters `theta`, in addition to the information of the run so far: every candidate's matrix is that of the whole,
     /// (N_past M_past + N_coming M_q)/N. `None` where the model diverges in every maneuver or they do not excite it.
-    pub fn shares(
-        &self,
-        theta: &[f64],
-        sizes: &[f64],
-        so_far: Option<SoFar>,
-        next: usize,
-    ) -> Option<Vec<f64>> {
+    pub fn shares(&self, theta: &[f64], sizes: &[f64], so_far: Option<SoFar>, n: usize) -> Option<Vec<f64>> {
         let before = so_far.as_ref().map_or(0, |so_far| so_far.samples);
         let past = so_far.as_ref().map(|so_far| so_far.information);
-        let share = next as f64 / (before + next) as f64;
+        let share = n as f64 / (before + n) as f64;
         let each = self.maneuvers.iter();
         let each = each.map(|m| Simulated { theta, initial: m.initial, exogenous: &m.exogenous });
         let informations = self.informations(&each.collect::<Vec<_>>());

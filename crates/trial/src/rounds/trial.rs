@@ -153,21 +153,16 @@ impl<'a> Trial<'a> {
     }
 
     /// A round of all arms: plan, run, estimate, learn.
-    fn round(
-        &self,
-        round: usize,
-        arms: &mut [Vec<Realization>],
-        parts: &mut Parts,
-    ) -> Result<Vec<Row>, Refusal> {
-        let samples = self.ends[round];
+    fn round(&self, n: usize, arms: &mut [Vec<Realization>], parts: &mut Parts) -> Result<Vec<Row>, Refusal> {
+        let samples = self.ends[n];
         let information = self.information(&arms[Arm::Sequential as usize]);
         let information = information.iter().map(Option::as_ref).chain(std::iter::repeat(None));
         let each = arms.iter_mut().flatten().zip(information);
         let shared = each.map(|(trial, information)| self.extend(trial, information, parts, samples));
         let shared: Vec<Shared> = shared.collect::<Result<_, _>>()?;
         let expected = self.expected(&arms[Arm::OneShot as usize]);
-        self.sail(round, arms)?;
-        let estimates = self.estimated(round, arms)?;
+        self.sail(n, arms)?;
+        let estimates = self.estimated(n, arms)?;
         let row = |((realization, run), shared): ((&mut Realization, Option<RunEstimate>), _)| {
             let estimate = run.as_ref().and_then(|run| run.estimate.as_ref());
             let predicted = estimate.map(|(t, errors)| self.learn(realization, t, errors));
@@ -175,7 +170,7 @@ impl<'a> Trial<'a> {
             Row {
                 arm: realization.arm,
                 realization: realization.start.number,
-                round: round as u32,
+                round: n as u32,
                 samples,
                 shared,
                 outcome: run.as_ref().map_or(Outcome::Diverged, |run| run.status.into()),

@@ -36,7 +36,7 @@ const AT_REST_M_S: f64 = 0.3;
 const ABRUPT: f64 = 0.5;
 
 /// A straight part of the way: its first position, one between and its last; and its velocity to north and east \[m/s\].
-type Part = ([usize; 3], [f64; 2]);
+type StraightPart = ([usize; 3], [f64; 2]);
 
 /// Refuses columns that contradict the positions, and positions that stand still; says what else is odd.
 pub(super) fn check(along: &Along, limits: &FollowLimits) -> Result<Option<String>, Invalid> {
@@ -48,7 +48,7 @@ pub(super) fn check(along: &Along, limits: &FollowLimits) -> Result<Option<Strin
     Ok(odd)
 }
 
-fn parts(along: &Along) -> Vec<Part> {
+fn parts(along: &Along) -> Vec<StraightPart> {
     let (all, apart_s) = (along.positions, (PART_M / along.track.usual_m_s()).clamp(PART_S[0], PART_S[1]));
     let mut picked = vec![0];
     for (row, position) in all.iter().enumerate() {
@@ -67,8 +67,8 @@ fn parts(along: &Along) -> Vec<Part> {
     picked.windows(3).filter_map(part).collect()
 }
 
-fn check_speed(along: &Along, parts: &[Part]) -> Result<Option<String>, Invalid> {
-    let ratio = |(rows, velocity): &Part| {
+fn check_speed(along: &Along, parts: &[StraightPart]) -> Result<Option<String>, Invalid> {
+    let ratio = |(rows, velocity): &StraightPart| {
         let logged = rows.iter().map(|row| along.positions[*row].speed_m_s).sum::<Option<f64>>()?;
         Some(logged / 3.0 / libm::hypot(velocity[0], velocity[1]))
     };
@@ -109,8 +109,8 @@ fn refused_heading(thing: &str, headings: String, expected: &str) -> Invalid {
 }
 
 /// Refuses headings that are off the courses over ground: least squares of velocities = turn · headings + a current.
-fn check_heading(along: &Along, parts: &[Part]) -> Result<(), Invalid> {
-    let pair = |(rows, velocity): &Part| {
+fn check_heading(along: &Along, parts: &[StraightPart]) -> Result<(), Invalid> {
+    let pair = |(rows, velocity): &StraightPart| {
         let [a, b, c] = rows.map(|row| &along.track.points[along.at[row]]);
         let heading = along.positions[rows[1]].heading_deg?.to_radians();
         // Where the plan goes astern or aside, the heading is no course.
@@ -141,9 +141,8 @@ fn check_heading(along: &Along, parts: &[Part]) -> Result<(), Invalid> {
         return Ok(());
     }
     let side = if turned_deg > 0.0 { "left" } else { "right" };
-    let headings =
-        format!("headings {:.0} deg {side} of the courses over ground on all of them", turned_deg.abs());
-    Err(refused_heading("heading", headings, "true headings: magnetic ones lack the variation"))
+    let by = format!("headings {:.0} deg {side} of the courses over ground on all of them", turned_deg.abs());
+    Err(refused_heading("heading", by, "true headings: magnetic ones lack the variation"))
 }
 
 /// Sums of squares of velocities and of headings, both about means, and of their products, along and across.
@@ -200,16 +199,14 @@ fn check_still(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {
 /// Whether positions that stand still from one on stopped within less than the plan's ship needs, or are one and the same.
 fn stops_abruptly(along: &Along, from: usize) -> bool {
     let (all, points) = (along.positions, &along.track.points);
-    let [start, before] =
-        [from, all[..from].partition_point(|position| position.at_s < all[from].at_s - 20.0)]
-            .map(|k| &all[k]);
+    let earlier = all[..from].partition_point(|position| position.at_s < all[from].at_s - 20.0);
+    let [start, before] = [from, earlier].map(|k| &all[k]);
     let speed_m_s = distance(before.place, start.place) / (start.at_s - before.at_s);
     if from == 0 || speed_m_s < 0.5 * points[along.at[from]].speed_m_s {
         return false;
     }
-    let slows = points
-        .windows(11)
-        .map(|window| (window[0].speed_m_s - window[10].speed_m_s) / (window[10].at_s - window[0].at_s));
+    let ends = points.windows(11).map(|window| (window[0], window[10]));
+    let slows = ends.map(|(a, b)| (a.speed_m_s - b.speed_m_s) / (b.at_s - a.at_s));
     let stops_m = speed_m_s * speed_m_s / (2.0 * slows.fold(0.0, f64::max));
     let last = &all[all.len() - 1];
     let is_same = all.iter().rev().take_while(|position| position.place == last.place).count() >= FEW;

@@ -118,9 +118,9 @@ impl PlannedTrack {
         let (mut why, mut unknown) = (vec![None; track.steps.len()], Vec::new());
         for (step, state) in states.iter_mut().enumerate().filter(|(_, state)| **state == StepState::Done) {
             match along.sailed(step, inputs) {
-                Sailed::Otherwise(words) => (*state, why[step]) = (StepState::Spoiled, Some(words)),
-                Sailed::Unknown => unknown.push(step),
-                Sailed::Planned => {}
+                HowSailed::Otherwise(words) => (*state, why[step]) = (StepState::Spoiled, Some(words)),
+                HowSailed::Unknown => unknown.push(step),
+                HowSailed::Planned => {}
             }
         }
         Ok(Followed {
@@ -136,7 +136,7 @@ impl PlannedTrack {
             positions,
             spikes,
             odd,
-            usual_delay_s: track::median((0..along.positions.len()).map(|k| along.delay_s(k))),
+            usual_delay_s: median((0..along.positions.len()).map(|k| along.delay_s(k))),
             why,
             unknown,
         })
@@ -181,7 +181,7 @@ pub type Inputs = BTreeMap<String, Vec<[f64; 2]>>;
 
 /// What a log says of how a maneuver was sailed.
 #[derive(Clone, Debug, PartialEq)]
-enum Sailed {
+enum HowSailed {
     /// As planned.
     Planned,
     /// Neither: the track is straight, and no input was logged.
@@ -195,12 +195,12 @@ type Fix = (ShipPosition, TrackPoint);
 
 impl Along<'_> {
     /// How the maneuver of `step` was sailed, by motion and by the inputs that were planned and logged.
-    fn sailed(&self, step: usize, [planned, logged]: [&Inputs; 2]) -> Sailed {
+    fn sailed(&self, step: usize, [planned, logged]: [&Inputs; 2]) -> HowSailed {
         let fix = |(ship, k): (&ShipPosition, &usize)| (*ship, self.track.points[*k]);
         let informative = |(_, plan): &Fix| plan.step == step && plan.informative;
         let fixes: Vec<Fix> = self.positions.iter().zip(&self.at).map(fix).filter(informative).collect();
         if fixes.is_empty() {
-            return Sailed::Planned;
+            return HowSailed::Planned;
         }
         let of = |(name, informative): (&String, &Vec<[f64; 2]>)| {
             input(&fixes, name, [informative, logged.get(name)?])
@@ -208,7 +208,7 @@ impl Along<'_> {
         let inputs: Vec<Option<String>> = planned.iter().filter_map(of).collect();
         let known = !inputs.is_empty();
         match inputs.into_iter().flatten().next().or_else(|| broken_off(&fixes)) {
-            Some(why) => Sailed::Otherwise(why),
+            Some(why) => HowSailed::Otherwise(why),
             None => shape(&fixes, known),
         }
     }
@@ -240,20 +240,20 @@ fn broken_off(fixes: &[Fix]) -> Option<String> {
 }
 
 /// How much of the planned motion aside of a straight line there is, over the maneuver and each third of it.
-fn shape(fixes: &[Fix], known: bool) -> Sailed {
+fn shape(fixes: &[Fix], known: bool) -> HowSailed {
     let third = fixes.len() / 3;
     let parts = [0..fixes.len(), 0..third, third..2 * third, 2 * third..fixes.len()];
     let gains: Vec<[f64; 2]> = parts.into_iter().filter_map(|part| gain(&fixes[part])).collect();
     let tells = || gains.iter().filter(|[_, error]| *error <= TELLS);
     match tells().find(|[gain, error]| gain + 2.0 * error < LEAST) {
-        Some([gain, _]) if *gain < -LEAST => Sailed::Otherwise("to the other side".to_owned()),
+        Some([gain, _]) if *gain < -LEAST => HowSailed::Otherwise("to the other side".to_owned()),
         Some([gain, _]) => {
             let percent = 100.0 * gain.max(0.0);
             let words = format!("its motion has {percent:.0} % of the planned one, or a part of it has");
-            Sailed::Otherwise(words)
+            HowSailed::Otherwise(words)
         }
-        None if known || tells().next().is_some() => Sailed::Planned,
-        None => Sailed::Unknown,
+        None if known || tells().next().is_some() => HowSailed::Planned,
+        None => HowSailed::Unknown,
     }
 }
 
@@ -290,10 +290,7 @@ fn input(fixes: &[Fix], name: &str, series: [&[[f64; 2]]; 2]) -> Option<Option<S
     let pairs: Vec<[f64; 2]> = fixes.iter().filter_map(pair).collect();
     let middle = median(pairs.iter().map(|pair| pair[0]));
     let amplitudes = sorted(pairs.iter().map(|pair| Some((pair[0] - middle).abs())));
-    let amplitude = amplitudes
-        .get(amplitudes.len() * 9 / 10)
-        .copied()
-        .filter(|amplitude| *amplitude > 1e-6 * middle.abs())?;
+    let amplitude = *amplitudes.get(amplitudes.len() * 9 / 10).filter(|most| **most > 1e-6 * middle.abs())?;
     let sum = |of: fn(&[f64; 2]) -> f64| pairs.iter().map(of).sum::<f64>();
     let gain = (sum(|pair| pair[0] * pair[1]) / sum(|pair| pair[0] * pair[0])).clamp(LEAST, 1.0 / LEAST);
     let differs = pairs.iter().filter(|pair| (pair[1] / gain - pair[0]).abs() > DIFFERS * amplitude).count();

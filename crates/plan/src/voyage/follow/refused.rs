@@ -223,11 +223,11 @@ impl Shift {
             // A ship that stays may turn an antenna that is not in her middle.
             if matches!(by, Self::Ship(aside) if aside != 0.0) { of(true) } else { of(true).max(of(false)) }
         };
-        let offs = offs(track, &few);
-        if offs.iter().filter(|off| off.2).count() < FEW {
+        let before = offs(track, &few);
+        if before.iter().filter(|off| off.2).count() < FEW {
             return None;
         }
-        let before_m = away_m(&offs, Self::Ship(0.0));
+        let before_m = away_m(&before, Self::Ship(0.0));
         if before_m < 0.5 * LEAST_M {
             return None;
         }
@@ -239,14 +239,14 @@ impl Shift {
             moved = [0, 1].map(|c| moved[c] + step[c]);
         }
         let after_m = away_m(&offs(track, &Self::Earth(moved).without(&few)), Self::Ship(0.0));
-        let moving = offs.iter().filter(|off| off.2);
+        let moving = before.iter().filter(|off| off.2);
         let aside = Self::Ship(median(moving.map(|moving| Self::Ship(0.0).across_m(moving))));
-        let (displacement, after_m) = match away_m(&offs, aside) {
+        let (displacement, after_m) = match away_m(&before, aside) {
             aside_m if aside_m < after_m && aside.metres() >= LEAST_M => (aside, aside_m),
             _ => (Self::Earth(moved), after_m),
         };
-        (displacement.metres() >= LEAST_M && after_m <= (EXPLAINED * before_m).max(0.5 * LEAST_M))
-            .then_some(displacement)
+        let explains = after_m <= (EXPLAINED * before_m).max(0.5 * LEAST_M);
+        (displacement.metres() >= LEAST_M && explains).then_some(displacement)
     }
 
     /// How far a position is to starboard of its course without the displacement \[m\].

@@ -199,9 +199,8 @@ impl<'a> Along<'a> {
             let [from_s, to_s] = [0, 1].map(|end: usize| track.points[ends[end]].at_s);
             for (away, point) in away_m.iter_mut().zip(&track.points).take(ends[1]).skip(ends[0] + 1) {
                 let part = (point.at_s - from_s) / (to_s - from_s);
-                let place = [0, 1]
-                    .map(|c: usize| places[0].place[c] + part * (places[1].place[c] - places[0].place[c]));
-                *away = point.away_m(place);
+                let [a, b] = [places[0].place, places[1].place];
+                *away = point.away_m([0, 1].map(|c: usize| a[c] + part * (b[c] - a[c])));
             }
         }
         let ship = positions[positions.len() - 1];
@@ -267,9 +266,9 @@ impl<'a> Along<'a> {
         if aligned_m <= self.least_within_m() {
             return aligned_m;
         }
-        let away_m = |ship_position: &ShipPosition| {
+        let away_m = |position: &ShipPosition| {
             let points = self.track.points.iter();
-            points.map(|point| point.away_m(ship_position.place)).fold(f64::INFINITY, f64::min)
+            points.map(|point| point.away_m(position.place)).fold(f64::INFINITY, f64::min)
         };
         self.positions.iter().map(away_m).fold(aligned_m, f64::min)
     }
@@ -296,8 +295,7 @@ impl<'a> Along<'a> {
     /// Course and speed over the ground at the last position \[deg, m/s\]: since she was so far away that it gives a course.
     pub(super) fn course(&self) -> Option<[f64; 2]> {
         let ship = &self.ship;
-        let from =
-            self.positions.iter().rfind(|position| distance(ship.place, position.place) >= COURSE_M)?;
+        let from = self.positions.iter().rfind(|from| distance(ship.place, from.place) >= COURSE_M)?;
         let [east, north] = [0, 1].map(|c: usize| ship.place[c] - from.place[c]);
         let speed_m_s = distance(ship.place, from.place) / (ship.at_s - from.at_s);
         Some([libm::atan2(east, north).to_degrees().rem_euclid(360.0), speed_m_s])
