@@ -76,9 +76,9 @@ impl Covariance {
     /// As [`Covariance::new`].
     pub fn of_matrices(moments: &Candidates, meat: &Candidates, weights: &[Vec<f64>]) -> Result<Self, Error> {
         let sizes: Vec<usize> = moments.blocks().map(|(n, _)| n * n).collect();
-        let found: Vec<usize> = weights.iter().map(Vec::len).collect();
-        if found != sizes {
-            return Err(Error::Shape { found: found.iter().sum(), expected: sizes.iter().sum() });
+        let given: Vec<usize> = weights.iter().map(Vec::len).collect();
+        if given != sizes {
+            return Err(Error::Shape { found: given.iter().sum(), expected: sizes.iter().sum() });
         }
         let mut block = 0;
         Self::built(moments, meat, Norm::Trace, |n, _| {

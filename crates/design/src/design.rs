@@ -170,8 +170,8 @@ pub(crate) fn from_points<O: Objective>(
 
 /// Equal and random shares, projected into the bounds.
 fn starting_points(count: usize, bounds: &Bounds, options: &Options) -> Result<Vec<Vec<f64>>, Error> {
-    if let Some(found) = bounds.count().filter(|found| *found != count) {
-        return Err(Error::Shape { found, expected: count });
+    if let Some(given) = bounds.count().filter(|given| *given != count) {
+        return Err(Error::Shape { found: given, expected: count });
     }
     let mut points = vec![vec![1.0 / count as f64; count]];
     for start in 0..options.random_starts {

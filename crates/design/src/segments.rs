@@ -124,44 +124,32 @@ impl Stock {
             None => return Err(Scarce::NoLength),
         };
         let rate = dictionary.sample_rate_hz;
-        let share = |name: &String| match (self.seconds.get(name), self.segments.get(name)) {
+        let of = |name: &String| (self.seconds.get(name), self.segments.get(name));
+        let share = |name: &String| match of(name) {
             (Some(seconds), _) => seconds * rate / samples,
             (_, Some(segments)) => *segments as f64 / length.segments.map_or(1.0, |(n, _)| n as f64),
             _ => 1.0,
         };
-        let count = |name: &String, (total, each): (u64, u64)| match (
-            self.seconds.get(name),
-            self.segments.get(name),
-        ) {
+        let count = |name: &String, (total, each): (u64, u64)| match of(name) {
             // Rounding must not remove a segment that just fits.
             (Some(seconds), _) => (seconds * rate / each as f64 + 1e-9).floor() as u64,
             (_, Some(segments)) => *segments,
             _ => total,
         };
         let names = || dictionary.maneuvers.iter();
-        let available = Available {
-            shares: names().map(|name| share(name).min(1.0)).collect(),
-            counts: length
-                .segments
-                .map(|about| names().map(|name| count(name, about).min(about.0)).collect()),
-        };
-        available.check_enough(length)?;
-        Ok(available)
-    }
-}
-
-impl Available {
-    fn check_enough(&self, length: &Length) -> Result<(), Scarce> {
-        let share: f64 = self.shares.iter().sum();
+        let counts_of = |about: (u64, u64)| names().map(|name| count(name, about).min(about.0)).collect();
+        let shares: Vec<f64> = names().map(|name| share(name).min(1.0)).collect();
+        let counts: Option<Vec<u64>> = length.segments.map(counts_of);
+        let share: f64 = shares.iter().sum();
         if share < 1.0 - 1e-12 {
             return Err(Scarce::Time { share });
         }
-        if let (Some(counts), Some((expected, _))) = (&self.counts, length.segments) {
+        if let (Some(counts), Some((expected, _))) = (&counts, length.segments) {
             let found: u128 = counts.iter().map(|a| u128::from(*a)).sum();
             if found < u128::from(expected) {
                 return Err(Scarce::Segments { found, expected });
             }
         }
-        Ok(())
+        Ok(Available { shares, counts })
     }
 }

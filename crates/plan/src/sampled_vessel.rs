@@ -71,18 +71,18 @@ impl<'a> Crew<'a> {
 
     /// Applies `tried` to every sampled vessel, unless one fails; results are in their order.
     pub fn each<T>(&mut self, tried: impl Fn(Underway<'a>) -> Result<T, Used>) -> Result<Vec<T>, Failed> {
-        let mut found: Vec<Option<T>> = self.others.iter().map(|_| None).collect();
+        let mut ends: Vec<Option<T>> = self.others.iter().map(|_| None).collect();
         for place in 0..self.order.len() {
             let index = self.order[place];
             match tried(self.others[index].clone()) {
-                Ok(end) => found[index] = Some(end),
+                Ok(end) => ends[index] = Some(end),
                 Err(used) => {
                     self.order[..=place].rotate_right(1);
                     return Err(Failed { who: Some(index), ..used.into() });
                 }
             }
         }
-        Ok(found.into_iter().flatten().collect())
+        Ok(ends.into_iter().flatten().collect())
     }
 }
 
@@ -148,10 +148,8 @@ impl Deviations {
                 let left = row[j] - known;
                 let symmetric = (row[j] - rows[j][i]).abs() <= ASYMMETRIC * (row[j].abs() + rows[j][i].abs());
                 if !symmetric {
-                    return Err(NotPositive {
-                        parameter: i,
-                        found: format!("{} and {} across", row[j], rows[j][i]),
-                    });
+                    let found = format!("{} and {} across", row[j], rows[j][i]);
+                    return Err(NotPositive { parameter: i, found });
                 }
                 if i == j && !(left > SINGULAR * row[i] && left.is_finite()) {
                     return Err(NotPositive::of(i, row[i], left));
@@ -178,10 +176,8 @@ impl Deviations {
     /// The same, but no number beyond its `bounds`; as it is without any.
     #[must_use]
     pub fn within(self, bounds: Option<Vec<[f64; 2]>>) -> Self {
-        match bounds {
-            None => self,
-            Some(bounds) => Self::Within { bounds, of: std::boxed::Box::new(self) },
-        }
+        let Some(bounds) = bounds else { return self };
+        Self::Within { bounds, of: std::boxed::Box::new(self) }
     }
 
     /// Whether only the nominal vessel is among them.
@@ -309,9 +305,8 @@ pub fn goals<const N: usize>() -> Vec<[f64; N]> {
         std::array::from_fn(|k| [cos, sin].get(k).copied().unwrap_or(0.0))
     });
     let others = (2..N).flat_map(|axis| [1.0, -1.0].map(|sign| (axis, sign)));
-    position
-        .chain(others.map(|(axis, sign)| std::array::from_fn(|k| if k == axis { sign } else { 0.0 })))
-        .collect()
+    let along = |(axis, sign)| std::array::from_fn(|k| if k == axis { sign } else { 0.0 });
+    position.chain(others.map(along)).collect()
 }
 
 /// What is to be greatest by a goal.
@@ -337,12 +332,8 @@ impl Doubt<'_> {
 
     /// The vessel of a candidate on its node, whose axes are those of the search.
     pub fn on_node(&self, who: &Candidate) -> SampledVessel {
-        SampledVessel {
-            parameters: self.parameters(who),
-            current_m_s: self.current(who),
-            off: [0.0; 3],
-            motion: [0.0; 3],
-        }
+        let (parameters, current_m_s) = (self.parameters(who), self.current(who));
+        SampledVessel { parameters, current_m_s, off: [0.0; 3], motion: [0.0; 3] }
     }
 
     /// The nominal vessel with one coordinate at either end: parameters first, then the current.

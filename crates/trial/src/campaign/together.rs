@@ -54,8 +54,7 @@ impl Together<'_> {
 
     /// First samples of the segments of each.
     pub fn starts(&self) -> Vec<Vec<usize>> {
-        let of_run =
-            |experiment: &Arc<Experiment>| experiment.segments.iter().map(|segment| segment.start).collect();
+        let of_run = |one: &Arc<Experiment>| one.segments.iter().map(|segment| segment.start).collect();
         self.experiments.iter().map(of_run).collect()
     }
 
@@ -104,10 +103,8 @@ impl Together<'_> {
             None => exogenous.clone(),
             Some(_) => lane_of(&self.states.exogenous, lane),
         };
-        let instruments = own_loop
-            .as_ref()
-            .map(|own_loop| own_loop.instruments(self.model, &exogenous))
-            .unwrap_or_default();
+        let of_loop = |own_loop: &OwnLoop| own_loop.instruments(self.model, &exogenous);
+        let instruments = own_loop.as_ref().map(of_loop).unwrap_or_default();
         let run = Run {
             design: self.design.to_owned(),
             run: self.number(lane),
@@ -171,7 +168,7 @@ fn repeated(round: &[(usize, usize)], tables: &Tables, samples: usize) -> Option
     Some(plan)
 }
 
-/// Why the undisturbed ship cannot sail `own`, for users: the maneuver in which she diverges.
+/// Why the undisturbed ship cannot sail `experiment`, for users: the maneuver in which she diverges.
 pub(super) fn not_sailed(vessel: &Vessel, experiment: &Experiment) -> Option<String> {
     let (model, rate_hz) = (&vessel.model, vessel.sample_rate_hz);
     let truth = vessel.parameters(Source::Value).ok()?;

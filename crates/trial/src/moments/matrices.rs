@@ -124,9 +124,8 @@ impl Pool {
             }
             Some(known) if pooled => known.pool(&more),
             Some(_) => {
-                let thing = format!("maneuver `{}`", more.name);
-                let (value, expected) = ("two runs of it", "one run per maneuver");
-                return Err(Invalid::new(thing, value, expected, "name each maneuver once"));
+                let (thing, expected) = (format!("maneuver `{}`", more.name), "one run per maneuver");
+                return Err(Invalid::new(thing, "two runs of it", expected, "name each maneuver once"));
             }
         }
         Ok(())
@@ -164,10 +163,10 @@ impl FreeRunModel {
     ///
     /// # Errors
     /// A maneuver that the model cannot hold, or that diverges.
-    pub fn new(vessel: &Vessel, known: Option<&Generator>) -> Result<Self, Unpredictable> {
+    pub fn new(vessel: &Vessel, validation: Option<&Generator>) -> Result<Self, Unpredictable> {
         let (model, simulated_with) = (&vessel.model, vessel.best_known());
         let theta = vessel.parameters(simulated_with).map_err(Unpredictable::Vessel)?;
-        let g = known.map(|validation| validation_weights(model, &theta, validation)).transpose()?.flatten();
+        let g = validation.map(|all| validation_weights(model, &theta, all)).transpose()?.flatten();
         Ok(Self { simulated_with, parameters: by_name(model, &theta), rows: rows(model), g })
     }
 }
