@@ -78,15 +78,12 @@ impl<O: Objective> Solver<&O, State> for ActiveSetNewton<O::Point> {
     }
 
     fn terminate(&mut self, _state: &State) -> TerminationStatus {
-        match self.relative_gap {
-            Some(gap) if gap <= self.tolerance => {
-                TerminationStatus::Terminated(TerminationReason::SolverConverged)
-            }
-            _ if self.stalled => TerminationStatus::Terminated(TerminationReason::SolverExit(
-                "no step improves the criterion".into(),
-            )),
-            _ => TerminationStatus::NotTerminated,
-        }
+        let reason = match self.relative_gap {
+            Some(gap) if gap <= self.tolerance => TerminationReason::SolverConverged,
+            _ if self.stalled => TerminationReason::SolverExit("no step improves the criterion".into()),
+            _ => return TerminationStatus::NotTerminated,
+        };
+        TerminationStatus::Terminated(reason)
     }
 }
 

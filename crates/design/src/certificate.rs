@@ -8,10 +8,7 @@ use crate::{Candidates, Error};
 pub fn is_concave(candidates: &Candidates) -> bool {
     candidates.blocks().all(|(n, range)| {
         let matrices = || (0..candidates.len()).map(|q| &candidates.candidate(q)[range.clone()]);
-        match row_scaling(n, matrices()) {
-            Some(scaling) => matrices().all(|m| is_semidefinite(n, m, &scaling)),
-            None => false,
-        }
+        row_scaling(n, matrices()).is_some_and(|rows| matrices().all(|m| is_semidefinite(n, m, &rows)))
     })
 }
 

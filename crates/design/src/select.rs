@@ -93,10 +93,8 @@ pub fn select<O: Objective>(
         now = now.as_ref().and_then(|current| search.drop_one(current));
     }
     for _ in 0..EXCHANGES {
-        match now.as_ref().and_then(|current| search.exchange(current)) {
-            Some(better) => now = Some(better),
-            None => break,
-        }
+        let Some(better) = now.as_ref().and_then(|current| search.exchange(current)) else { break };
+        now = Some(better);
     }
     search.options = options;
     let polished = now.as_ref().and_then(|choice| search.solve(&choice.members)).filter(|p| search.keeps(p));

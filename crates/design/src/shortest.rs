@@ -176,10 +176,8 @@ impl Question<'_> {
         let (mut low, mut high) = (0.0, longest);
         while high - low > 1.0 {
             let middle = (0.5 * (low + high)).floor();
-            let solved = match self.bounds(stock, middle)? {
-                Some(bounds) => Some(self.solve(&bounds, options)?),
-                None => None,
-            };
+            let bounds = self.bounds(stock, middle)?;
+            let solved = bounds.map(|bounds| self.solve(&bounds, options)).transpose()?;
             match solved.filter(|(d, _)| self.errors.samples(&d.shares, &self.wanted) <= middle) {
                 Some(solved) => ((design, bound), high) = (solved, middle),
                 None => low = middle,

@@ -21,9 +21,6 @@ pub trait Blocks: Sync {
     fn blocks(&self) -> usize;
 
     /// The candidates of block `i`, all of the same dimensions.
-    ///
-    /// # Errors
-    /// The block cannot be read.
     fn block(&self, i: usize) -> Result<Candidates, Self::Error>;
 }
 

@@ -284,9 +284,6 @@ impl Repertoire<'_> {
     /// direction, in heading, speed and yaw rate. `approached` is the maneuver with its steady approach.
     ///
     /// The slopes of these quantities say which corner of the errors comes first; its neighbours are tried after it.
-    ///
-    /// # Errors
-    /// As [`crate::simulate_legs`], for the nominal vessel.
     pub(crate) fn farthest(&self, approached: &Leg) -> Result<Vec<SampledVessel>, Invalid> {
         let doubt = self.doubt();
         if doubt.is_none() {

@@ -252,13 +252,8 @@ impl Start {
 
     /// The criterion of runs from the same initial state.
     pub fn criterion<'a>(&'a self, vessel: &'a Vessel) -> TraceCriterion<'a> {
-        TraceCriterion {
-            model: &vessel.model,
-            parameters: &self.parameters,
-            weights: &self.weights,
-            noise: self.noise,
-            initial: self.initial,
-        }
+        let Self { parameters, weights, noise, initial, .. } = self;
+        TraceCriterion { model: &vessel.model, parameters, weights, noise: *noise, initial: *initial }
     }
 
     /// The parameter with the least information in the experiment.

@@ -180,7 +180,6 @@ pub struct SourceScore {
 
 /// The data, cut for simulating.
 struct Cut {
-    /// Per source.
     windows: Vec<(String, Vec<Part>)>,
     std: [f64; 3],
 }
@@ -188,7 +187,6 @@ struct Cut {
 /// One estimator in one fold.
 #[derive(Default)]
 struct Tried {
-    /// Per source that was left out.
     scores: Vec<(usize, Score)>,
     by_instruments: [bool; 3],
     failed: Option<(ScoreStatus, String)>,
@@ -243,8 +241,7 @@ impl Cut {
         if windows.iter().all(|(_, parts)| parts.is_empty()) {
             return Err(CrossError::NoWindow);
         }
-        let all = windows.iter().flat_map(|(_, parts)| parts);
-        let std = deviations(all.map(|w| w.measured.as_slice()));
+        let std = deviations(windows.iter().flat_map(|(_, parts)| parts).map(|w| w.measured.as_slice()));
         Ok(Self { windows, std })
     }
 
@@ -315,9 +312,7 @@ impl Cut {
         let without: Vec<&str> = left_out.iter().map(|i| self.windows[*i].0.as_str()).collect();
         let places: Vec<usize> =
             (0..parts.len()).filter(|place| !without.contains(&parts[*place].source.as_str())).collect();
-        let failed = |status: ScoreStatus, why: String| {
-            Some((status, format!("without {}: {why}", without.join(", "))))
-        };
+        let failed = |status, why: String| Some((status, format!("without {}: {why}", without.join(", "))));
         let estimated = match pool.estimate(&Drawn { parts, places: &places }, estimator) {
             Ok(estimated) => estimated,
             Err(NoEstimate::Lost(lost)) => {
@@ -382,9 +377,8 @@ fn ahead(best: &FreeRunErrors, other: &FreeRunErrors) -> String {
 
 /// `u 78.9 %, v 73.2 %, r 72.0 %`.
 fn fits(errors: &FreeRunErrors) -> String {
-    let one = |(name, fit): (&str, Option<f64>)| match fit {
-        Some(fit) => format!("{name} {fit:.2} %"),
-        None => format!("{name} –"),
+    let one = |(name, fit): (&str, Option<f64>)| {
+        fit.map_or_else(|| format!("{name} –"), |fit| format!("{name} {fit:.2} %"))
     };
     ["u", "v", "r"].into_iter().zip(errors.fits()).map(one).collect::<Vec<_>>().join(", ")
 }

@@ -61,23 +61,23 @@ pub(crate) fn fits(graph: &Graph) -> bool {
 
 /// The cheapest plan with a key of at most `most`.
 pub(crate) fn search(graph: &Graph, most: u64, memory: u64, watch: &mut Watch) -> Verdict {
-    if graph.lay_out(false, watch).is_none() {
-        return Verdict::stopped(None, watch.lower, Limit::Time);
-    }
+    let verdict = searched(graph, most, memory, watch);
+    verdict.unwrap_or_else(|| Verdict::stopped(None, watch.lower, Limit::Time))
+}
+
+/// `None` if cancelled before it began.
+fn searched(graph: &Graph, most: u64, memory: u64, watch: &mut Watch) -> Option<Verdict> {
+    graph.lay_out(false, watch)?;
     if narrow(graph) {
-        let Some(mut dense) = Dense::<u32>::new(graph, most, memory, watch) else {
-            return Verdict::stopped(None, watch.lower, Limit::Time);
-        };
+        let mut dense = Dense::<u32>::new(graph, most, memory, watch)?;
         match dense.run(watch, false) {
             Ended::Overflow => {}
-            ended => return dense.verdict(&ended, watch.lower),
+            ended => return Some(dense.verdict(&ended, watch.lower)),
         }
     }
-    let Some(mut dense) = Dense::<u64>::new(graph, most, memory, watch) else {
-        return Verdict::stopped(None, watch.lower, Limit::Time);
-    };
+    let mut dense = Dense::<u64>::new(graph, most, memory, watch)?;
     let ended = dense.run(watch, false);
-    dense.verdict(&ended, watch.lower)
+    Some(dense.verdict(&ended, watch.lower))
 }
 
 /// The least key of every count vector at any goal, by mixed-radix number, of keys up to `most`; `None` if cancelled.
@@ -203,9 +203,8 @@ impl<'a, D: Stored> Dense<'a, D> {
 
     fn possible(&self) -> Option<Vec<u32>> {
         let reached = (0..self.vectors as u64).filter(|&vector| self.at_goal(vector).is_some());
-        reached
-            .map(|vector| watch::counts(vector, &self.required))
-            .max_by_key(|counts| counts.iter().sum::<u32>())
+        let counts = reached.map(|vector| watch::counts(vector, &self.required));
+        counts.max_by_key(|counts| counts.iter().sum::<u32>())
     }
 }
 
@@ -222,26 +221,21 @@ pub(crate) fn walk(
     let mut walk = MoveSequence::new();
     loop {
         let here = distance(node, &counts)?;
-        let Entry { along, before } = entry(graph, node, &mut counts, here, distance)?;
+        let (along, before) = entry(graph, node, &mut counts, here, distance)?;
         walk.extend(along);
-        match before {
-            None => break,
-            Some((from, step)) => {
-                walk.push(step);
-                node = from;
-            }
-        }
+        let Some((from, step)) = before else { break };
+        walk.push(step);
+        node = from;
     }
     walk.reverse();
     Some(walk)
 }
 
-/// How a walk enters a node: over free basic moves (`along`, last first) after the move `before`, or from the start.
-struct Entry {
-    along: MoveSequence,
-    before: Option<(u32, u32)>,
-}
+/// Free basic moves, last first, and the move before these with its start; none where they begin at the start.
+type Entry = (MoveSequence, Option<(u32, u32)>);
 
+/// How a walk enters a node.
+///
 /// Searches backwards over free basic moves for a move from a smaller distance or smaller counts. The counts become
 /// those before that move.
 fn entry(graph: &Graph, node: u32, counts: &mut [u32], here: u64, distance: &Distance) -> Option<Entry> {
@@ -249,7 +243,7 @@ fn entry(graph: &Graph, node: u32, counts: &mut [u32], here: u64, distance: &Dis
     let mut queue = vec![node];
     while let Some(at) = queue.pop() {
         if at == graph.start && here == 0 && counts.iter().all(|&count| count == 0) {
-            return Some(Entry { along: along(&after, at), before: None });
+            return Some((along(&after, at), None));
         }
         for (from, step) in graph.ways_into(at) {
             let (key, slot) = graph.price(step);
@@ -258,14 +252,12 @@ fn entry(graph: &Graph, node: u32, counts: &mut [u32], here: u64, distance: &Dis
                 Some(slot) if counts[slot] > 0 => {
                     counts[slot] -= 1;
                     if distance(from, counts) == Some(before) {
-                        return Some(Entry { along: along(&after, at), before: Some((from, step)) });
+                        return Some((along(&after, at), Some((from, step))));
                     }
                     counts[slot] += 1;
                 }
                 None if distance(from, counts) != Some(before) => {}
-                None if key > 0 => {
-                    return Some(Entry { along: along(&after, at), before: Some((from, step)) });
-                }
+                None if key > 0 => return Some((along(&after, at), Some((from, step)))),
                 None => {
                     after.entry(from).or_insert_with(|| {
                         queue.push(from);

@@ -166,9 +166,6 @@ impl Reach {
 /// The poses that plans with keys of at most `most` can pass, and maybe some more: those near start and goals, however large the
 /// lattice is. Plans use informative actions no more often than required. So with a price on each use, their priced keys are at most
 /// `most` and all prices, and no priced walk through a pose is below its least one.
-///
-/// # Errors
-/// Cancelled, or its tables and queue need more than `memory` bytes.
 pub(crate) fn within(problem: &Problem, most: u64, room: u64, watch: &mut Watch) -> Result<Vec<bool>, Limit> {
     let tables = (problem.lattice().poses() * WITHIN_PER_POSE) as u64;
     let queued = room.checked_sub(tables).ok_or(Limit::Memory)?;
@@ -188,9 +185,6 @@ pub(crate) fn within(problem: &Problem, most: u64, room: u64, watch: &mut Watch)
 
 /// By pose the least key of a walk along `arcs` from any of `ends`, with a price on each informative move; `u64::MAX` where it is
 /// above `most`.
-///
-/// # Errors
-/// Cancelled, or the queue needs more than `memory` bytes.
 fn least_keys<I: Iterator<Item = Arc>>(
     problem: &Problem,
     ends: Vec<u32>,

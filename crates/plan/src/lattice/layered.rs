@@ -402,16 +402,14 @@ impl<const W: usize> Layered<'_, W> {
     fn possible(&self) -> Option<Vec<u32>> {
         let at_goal = |block: usize| {
             let mut all = [0; W];
-            self.graph
-                .goals
-                .iter()
-                .for_each(|&goal| layout::or(&mut all, &self.reached[block * self.nodes + goal as usize]));
+            for &goal in &self.graph.goals {
+                layout::or(&mut all, &self.reached[block * self.nodes + goal as usize]);
+            }
             all
         };
         let vectors =
             (0..self.blocks).flat_map(|block| layout::ones(&at_goal(block)).map(move |bit| (block, bit)));
-        vectors
-            .map(|(block, bit)| self.layout.counts(block, bit))
-            .max_by_key(|counts| counts.iter().sum::<u32>())
+        let counts = vectors.map(|(block, bit)| self.layout.counts(block, bit));
+        counts.max_by_key(|counts| counts.iter().sum::<u32>())
     }
 }

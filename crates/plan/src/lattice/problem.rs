@@ -55,8 +55,7 @@ impl Problem {
         grid::actions(&lattice, &actions)?;
         grid::ends(&lattice, start, &goal)?;
         let informative = informative(&actions);
-        let costs: Vec<Cost> =
-            actions.iter().flat_map(|one| one.moves.iter().map(|step| step.cost)).collect();
+        let costs: Vec<Cost> = actions.iter().flat_map(|it| it.moves.iter().map(|step| step.cost)).collect();
         let units = Units::new(&costs, longest_plan(&lattice, &actions))?;
         let moves = known_moves(&actions, &units);
         let allowed = allowed_moves(&lattice, &actions, &moves, allowed)?;

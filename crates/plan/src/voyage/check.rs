@@ -130,9 +130,6 @@ fn doubt(round: u32) -> f64 {
 impl Checking<'_> {
     /// Searches the worst vessels, then simulates the script with drawn parameters and in drawn currents; `concurrent`
     /// is executed along with the last runs, if all of them are simulated.
-    ///
-    /// # Errors
-    /// A simulation that diverges; no time.
     pub(super) fn check<T: Send>(
         &self,
         search: &Search,

@@ -79,9 +79,6 @@ impl Checking<'_> {
     }
 
     /// A run of every one of `vessels`, in their order.
-    ///
-    /// # Errors
-    /// A simulation that diverges; no time.
     pub(super) fn all(&self, vessels: Vec<Vessel>, search: &Search) -> Result<Vec<CheckedRun>, VoyageError> {
         let one = |vessel: Vessel| {
             if !(search.keep_going)() {
@@ -97,9 +94,6 @@ impl Checking<'_> {
     }
 
     /// Simulates a vessel.
-    ///
-    /// # Errors
-    /// A vessel that cannot be commanded; a simulation that diverges.
     pub(super) fn run(&self, vessel: Vessel) -> Result<CheckedRun, Invalid> {
         let (clearance, brief) = (self.clearance, &self.prepared().brief);
         let open = if vessel.is_searched { clearance.open_to_compare() } else { clearance.open() };

@@ -35,9 +35,6 @@ pub(super) struct Summing<'a> {
 
 impl Brief {
     /// How the information of its vessel is summed.
-    ///
-    /// # Errors
-    /// A ship with forces whose logs have no stated noise; noise that is stated where nothing weighs by it.
     pub(super) fn summing(&self) -> Result<Summing<'_>, Invalid> {
         let vessel = &self.vessel;
         let forces = match (&vessel.model.forces, self.task.measurement) {

@@ -221,10 +221,6 @@ impl Task {
     }
 
     /// The chart of `layers` around the area, and the lattice over it. Maneuvers drift by up to `drift_m`.
-    ///
-    /// # Errors
-    /// An area that is too small for a lattice, charts that do not cover it, no speed that the vessel can
-    /// hold at a node; the time limit.
     pub(super) fn ground(
         &self,
         vessel: &Vessel,

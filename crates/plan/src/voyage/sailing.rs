@@ -215,9 +215,6 @@ pub struct Information {
 
 impl Prepared {
     /// The information of `sailed`, against the prediction of its `legs`.
-    ///
-    /// # Errors
-    /// As [`Brief::summing`](super::task::Brief).
     fn information_of_plan(&self, legs: &[usize], sailed: &Sailed) -> Result<Information, Invalid> {
         let summing = self.brief.summing()?;
         let predicted = self.promised(legs);

@@ -95,12 +95,10 @@ impl Waters {
 
     /// Obstacles of informative maneuvers, with the widest margin.
     pub fn deepest(&self, legs: &[Arc<SettledLeg>]) -> &Obstacles {
-        let blocked = |index: &usize| {
-            self.obstacles[self.layer_of_leg[*index]].blocked().iter().filter(|b| **b).count()
-        };
+        let of = |index: usize| &self.obstacles[self.layer_of_leg[index]];
+        let blocked = |index: &usize| of(*index).blocked().iter().filter(|blocked| **blocked).count();
         let informative = (0..legs.len()).filter(|index| legs[*index].is_informative());
-        let widest = informative.max_by_key(blocked).unwrap_or(0);
-        &self.obstacles[self.layer_of_leg[widest]]
+        of(informative.max_by_key(blocked).unwrap_or(0))
     }
 
     /// The clearance class of a node: 0 far from obstacles, 3 near.
@@ -117,18 +115,15 @@ fn nodes(nx: usize, ny: usize) -> impl Iterator<Item = (usize, usize)> {
 impl Prepared {
     /// The obstacles of every leg.
     pub(super) fn waters(&self, keep_going: &(dyn Fn() -> bool + Sync)) -> Result<Waters, VoyageError> {
-        let in_time =
-            || if keep_going() { Ok(()) } else { Err(VoyageError::OutOfTime("the layout of the chart")) };
+        let in_time = || keep_going().then_some(()).ok_or(VoyageError::OutOfTime("the layout of the chart"));
         let (task, grid) = (&self.brief.task, &self.grid);
         let raster = task.raster(grid);
         let (kinds, layer_of_leg) = self.obstacle_kinds();
-        let obstacles: Vec<_> = kinds
-            .par_iter()
-            .map(|(depth, margin, maneuvers)| {
-                let new = if *maneuvers { Obstacles::new } else { Obstacles::in_transit };
-                in_time().and_then(|()| Ok(new(&self.chart, raster, *depth, *margin)?))
-            })
-            .collect();
+        let of_kind = |(depth, margin, maneuvers): &(f64, f64, bool)| {
+            let new = if *maneuvers { Obstacles::new } else { Obstacles::in_transit };
+            in_time().and_then(|()| Ok(new(&self.chart, raster, *depth, *margin)?))
+        };
+        let obstacles: Vec<_> = kinds.par_iter().map(of_kind).collect();
         let obstacles: Vec<Obstacles> = obstacles.into_iter().collect::<Result<_, VoyageError>>()?;
         let node_distance_m = match task.cost.secondary {
             Secondary::Clearance => self.node_distances_m(raster, keep_going)?,
@@ -155,12 +150,12 @@ impl Prepared {
     }
 
     /// The speed limits that the nominal vessel exceeds on a leg: at either end, or by more than the tolerance on the way.
-    fn exceeded(&self, settled_leg: &SettledLeg) -> Vec<usize> {
+    fn exceeded(&self, settled: &SettledLeg) -> Vec<usize> {
         let task = &self.brief.task;
         let mode_m_s = |layer: usize| self.grid.modes[self.grid.level_and_mode(layer).1].speed_m_s;
-        let speeds_m_s = settled_leg.sailed.samples.iter().map(|s| libm::hypot(s.state[0], s.state[1]));
+        let speeds_m_s = settled.sailed.samples.iter().map(|s| libm::hypot(s.state[0], s.state[1]));
         let way_m_s = speeds_m_s.fold(0.0, f64::max) - task.approach.tolerance.surge_m_s;
-        let fastest_m_s = mode_m_s(settled_leg.leg.from).max(mode_m_s(settled_leg.leg.to)).max(way_m_s);
+        let fastest_m_s = mode_m_s(settled.leg.from).max(mode_m_s(settled.leg.to)).max(way_m_s);
         let limits = task.speed_limits.iter().enumerate();
         limits.filter(|(_, limit)| fastest_m_s > limit.max_speed_m_s).map(|(index, _)| index).collect()
     }
@@ -187,7 +182,7 @@ impl Prepared {
     pub(super) fn obstacle_kinds(&self) -> (Vec<(f64, f64, bool)>, Vec<usize>) {
         let safety = &self.brief.task.safety;
         let mut kinds: Vec<(f64, f64, bool)> = Vec::new();
-        let kind_of = |settled_leg: &SettledLeg| match settled_leg.is_informative() {
+        let kind_of = |leg: &SettledLeg| match leg.is_informative() {
             true => (safety.trial_depth_m, safety.margin_m, self.chart.has_transit_only()),
             false => (safety.transit_depth_m, safety.margin_m, false),
         };

@@ -91,15 +91,6 @@ enum What {
     Used,
 }
 
-/// The noise of the vessels that are simulated together.
-#[derive(Clone, Copy, PartialEq)]
-enum Noises {
-    /// The same for all: they are compared, and differ in their parameters and currents alone.
-    Shared,
-    /// One of each.
-    Own,
-}
-
 /// The worst run for a leg.
 #[derive(Clone, Copy)]
 struct Worst {
@@ -130,9 +121,6 @@ impl Target {
 
 impl Checking<'_> {
     /// Searches the worst vessels. A search that finds counter-examples ends there, except in the last round.
-    ///
-    /// # Errors
-    /// A simulation that diverges; no time.
     pub(super) fn worst(&self, search: &Search) -> Result<Searched, VoyageError> {
         let doubt = self.prepared().brief.doubt();
         let mut searched = Searched { runs: Vec::new() };
@@ -141,15 +129,15 @@ impl Checking<'_> {
         }
         let axes = doubt.axes();
         let count = axes.len();
-        searched.add(self, &doubt, (axes, Noises::Shared), search)?;
+        searched.add(self, &doubt, (axes, true), search)?;
         let outer = [searched.nearest(self, &doubt, count), searched.farthest(self, &doubt, count)].concat();
-        searched.add(self, &doubt, (outer, Noises::Own), search)?;
+        searched.add(self, &doubt, (outer, false), search)?;
         for _ in 0..SWEEPS {
             if !self.is_last && searched.fails(self) {
                 break;
             }
             let neighbours = searched.followed(self).flat_map(|who| doubt.neighbours(who)).collect();
-            if !searched.add(self, &doubt, (neighbours, Noises::Own), search)? {
+            if !searched.add(self, &doubt, (neighbours, false), search)? {
                 break;
             }
         }
@@ -163,12 +151,13 @@ impl Checking<'_> {
 }
 
 impl Searched {
-    /// Simulates those of `candidates` that are new; returns whether there are any.
+    /// Simulates those of `candidates` that are new; returns whether there are any. Where they are `compared`, all have the same
+    /// noise, and differ in their parameters and currents alone.
     fn add(
         &mut self,
         checking: &Checking,
         doubt: &Doubt,
-        (candidates, noises): (Vec<Candidate>, Noises),
+        (candidates, compared): (Vec<Candidate>, bool),
         search: &Search,
     ) -> Result<bool, VoyageError> {
         let mut known: BTreeSet<Vec<u64>> = self.runs.iter().map(|(who, _)| key(who)).collect();
@@ -177,7 +166,7 @@ impl Searched {
             parameters: doubt.parameters(who),
             unknown_m_s: doubt.current(who),
             is_drawn: false,
-            noise: if noises == Noises::Shared { 0 } else { number },
+            noise: if compared { 0 } else { number },
             is_searched: true,
         };
         let runs = checking.all(new.iter().zip(self.runs.len() as u32..).map(vessel).collect(), search)?;

@@ -210,9 +210,6 @@ pub type Tables = BTreeMap<usize, PlayedTable>;
 
 /// An experiment of `samples` samples by `shares` of all maneuvers: the number of whole plays of tables that
 /// is nearest to their shares, the rest for the others.
-///
-/// # Errors
-/// A rest that no maneuver has a share in.
 pub(crate) fn shared_out(shares: &[f64], tables: &Tables, samples: usize) -> Result<Plan, Invalid> {
     let plays = plays(shares, tables, samples);
     let mut others = shares.to_vec();

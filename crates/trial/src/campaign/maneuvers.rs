@@ -153,8 +153,7 @@ impl<'a> Maneuvers<'a> {
                         let own_loop = OwnLoop::new(self.vessel, initial, &[(helm.clone(), samples)]);
                         let ran = simulate_command(model, &self.parameters, initial, samples, rate_hz, &helm);
                         (exogenous, commands) = (ran.exogenous, ran.commands);
-                        instruments =
-                            own_loop.map_or_else(Vec::new, |one| one.instruments(model, &exogenous));
+                        instruments = own_loop.map_or_else(Vec::new, |it| it.instruments(model, &exogenous));
                         ran.states
                     }
                 };

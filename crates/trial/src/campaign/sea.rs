@@ -105,9 +105,6 @@ impl<'a> Sea<'a> {
     }
 
     /// Simulates groups of runs of one length, with what is `wanted` of them.
-    ///
-    /// # Errors
-    /// See [`Self::simulate`].
     pub(super) fn simulate_groups<const G: usize>(
         &self,
         groups: [&Group; G],
@@ -199,12 +196,10 @@ impl<'a> Sea<'a> {
             return Refusal::Vessel(at.invalid(format!("model in {run}"), self.vessel.sample_rate_hz));
         }
         let windy = self.wind.is_some() && bounded(self.disturbances, None);
-        let (key, expected) = match windy {
-            true => ("[wind]", "a wind in which the motion stays bounded, as it does without wind"),
-            false => (
-                "`current.std_m_s`",
-                "a current in which the motion stays bounded, as it does in still water",
-            ),
+        let key = if windy { "[wind]" } else { "`current.std_m_s`" };
+        let expected = match windy {
+            true => "a wind in which the motion stays bounded, as it does without wind",
+            false => "a current in which the motion stays bounded, as it does in still water",
         };
         let thing = format!("{run}, which diverges in it at sample {}", at.sample);
         Refusal::Sea(Invalid::new(key, thing, expected, "lower it"))

@@ -28,18 +28,12 @@ pub enum Estimated {
 impl Estimated {
     /// The criterion of a D-optimal design for it.
     pub fn d_optimal(self) -> CriterionName {
-        match self {
-            Self::Iv(_) => CriterionName::DHessian,
-            Self::OutputError { .. } => CriterionName::D,
-        }
+        if matches!(self, Self::Iv(_)) { CriterionName::DHessian } else { CriterionName::D }
     }
 
     /// Whether intercepts are among the unknowns.
     fn has_intercepts(self) -> bool {
-        match self {
-            Self::Iv(removal) => removal == MeanRemoval::Complete,
-            Self::OutputError { .. } => true,
-        }
+        matches!(self, Self::Iv(MeanRemoval::Complete) | Self::OutputError { .. })
     }
 }
 
@@ -51,9 +45,7 @@ impl Moments {
     pub fn dictionary(&self, estimated: Estimated) -> Result<Dictionary, Invalid> {
         self.check_structure()?;
         let information = match estimated {
-            Estimated::Iv(removal) => {
-                self.blocks(removal, |degree, _, n| Ok(reduced(&degree.m, n, removal)))?
-            }
+            Estimated::Iv(removal) => self.blocks(removal, |one, _, n| Ok(reduced(&one.m, n, removal)))?,
             Estimated::OutputError { .. } => self.whole(|o| Ok(o.f.clone()))?,
         };
         Ok(Dictionary {
@@ -371,9 +363,8 @@ impl Moments {
             shares
         };
         let options = Options { random_starts: 0, tolerance: 1e-8, ..Options::default() };
-        let dictionary = self.dictionary(Estimated::Iv(removal)).ok();
-        let design =
-            dictionary.and_then(|all| solve_within(&all.information, &Bounds::default(), &options).ok());
+        let known = self.dictionary(Estimated::Iv(removal)).ok();
+        let design = known.and_then(|all| solve_within(&all.information, &Bounds::default(), &options).ok());
         Rivals {
             paper: design.map(|design| design.shares),
             random: (0..RANDOM).map(random).collect(),

@@ -54,9 +54,6 @@ impl<'a> ForcesPrediction<'a> {
     }
 
     /// `vessel` with the numbers `theta`.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
     pub(crate) fn with(vessel: &'a Vessel, theta: Vec<f64>, noise: Noise) -> Result<Self, Invalid> {
         let Some(moved) = &vessel.model.forces else {
             return Err(Invalid::new("`model`", "terms per sample", "`forces`", "predict it by its terms"));

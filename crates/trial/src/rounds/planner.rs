@@ -80,8 +80,7 @@ impl<'a> Planner<'a> {
             kept.map(|(share, _)| *share).collect::<Vec<f64>>()
         });
         let mut designed = self.solved(&criterion, latest)?.into_iter();
-        let share =
-            |sums: &Option<OutputInformation>| sums.as_ref().and_then(|_| designed.next()).unwrap_or(0.0);
+        let share = |of: &Option<OutputInformation>| of.as_ref().and_then(|_| designed.next()).unwrap_or(0.0);
         Some(informations.iter().map(share).collect())
     }
 

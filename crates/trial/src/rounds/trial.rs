@@ -188,13 +188,12 @@ impl<'a> Trial<'a> {
     /// The estimates at the end of a round, arm by arm.
     fn estimated(&self, round: usize, arms: &[Vec<Realization>]) -> Result<Estimates, Refusal> {
         let new = Arm::ALL.into_iter().filter(|arm| !repeats(round, *arm));
-        let mut estimates =
-            self.estimates_of(round, new.map(|arm| arms[arm as usize].as_slice()))?.into_iter();
+        let mut fresh = self.estimates_of(round, new.map(|arm| arms[arm as usize].as_slice()))?.into_iter();
         let mut all: Vec<Estimates> = Vec::with_capacity(arms.len());
         for (arm, realizations) in Arm::ALL.into_iter().zip(arms) {
             all.push(match repeats(round, arm) {
                 true => all[Arm::Sequential as usize].clone(),
-                false => estimates.by_ref().take(realizations.len()).collect(),
+                false => fresh.by_ref().take(realizations.len()).collect(),
             });
         }
         Ok(all.into_iter().flatten().collect())

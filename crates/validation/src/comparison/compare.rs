@@ -1,5 +1,3 @@
-use std::borrow::Cow;
-
 use estimation::pooled::{Covered, deviations, lies_above};
 use numerics::statistics::paired_median;
 use refusal::listed;
@@ -90,8 +88,7 @@ pub fn compare(
     };
     let std = deviations(windows().map(|w| w.measured.as_slice()));
     let held = runs.are_inputs_held();
-    let mut models: Vec<Simulated> =
-        contestants.iter().map(|one| Simulated::of(one, &sources, held)).collect();
+    let mut models: Vec<Simulated> = contestants.iter().map(|it| Simulated::of(it, &sources, held)).collect();
     models.push(Simulated::mean(&sources));
     let mut looked = Looked::new(first, options, held);
     looked.at(&sources, &models[0]);
@@ -105,7 +102,10 @@ pub fn compare(
     let validity = options.magnitudes.and_then(|known| {
         let parts = || whole.iter().flat_map(|(_, parts)| parts);
         let rows: Vec<_> = parts().map(|part| first.widest().map(|ship| ship.exogenous(part))).collect();
-        Validity::of(known, parts().zip(&rows).map(viewed), options.rate_hz)
+        let views = parts().zip(&rows).map(|(part, rows)| {
+            rows.as_ref().map_or(part.view(), |exogenous| RunView { exogenous, ..part.view() })
+        });
+        Validity::of(known, views, options.rate_hz)
     });
     Ok(Compared {
         windows: windows().count() as u64,
@@ -121,11 +121,6 @@ pub fn compare(
         validity,
         trace: looked.trace,
     })
-}
-
-/// A part with these rows of inputs and measured disturbances, where there are any.
-fn viewed<'a>((part, rows): (&'a Part, &'a Option<Cow<'a, [f64]>>)) -> RunView<'a> {
-    rows.as_ref().map_or(part.view(), |exogenous| RunView { exogenous, ..part.view() })
 }
 
 /// The first model sample by sample.
@@ -255,10 +250,7 @@ fn headline(model: &ComparedModel) -> String {
 }
 
 fn fit((d, fit): (DegreeOfFreedom, Option<f64>)) -> String {
-    match fit {
-        Some(fit) => format!("{} {fit:.1} %", d.state()),
-        None => format!("{} does not vary", d.state()),
-    }
+    fit.map_or_else(|| format!("{} does not vary", d.state()), |fit| format!("{} {fit:.1} %", d.state()))
 }
 
 fn against(difference: &Difference) -> String {

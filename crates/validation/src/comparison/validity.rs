@@ -149,9 +149,8 @@ impl Validity {
     pub fn statement(&self) -> Option<String> {
         let Self { stretch_s, stretches, outside, channels } = self;
         let sides = |Unlike { name, unit, low, high, below, above }: &Unlike| {
-            let sides =
-                [("below", low, below), ("above", high, above)].into_iter().filter(|side| *side.2 > 0);
-            sides.map(|(word, bound, count)| format!("{name} {word} {bound:.3e} {unit} in {count}")).collect()
+            let both = [("below", low, below), ("above", high, above)].into_iter().filter(|side| *side.2 > 0);
+            both.map(|(word, bound, count)| format!("{name} {word} {bound:.3e} {unit} in {count}")).collect()
         };
         let all: Vec<String> = channels.iter().flat_map::<Vec<_>, _>(sides).collect();
         (*outside > 0).then(|| {

@@ -193,10 +193,8 @@ impl FigureMerit {
     pub fn words(&self) -> String {
         let Self { what, unit, value, corrected, low, high, most, passes, .. } = self;
         let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-        let interval = match (low, high) {
-            (Some(low), Some(high)) => format!(" ({low:.3} to {high:.3})"),
-            _ => String::new(),
-        };
+        let ends = |(low, high): (f64, f64)| format!(" ({low:.3} to {high:.3})");
+        let interval = low.zip(*high).map_or_else(String::new, ends);
         let still = corrected
             .map_or(String::new(), |corrected| format!(", {corrected:.3}{unit} corrected for the current"));
         let verdict = match (most, passes) {

@@ -79,9 +79,7 @@ struct Prepared {
     pub iv: Option<Vec<Sums>>,
     /// Nominal parameters for a prior.
     pub nominal: Option<Vec<f64>>,
-    /// See [`InstrumentFit`].
     pub instrument_fit: Option<[f64; 3]>,
-    /// In words.
     pub warnings: Vec<String>,
 }
 
@@ -161,12 +159,8 @@ fn weakest(pool: &Pool, strengths: [Strength; 3]) -> Option<(String, f64)> {
 
 /// The warning that the instruments do not follow the motion.
 fn poor(fits: [f64; 3], weakest: Option<(String, f64)>) -> Option<String> {
-    let lost: Vec<String> = ["u", "v", "r"]
-        .into_iter()
-        .zip(fits)
-        .filter(|(_, fit)| *fit < POOR)
-        .map(|(name, fit)| format!("{name} to {fit:.0} %"))
-        .collect();
+    let lost = ["u", "v", "r"].into_iter().zip(fits).filter(|(_, fit)| *fit < POOR);
+    let lost: Vec<String> = lost.map(|(name, fit)| format!("{name} to {fit:.0} %")).collect();
     let explained = weakest.map_or(String::new(), |(term, share)| {
         format!(" and tells {:.1} % of `{term}` (partial R²)", 100.0 * share)
     });
@@ -375,12 +369,10 @@ fn q90(scores: &SelectionScores) -> Option<f64> {
 
 fn conclusion([optimized, random]: &[SelectionScores; 2]) -> String {
     let text = |scores: &SelectionScores| q90(scores).map_or("infinite".to_owned(), |q| format!("{q:.2}"));
-    let share = |scores: &SelectionScores| 100.0 * scores.degenerate_share;
+    let [norm, random_norm] = [optimized, random].map(text);
+    let [share, random_share] = [optimized, random].map(|scores| 100.0 * scores.degenerate_share);
     format!(
-        "90 % quantile of the error norm: optimized {}, random {}; degenerate: optimized {:.1} %, random {:.1} %",
-        text(optimized),
-        text(random),
-        share(optimized),
-        share(random)
+        "90 % quantile of the error norm: optimized {norm}, random {random_norm}; \
+         degenerate: optimized {share:.1} %, random {random_share:.1} %"
     )
 }

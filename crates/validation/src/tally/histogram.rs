@@ -104,7 +104,6 @@ impl Histogram {
 
     /// All quantiles that are reported for scores.
     pub fn quantiles(&self) -> Quantiles {
-        let all_finite = self.beyond == 0;
         Quantiles {
             min: self.ends.map(|[low, _]| low),
             q10: self.quantile(0.1),
@@ -113,7 +112,7 @@ impl Histogram {
             q90: self.quantile(0.9),
             q90_interval: Some(self.quantile_interval(0.9)),
             q99: self.quantile(0.99),
-            max: self.ends.filter(|_| all_finite).map(|[_, high]| high),
+            max: self.ends.filter(|_| self.beyond == 0).map(|[_, high]| high),
         }
     }
 }

@@ -194,8 +194,7 @@ impl Counted {
 
     fn counts(&mut self) -> [&mut u64; 6] {
         let Self { runs, not_identifiable, not_converged, diverged, .. } = self;
-        let below = [&mut self.parameter_errors_below, &mut self.simulation_errors_below];
-        let [parameter, simulation] = below;
+        let (parameter, simulation) = (&mut self.parameter_errors_below, &mut self.simulation_errors_below);
         [runs, not_identifiable, not_converged, diverged, parameter, simulation]
     }
 

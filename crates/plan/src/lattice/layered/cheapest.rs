@@ -3,8 +3,7 @@
 
 use super::Layered;
 use crate::lattice::graph::Graph;
-use crate::lattice::layout::{self, Bits, Shift};
-use crate::lattice::layout::{Digit, Layout};
+use crate::lattice::layout::{self, Bits, Digit, Layout, Shift};
 use crate::lattice::watch::{RadixHeap, Verdict, Watch};
 use crate::lattice::{Limit, dense};
 

@@ -120,9 +120,9 @@ pub(super) fn check_shift(track: &PlannedTrack, shift: &Shift) -> Result<(), Inv
         return Ok(());
     }
     let expected = format!("positions in WGS84, of the middle of the ship, within {within_m:.0} m");
+    let allowed_m = 1.5 * shift.metres();
     let remedy = format!(
-        "convert their datum, correct the antenna's place, or allow it with --within-m {:.0}",
-        1.5 * shift.metres()
+        "convert their datum, correct the antenna's place, or allow it with --within-m {allowed_m:.0}"
     );
     Err(Invalid::new("positions", shift.words(), expected, remedy))
 }
@@ -159,8 +159,8 @@ fn check_gaps(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {
         let maneuver = along.track.points[at[0]..=at[1]].iter().find(|point| point.informative);
         if let Some(point) = maneuver.filter(|_| gap_s > limits.max_gap_s) {
             let name = &along.track.steps[point.step].name;
-            let gap =
-                format!("{gap_s:.0} s since line {}, in `{name}` of step {}", pair[0].line, point.step + 1);
+            let (line_before, step) = (pair[0].line, point.step + 1);
+            let gap = format!("{gap_s:.0} s since line {line_before}, in `{name}` of step {step}");
             let expected = format!("at most {} s in a maneuver", limits.max_gap_s);
             let remedy = "give a log without the gap, or allow it with --max-gap-s";
             return Err(Invalid::new(line(&pair[1]), gap, expected, remedy));
@@ -269,10 +269,7 @@ impl Shift {
     /// Positions without it.
     pub(super) fn without(&self, positions: &[ShipPosition]) -> Vec<ShipPosition> {
         let Self::Earth(by) = self else { return positions.to_vec() };
-        let moved = |position: &ShipPosition| ShipPosition {
-            place: [0, 1].map(|c| position.place[c] - by[c]),
-            ..*position
-        };
+        let moved = |at: &ShipPosition| ShipPosition { place: [0, 1].map(|c| at.place[c] - by[c]), ..*at };
         positions.iter().map(moved).collect()
     }
 
