@@ -377,9 +377,8 @@ impl<'a> Inversion<'a> {
         let mut changed = false;
         for (i, change) in free.iter().zip(changes) {
             let before = self.last[*i];
-            let after = self.vessel.actuators[*i]
-                .range
-                .map_or(before + change, |[low, high]| (before + change).clamp(low, high));
+            let (range, wanted) = (self.vessel.actuators[*i].range, before + change);
+            let after = range.map_or(wanted, |[low, high]| wanted.clamp(low, high));
             changed |= (after - before).abs() > 1e-12 * after.abs();
             self.last[*i] = after;
         }
@@ -417,8 +416,8 @@ impl<'a> Inversion<'a> {
         self.look(before, current, Some(inputs));
         let increments = self.model.increments();
         for d in 0..3 {
-            let lacking = after[d] - before[d] - increments[d] - self.unexplained[d];
-            self.unexplained[d] += self.believed[d] * lacking;
+            let new = after[d] - before[d] - increments[d] - self.unexplained[d];
+            self.unexplained[d] += self.believed[d] * new;
         }
     }
 }

@@ -46,14 +46,14 @@ impl Arranging<'_> {
         let theta = self.ordered(&model.parameters)?;
         let place = |name: &String| self.vessel.model.parameter_names().position(|other| other == name);
         let places: Vec<Option<usize>> = rows.iter().map(place).collect();
-        let Information { information, mut middle } = self.informed(initial, exogenous, current)?;
+        let Information { information, mut meat } = self.informed(initial, exogenous, current)?;
         let inverse = scaled_inverse(n, &information)?;
         let mut center = theta.clone();
         if let Some(prior) = self.moments.prior.as_ref().filter(|_| model.simulated_with == Source::Value) {
             // The ship is known: what priors say of her is off by as much as it is, in every trial.
             let mut known = vec![0.0; n * n];
             prior.add_to(&mut known, rows, samples as f64);
-            middle.iter_mut().zip(&known).for_each(|(entry, known)| *entry -= known);
+            meat.iter_mut().zip(&known).for_each(|(entry, known)| *entry -= known);
             let off = |place: &Option<usize>| place.map_or(0.0, |i| self.vessel.nominal[i] - theta[i]);
             let pulled = times(&inverse, &times(&known, &places.iter().map(off).collect::<Vec<_>>()));
             places
@@ -62,7 +62,7 @@ impl Arranging<'_> {
                 .filter_map(|(place, pull)| Some(((*place)?, pull)))
                 .for_each(|(i, pull)| center[i] += pull);
         }
-        let entries = numerics::congruence(n, &inverse, &middle);
+        let entries = numerics::congruence(n, &inverse, &meat);
         let entries = entries.into_iter().map(|entry| entry / samples as f64).collect();
         let covariance = Covariance { joint: true, names: rows.clone(), entries, parts: None };
         let estimates = Uncertain::new(self.vessel, center, &covariance)?;
@@ -82,10 +82,10 @@ impl Arranging<'_> {
     }
 }
 
-/// F and the middle matrix of an estimate's covariance, n × n, per sample, with what is known before.
+/// F and the meat of an estimate's covariance, n × n, per sample, with what is known before.
 pub(super) struct Information {
     pub information: Vec<f64>,
-    pub middle: Vec<f64>,
+    pub meat: Vec<f64>,
 }
 
 /// Penalty in the criterion's value for exceeding a limit by 100 %.
@@ -122,8 +122,8 @@ impl Arranging<'_> {
     }
 
     fn output_error(&self, initial: [f64; 3], exogenous: &[f64], current: bool) -> Option<f64> {
-        let Information { information, middle } = self.informed(initial, exogenous, current)?;
-        self.judge(vec![information.len().isqrt()], &information, Some(&middle))
+        let Information { information, meat } = self.informed(initial, exogenous, current)?;
+        self.judge(vec![information.len().isqrt()], &information, Some(&meat))
     }
 
     /// What an output-error estimate of the experiment knows, per sample.
@@ -135,17 +135,17 @@ impl Arranging<'_> {
         let mut sums = if self.vessel.model.forces.is_some() {
             let prediction = ForcesPrediction::with(self.vessel, theta, noise).ok()?;
             let OutputErrorMoments { f, p, .. } = prediction.of_experiment(initial, exogenous)?;
-            let middle = p.map_or_else(|| f.clone(), |p| f.iter().zip(&p).map(|(f, p)| f + p).collect());
-            Information { information: f, middle }
+            let meat = p.map_or_else(|| f.clone(), |p| f.iter().zip(&p).map(|(f, p)| f + p).collect());
+            Information { information: f, meat }
         } else {
             let predicted = output_information(&self.vessel.model, &theta, initial, exogenous, &noise)?;
-            Information { middle: predicted.middle(), information: predicted.information }
+            Information { meat: predicted.middle(), information: predicted.information }
         };
         if let Some(prior) = &self.moments.prior {
             // Priors count once for the experiment.
             let rows = &self.moments.output_error.as_ref()?.rows;
             prior.add_to(&mut sums.information, rows, samples as f64);
-            prior.add_to(&mut sums.middle, rows, samples as f64);
+            prior.add_to(&mut sums.meat, rows, samples as f64);
         }
         Some(sums)
     }
@@ -191,19 +191,19 @@ impl Arranging<'_> {
                 let all = matrices.iter().zip(&sizes).zip(&kept);
                 all.flat_map(|((matrix, n), kept)| leading(matrix, *n, *kept)).collect()
             };
-            let middle = middles.as_ref().map(|m| cut(&m[i]));
-            self.judge(kept.clone(), &cut(&information[i].matrices), middle.as_deref())
+            let meat = middles.as_ref().map(|m| cut(&m[i]));
+            self.judge(kept.clone(), &cut(&information[i].matrices), meat.as_deref())
         };
         (0..runs.len()).map(of).collect()
     }
 
     /// The criterion of one experiment.
-    fn judge(&self, dimensions: Vec<usize>, information: &[f64], middle: Option<&[f64]>) -> Option<f64> {
+    fn judge(&self, dimensions: Vec<usize>, information: &[f64], meat: Option<&[f64]>) -> Option<f64> {
         let one = |entries: &[f64]| {
             let mut candidates = Candidates::new(dimensions.clone());
             candidates.push(entries).ok().map(|()| candidates)
         };
-        let (information, middle) = (one(information)?, middle.and_then(one));
-        self.criterion.of_experiment(self.dictionary, &information, middle.as_ref())
+        let (information, meat) = (one(information)?, meat.and_then(one));
+        self.criterion.of_experiment(self.dictionary, &information, meat.as_ref())
     }
 }

@@ -287,7 +287,7 @@ impl<'a> Campaign<'a> {
             self.simulate(design, first..self.realizations().min(first + LANES), Wanted::Truth)
         };
         let all: Vec<_> = (0..self.designs.len() * groups).into_par_iter().map(group).collect();
-        Ok(all.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
+        Ok(all.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
     }
 
     /// Simulates some runs of one design, with what is `wanted` of them.
