@@ -2,8 +2,8 @@ use argmin::core::{Error, IterState, KV, Problem, Solver, TerminationReason, Ter
 use serde::{Deserialize, Serialize};
 
 use crate::Evaluation;
-use crate::bounds::{Bounds, largest};
-use crate::objective::Objective;
+use crate::candidates::Objective;
+use crate::certificate::{Bounds, largest};
 
 /// State of the solver as argmin keeps it: the shares as parameter, −log|det| as cost.
 pub(crate) type State = IterState<Vec<f64>, (), (), (), (), f64>;
@@ -58,17 +58,13 @@ impl<O: Objective> Solver<&O, State> for ActiveSetNewton<O::Point> {
         Ok((self.arrive(start, objective, state), None))
     }
 
-    fn next_iter(
-        &mut self,
-        problem: &mut Problem<&O>,
-        mut state: State,
-    ) -> Result<(State, Option<KV>), Error> {
+    fn next_iter(&mut self, task: &mut Problem<&O>, mut state: State) -> Result<(State, Option<KV>), Error> {
         let shares = state.take_param().ok_or_else(|| Error::msg("no shares"))?;
-        let objective = *problem.problem.as_ref().ok_or_else(|| Error::msg("no problem"))?;
+        let objective = *task.problem.as_ref().ok_or_else(|| Error::msg("no problem"))?;
         // After a checkpoint the iterate may be another one.
         let last = self.last.take().filter(|last| last.shares == shares);
         let last = last.or_else(|| Evaluated::of(objective, shares.clone()));
-        let step = problem.problem("evaluations", |objective| {
+        let step = task.problem("evaluations", |objective| {
             Ok(last.and_then(|last| improve(*objective, &self.bounds, &last, self.tolerance)))
         })?;
         Ok(match step {
@@ -82,15 +78,12 @@ impl<O: Objective> Solver<&O, State> for ActiveSetNewton<O::Point> {
     }
 
     fn terminate(&mut self, _state: &State) -> TerminationStatus {
-        match self.relative_gap {
-            Some(gap) if gap <= self.tolerance => {
-                TerminationStatus::Terminated(TerminationReason::SolverConverged)
-            }
-            _ if self.stalled => TerminationStatus::Terminated(TerminationReason::SolverExit(
-                "no step improves the criterion".into(),
-            )),
-            _ => TerminationStatus::NotTerminated,
-        }
+        let reason = match self.relative_gap {
+            Some(gap) if gap <= self.tolerance => TerminationReason::SolverConverged,
+            _ if self.stalled => TerminationReason::SolverExit("no step improves the criterion".into()),
+            _ => return TerminationStatus::NotTerminated,
+        };
+        TerminationStatus::Terminated(reason)
     }
 }
 
@@ -182,8 +175,7 @@ fn improve<O: Objective>(
     None
 }
 
-/// The shares between their bounds, and those at a bound with the largest gain from leaving it: `JOINING` of either
-/// kind.
+/// The shares between their bounds, and those at a bound with the largest gain from leaving it: `JOINING` of either kind.
 fn members(bounds: &Bounds, shares: &[f64], sensitivities: &[f64], p: f64, tolerance: f64) -> Vec<usize> {
     let full = |q: usize| shares[q] > 0.0 && shares[q] >= bounds.upper(q);
     let level = bounds.level(sensitivities, shares, p);

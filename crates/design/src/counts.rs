@@ -5,8 +5,8 @@ use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::bounds::largest;
-use crate::{Design, Error, Objective, apportion};
+use crate::certificate::largest;
+use crate::{Design, Error, Objective};
 
 /// Options of the search for counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,9 +87,8 @@ pub fn count_segments<O: Objective>(
 }
 
 impl Counted {
-    /// An upper bound on the loss of these counts, as a fraction of the experiment's time, against any shares within
-    /// the gap of `design`, the relaxed problem's: proved if that is proved global. `degree`: the criterion's gain
-    /// per log of time.
+    /// An upper bound on the loss of these counts, as a fraction of the experiment's time, against any shares within the gap of
+    /// `design`, the relaxed problem's: proved if that is proved global. `degree`: the criterion's gain per log of time.
     pub fn loss_bound(&self, design: &Design, degree: f64) -> f64 {
         crate::design::loss(self.value, design, degree)
     }
@@ -210,9 +209,9 @@ impl<O: Objective> Search<'_, O> {
                 rng.set_stream(u64::from(number));
                 self.shake(&mut counts, &mut rng);
             }
-            let found = self.exchange(counts);
-            if best.as_ref().is_none_or(|(value, _)| found.0 > *value) {
-                best = Some(found);
+            let exchanged = self.exchange(counts);
+            if best.as_ref().is_none_or(|(value, _)| exchanged.0 > *value) {
+                best = Some(exchanged);
             }
         }
         best
@@ -247,22 +246,22 @@ impl<O: Objective> Search<'_, O> {
                     let kept = (shares[from], shares[to]);
                     shares[from] = (counts[from] - 1) as f64 * one;
                     shares[to] = (counts[to] + 1) as f64 * one;
-                    let found = self.value_of(&shares);
+                    let better = self.value_of(&shares);
                     (shares[from], shares[to]) = kept;
-                    if best.is_none_or(|(value, ..)| found > value) {
-                        best = Some((found, from, to));
+                    if best.is_none_or(|(value, ..)| better > value) {
+                        best = Some((better, from, to));
                     }
                 }
             }
             match best {
-                Some((found, from, to))
-                    if found > value + 1e-12 * value.abs().max(1.0)
-                        || value.is_infinite() && found.is_finite() =>
+                Some((better, from, to))
+                    if better > value + 1e-12 * value.abs().max(1.0)
+                        || value.is_infinite() && better.is_finite() =>
                 {
                     counts[from] -= 1;
                     counts[to] += 1;
                     (shares[from], shares[to]) = (counts[from] as f64 * one, counts[to] as f64 * one);
-                    value = found;
+                    value = better;
                 }
                 _ => return (value, counts),
             }
@@ -288,4 +287,34 @@ struct Walk {
     counts: Vec<u64>,
     shares: Vec<f64>,
     best: Option<(f64, Vec<u64>)>,
+}
+
+/// Rounds `shares` (sum 1) to whole numbers that sum to `total` by the efficient apportionment of Pukelsheim & Rieder
+/// 1992: every positive share gets at least one if `total` suffices.
+pub fn apportion(shares: &[f64], total: u64) -> Vec<u64> {
+    let support = shares.iter().filter(|w| **w > 0.0).count() as f64;
+    let multiplier = (total as f64 - support / 2.0).max(0.0);
+    let mut counts: Vec<u64> = shares.iter().map(|w| (multiplier * w).ceil() as u64).collect();
+    let used = || (0..shares.len()).filter(|q| shares[*q] > 0.0);
+    let mut sum: u64 = counts.iter().sum();
+    while sum > total {
+        let surplus = |q: &usize| ((counts[*q] - 1) as f64 / shares[*q], -shares[*q]);
+        let Some(most) = used().filter(|q| counts[*q] > 0).max_by(|a, b| compare(surplus(a), surplus(b)))
+        else {
+            break;
+        };
+        counts[most] -= 1;
+        sum -= 1;
+    }
+    while sum < total {
+        let lack = |q: &usize| (counts[*q] as f64 / shares[*q], -shares[*q]);
+        let Some(least) = used().min_by(|a, b| compare(lack(a), lack(b))) else { break };
+        counts[least] += 1;
+        sum += 1;
+    }
+    counts
+}
+
+fn compare(a: (f64, f64), b: (f64, f64)) -> std::cmp::Ordering {
+    a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
 }

@@ -1,11 +1,14 @@
 //! The criterion that shares are optimised for.
 
+use numerics::symmetric;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::design::alone;
-use crate::figures::weighted;
 use crate::{
     Bounds, Candidates, CountOptions, Counted, Covariance, CovariancePoint, Design, Dictionary, Error,
     Evaluation, Method, NoDesign, Norm, Objective, Options, Restricted, Restriction, Selected,
-    WeightedFigure, count_segments, select, solve_covariance, solve_within,
+    count_segments, select, solve_covariance, solve_within,
 };
 
 /// The criterion that is maximised.
@@ -86,9 +89,7 @@ impl Criterion {
     ) -> Result<Self, NoDesign> {
         let rows = dictionary.by_row(&weights);
         let built = Covariance::new(&dictionary.information, meat, &rows, norm);
-        let covariance = built.map_err(|e| dictionary.explain(e))?;
-        let of = Weighed::Parameters;
-        Ok(Self::Covariance(Box::new(CovarianceCriterion { covariance, weights, of })))
+        Self::built(built, dictionary, weights, Weighed::Parameters)
     }
 
     /// Σ weight · gᵀ cov g / value² over `figures`, plus 10⁻⁵ of the sum of the variances relative to `parameters`,
@@ -105,10 +106,7 @@ impl Criterion {
         let rows = weighted(figures, parameters);
         let functions: Vec<Vec<f64>> = rows.iter().map(|row| dictionary.by_row(row)).collect();
         let built = Covariance::of_functions(&dictionary.information, meat, &functions);
-        let covariance = built.map_err(|e| dictionary.explain(e))?;
-        let weights = vec![1.0; dictionary.parameters()];
-        let of = Weighed::Functions(functions);
-        Ok(Self::Covariance(Box::new(CovarianceCriterion { covariance, weights, of })))
+        Self::built(built, dictionary, vec![1.0; dictionary.parameters()], Weighed::Functions(functions))
     }
 
     /// The mean square of a free run's error: tr(cov G), one block of all rows.
@@ -116,12 +114,17 @@ impl Criterion {
     /// # Errors
     /// As [`Criterion::of_covariance`].
     pub fn of_free_runs(dictionary: &Dictionary, meat: &Candidates, g: Vec<f64>) -> Result<Self, NoDesign> {
-        let g = [g];
-        let built = Covariance::of_matrices(&dictionary.information, meat, &g);
+        let built = Covariance::of_matrices(&dictionary.information, meat, std::slice::from_ref(&g));
+        Self::built(built, dictionary, vec![1.0; dictionary.parameters()], Weighed::Matrix(g))
+    }
+
+    fn built(
+        built: Result<Covariance, Error>,
+        dictionary: &Dictionary,
+        weights: Vec<f64>,
+        of: Weighed,
+    ) -> Result<Self, NoDesign> {
         let covariance = built.map_err(|e| dictionary.explain(e))?;
-        let weights = vec![1.0; dictionary.parameters()];
-        let [g] = g;
-        let of = Weighed::Matrix(g);
         Ok(Self::Covariance(Box::new(CovarianceCriterion { covariance, weights, of })))
     }
 
@@ -148,17 +151,17 @@ impl Criterion {
         options: &Options,
         parameters: usize,
     ) -> Result<Restricted, Error> {
-        let found = self.selected(relaxed, bounds, restriction, options)?;
-        let loss = found.loss_bound(relaxed, self.per_time(parameters));
-        let method = if found.exhaustive { Method::Exhaustive } else { Method::Exchange };
+        let selected = self.selected(relaxed, bounds, restriction, options)?;
+        let loss = selected.loss_bound(relaxed, self.per_time(parameters));
+        let method = if selected.exhaustive { Method::Exhaustive } else { Method::Exchange };
         let design = Design {
-            shares: found.shares,
-            log_det: found.value,
-            sensitivities: found.sensitivities,
-            gap: found.gap,
+            shares: selected.shares,
+            log_det: selected.value,
+            sensitivities: selected.sensitivities,
+            gap: selected.gap,
             ..relaxed.clone()
         };
-        Ok(Restricted { design, method, tried: found.tried, loss })
+        Ok(Restricted { design, method, tried: selected.tried, loss })
     }
 
     fn selected(
@@ -172,11 +175,11 @@ impl Criterion {
         match self {
             Self::Information(candidates) => {
                 let (scaled, offset) = candidates.scaled()?;
-                let mut own = relaxed.clone();
-                own.log_det -= offset;
-                let mut found = select(&scaled, &own, bounds, restriction, options)?;
-                found.value += offset;
-                Ok(found)
+                let mut balanced = relaxed.clone();
+                balanced.log_det -= offset;
+                let mut selected = select(&scaled, &balanced, bounds, restriction, options)?;
+                selected.value += offset;
+                Ok(selected)
             }
             Self::Covariance(c) => select(&c.covariance, relaxed, bounds, restriction, options),
         }
@@ -213,8 +216,7 @@ impl Criterion {
         }
     }
 
-    /// The value of one whole experiment among those of `dictionary`, from its own matrices; `None` if it is not
-    /// defined.
+    /// The value of one whole experiment among those of `dictionary`, from its own matrices; `None` if it is not defined.
     pub fn of_experiment(
         &self,
         dictionary: &Dictionary,
@@ -284,5 +286,120 @@ impl Criterion {
                 alone(design.shares.len(), |shares| self.efficiency(design, shares, parameters))
             }
         }
+    }
+}
+
+// Figures that an owner asks of a model, to first order in its parameters: g = ∂figure/∂θ, and the variance of a
+// figure is gᵀ C g for a covariance C of the parameters.
+
+/// What the identity, in relative parameters, adds to the figures: figures alone leave directions of the parameters
+/// without a weight, which the experiment would then leave without information.
+const IDENTITY: f64 = 1e-5;
+
+/// A figure that depends on the parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WeightedFigure {
+    /// Its value, in its unit, that its error is relative to.
+    pub value: f64,
+    /// Its derivatives by the parameters of the dictionary, in their order, in its unit per unit of the parameter.
+    pub slopes: Vec<f64>,
+    /// Weight of its relative variance in the criterion; 0 leaves it out.
+    pub weight: f64,
+}
+
+/// The rows whose variances the criterion adds up, by parameter: with the sum G over the figures of weight · ggᵀ/value² in
+/// relative parameters, the rows of a root of G + 10⁻⁵. `parameters`: their values.
+fn weighted(figures: &[WeightedFigure], parameters: &[f64]) -> Vec<Vec<f64>> {
+    let n = parameters.len();
+    let mut sum: Vec<f64> = (0..n * n).map(|k| if k % (n + 1) == 0 { IDENTITY } else { 0.0 }).collect();
+    for figure in figures.iter().filter(|figure| figure.weight > 0.0) {
+        let factor = figure.weight.sqrt() / figure.value;
+        let relative: Vec<f64> =
+            figure.slopes.iter().zip(parameters).map(|(slope, value)| factor * slope * value).collect();
+        for (row, factor) in sum.chunks_exact_mut(n.max(1)).zip(&relative) {
+            row.iter_mut().zip(&relative).for_each(|(entry, other)| *entry += factor * other);
+        }
+    }
+    // Numbers that are not finite are refused with the rows.
+    let (values, vectors) = symmetric(n, &sum).unwrap_or_else(|| (vec![f64::NAN; n], vec![f64::NAN; n * n]));
+    let row = |e: usize| {
+        let entry = |i: usize| values[e].max(IDENTITY).sqrt() * vectors[i * n + e] / parameters[i];
+        (0..n).map(entry).collect()
+    };
+    (0..n).map(row).collect()
+}
+
+/// Predicts the standard errors of figures.
+#[derive(Clone, Debug)]
+pub struct FigureErrors {
+    covariance: Covariance,
+    /// The slopes of every figure by row of the covariance.
+    slopes: Vec<Vec<f64>>,
+}
+
+impl FigureErrors {
+    /// Of figures with `slopes` by parameter. `meat`: B_q of the dictionary's candidates.
+    ///
+    /// # Errors
+    /// A singular covariance, naming the parameter.
+    pub fn new(dictionary: &Dictionary, meat: &Candidates, slopes: &[Vec<f64>]) -> Result<Self, NoDesign> {
+        let slopes: Vec<Vec<f64>> = slopes.iter().map(|slope| dictionary.by_row(slope)).collect();
+        let all = vec![1.0; dictionary.parameters()];
+        let built = Covariance::new(&dictionary.information, meat, &dictionary.by_row(&all), Norm::Trace);
+        Ok(Self { covariance: built.map_err(|e| dictionary.explain(e))?, slopes })
+    }
+
+    /// The standard error of every figure in its unit, for an experiment of `samples` samples at `shares`; `None` if
+    /// these do not excite every parameter.
+    pub fn at(&self, shares: &[f64], samples: f64) -> Option<Vec<f64>> {
+        let variances = self.covariance.variances_of(shares, &self.slopes)?;
+        Some(variances.iter().map(|variance| (variance.max(0.0) / samples).sqrt()).collect())
+    }
+}
+
+/// The criteria by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CriterionName {
+    /// log|det| of the information matrix (the paper's).
+    DHessian,
+    /// log det of the estimate's covariance.
+    D,
+    /// Sum of the variances.
+    A,
+    /// Sum of the variances relative to the parameters' squares.
+    ARelative,
+    /// Variance of free runs over the validation maneuvers.
+    V,
+    /// Sum of the variances of figures of merit relative to their squares.
+    Figures,
+}
+
+impl CriterionName {
+    /// All of them.
+    pub const ALL: [Self; 6] = [Self::DHessian, Self::D, Self::A, Self::ARelative, Self::V, Self::Figures];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        ["d-hessian", "d", "a", "a-relative", "v", "figures"][self as usize]
+    }
+
+    /// The name in reports.
+    pub fn title(self) -> &'static str {
+        let names = ["D", "covariance D", "covariance A", "covariance relative A", "covariance V", "figures"];
+        names[self as usize]
+    }
+
+    /// Its meaning in one line.
+    pub fn description(self) -> &'static str {
+        let all = [
+            "log|det| of the information matrix (the paper's)",
+            "log det of the estimate's covariance",
+            "Sum of the variances",
+            "Sum of the variances relative to the parameters' squares",
+            "Variance of free runs over the validation maneuvers (with --for output-error)",
+            "Sum of the variances of figures of merit relative to their squares (with --figures)",
+        ];
+        all[self as usize]
     }
 }

@@ -38,6 +38,17 @@ pub enum Status {
     Stalled,
 }
 
+impl Status {
+    /// Whether the gap was `reached`, in a problem that is proved `concave`.
+    pub(crate) fn of(reached: bool, concave: bool) -> Self {
+        match (reached, concave) {
+            (false, _) => Self::Stalled,
+            (true, true) => Self::Optimal,
+            (true, false) => Self::Stationary,
+        }
+    }
+}
+
 /// The result of one start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
@@ -83,7 +94,8 @@ pub fn solve(candidates: &Candidates, options: &Options) -> Result<Design, Error
 pub fn solve_within(candidates: &Candidates, bounds: &Bounds, options: &Options) -> Result<Design, Error> {
     let (scaled, offset) = candidates.scaled()?;
     scaled.check_excitation()?;
-    let mut design = optimise(&scaled, bounds, options, is_concave(candidates))?;
+    let points = starting_points(scaled.len(), bounds, options)?;
+    let mut design = from_points(&scaled, bounds, options, is_concave(candidates), points)?;
     design.log_det += offset;
     design.starts.iter_mut().for_each(|s| s.log_det += offset);
     Ok(design)
@@ -93,31 +105,22 @@ pub fn solve_within(candidates: &Candidates, bounds: &Bounds, options: &Options)
 ///
 /// # Errors
 /// As [`solve_within`].
-pub fn solve_covariance(
-    covariance: &Covariance,
-    bounds: &Bounds,
-    options: &Options,
-) -> Result<Design, Error> {
-    optimise(covariance, bounds, options, covariance.is_concave())
+pub fn solve_covariance(cost: &Covariance, bounds: &Bounds, options: &Options) -> Result<Design, Error> {
+    let points = starting_points(cost.len(), bounds, options)?;
+    from_points(cost, bounds, options, cost.is_concave(), points)
 }
 
-/// [`solve_covariance`] without bounds, from `shares`, such as those of a similar problem, instead of equal and
-/// random ones.
+/// [`solve_covariance`] without bounds, from `shares`, such as those of a similar problem, instead of equal and random ones.
 ///
 /// # Errors
-/// As there; [`Error::Shape`] if the number of shares differs from that of candidates, [`Error::Solver`] if they are
-/// singular.
-pub fn solve_covariance_from(
-    covariance: &Covariance,
-    shares: &[f64],
-    options: &Options,
-) -> Result<Design, Error> {
-    if shares.len() != covariance.len() {
-        return Err(Error::Shape { found: shares.len(), expected: covariance.len() });
+/// As there; [`Error::Shape`] if the number of shares differs from that of candidates, [`Error::Solver`] if they are singular.
+pub fn solve_covariance_from(cost: &Covariance, shares: &[f64], options: &Options) -> Result<Design, Error> {
+    if shares.len() != cost.len() {
+        return Err(Error::Shape { found: shares.len(), expected: cost.len() });
     }
     let (mut from, bounds) = (shares.to_vec(), Bounds::default());
     bounds.fill(&mut from);
-    from_points(covariance, &bounds, options, covariance.is_concave(), vec![from])
+    from_points(cost, &bounds, options, cost.is_concave(), vec![from])
 }
 
 /// [`solve_covariance`] without bounds, from equal shares reduced by multiplicative steps to about `support`
@@ -125,15 +128,11 @@ pub fn solve_covariance_from(
 ///
 /// # Errors
 /// As there.
-pub fn solve_covariance_among(
-    covariance: &Covariance,
-    support: usize,
-    options: &Options,
-) -> Result<Design, Error> {
-    let count = covariance.len();
+pub fn solve_covariance_among(cost: &Covariance, support: usize, options: &Options) -> Result<Design, Error> {
+    let count = cost.len();
     let mut shares = vec![1.0 / count as f64; count];
-    concentrate(covariance, &Bounds::default(), 2 * support, &mut shares);
-    solve_covariance_from(covariance, &shares, options)
+    concentrate(cost, &Bounds::default(), 2 * support, &mut shares);
+    solve_covariance_from(cost, &shares, options)
 }
 
 /// An upper bound on the loss of a criterion of `value`, as a fraction of the experiment's time, against any shares
@@ -142,16 +141,6 @@ pub(crate) fn loss(value: f64, relaxed: &Design, degree: f64) -> f64 {
     let gap = relaxed.gap.max(0.0);
     let above = if gap < 1.0 { -libm::log1p(-gap) } else { f64::INFINITY };
     1.0 - libm::exp((value - relaxed.log_det - above) / degree).min(1.0)
-}
-
-fn optimise<O: Objective>(
-    objective: &O,
-    bounds: &Bounds,
-    options: &Options,
-    concave: bool,
-) -> Result<Design, Error> {
-    let points = starting_points(objective.len(), bounds, options)?;
-    from_points(objective, bounds, options, concave, points)
 }
 
 pub(crate) fn from_points<O: Objective>(
@@ -174,30 +163,16 @@ pub(crate) fn from_points<O: Objective>(
     let sensitivities = objective.sensitivities(&at);
     let p = objective.degree();
     let gap = bounds.gap(&sensitivities, &best.shares, p);
-    let status = match (gap <= options.tolerance * p, concave) {
-        (false, _) => Status::Stalled,
-        (true, true) => Status::Optimal,
-        (true, false) => Status::Stationary,
-    };
+    let status = Status::of(gap <= options.tolerance * p, concave);
     let (shares, log_det) = (best.shares.clone(), best.log_det);
     Ok(Design { shares, log_det, sensitivities, gap, status, starts })
 }
 
 /// Equal and random shares, projected into the bounds.
 fn starting_points(count: usize, bounds: &Bounds, options: &Options) -> Result<Vec<Vec<f64>>, Error> {
-    if let Some(found) = bounds.count().filter(|found| *found != count) {
-        return Err(Error::Shape { found, expected: count });
+    if let Some(given) = bounds.count().filter(|given| *given != count) {
+        return Err(Error::Shape { found: given, expected: count });
     }
-    let mut points = free_points(count, options);
-    if bounds.bind() {
-        points.iter_mut().for_each(|p| {
-            bounds.fill(p);
-        });
-    }
-    Ok(points)
-}
-
-fn free_points(count: usize, options: &Options) -> Vec<Vec<f64>> {
     let mut points = vec![vec![1.0 / count as f64; count]];
     for start in 0..options.random_starts {
         let mut rng = ChaCha8Rng::seed_from_u64(options.seed);
@@ -208,17 +183,15 @@ fn free_points(count: usize, options: &Options) -> Vec<Vec<f64>> {
         let total: f64 = shares.iter().sum();
         points.push(shares.iter().map(|w| w / total).collect());
     }
-    points
+    for point in points.iter_mut().filter(|_| bounds.bind()) {
+        bounds.fill(point);
+    }
+    Ok(points)
 }
 
-fn run<O: Objective>(
-    objective: &O,
-    bounds: &Bounds,
-    from: Vec<f64>,
-    options: &Options,
-) -> Result<Start, Error> {
+fn run<O: Objective>(goal: &O, bounds: &Bounds, from: Vec<f64>, options: &Options) -> Result<Start, Error> {
     let failed = |e: argmin::core::Error| Error::Solver(e.to_string());
-    let result = Executor::new(objective, ActiveSetNewton::new(options.tolerance).within(bounds.clone()))
+    let result = Executor::new(goal, ActiveSetNewton::new(options.tolerance).within(bounds.clone()))
         .configure(|state: State| state.param(from).max_iters(options.max_iterations))
         .timer(false)
         .run()
@@ -235,9 +208,9 @@ pub(crate) fn alone(count: usize, of: impl Fn(&[f64]) -> f64) -> Vec<f64> {
     let mut shares = vec![0.0; count];
     let mut single = |q: usize| {
         shares[q] = 1.0;
-        let found = of(&shares);
+        let design = of(&shares);
         shares[q] = 0.0;
-        found
+        design
     };
     (0..count).map(&mut single).collect()
 }
@@ -249,7 +222,7 @@ impl Start {
         let highest = |a: &&Self, b: &&Self| a.log_det.total_cmp(&b.log_det);
         let best = starts.iter().max_by(highest)?;
         let converged = starts.iter().filter(|start| start.relative_gap <= tolerance).max_by(highest);
-        Some(converged.filter(|own| own.log_det > best.log_det - DIGITS).unwrap_or(best))
+        Some(converged.filter(|design| design.log_det > best.log_det - DIGITS).unwrap_or(best))
     }
 }
 

@@ -21,57 +21,35 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-mod accuracy;
 mod active_set;
-mod bounds;
 mod candidates;
 mod certificate;
 mod counts;
 mod covariance;
 mod criterion;
-mod criterion_name;
 mod design;
 mod dictionary;
-mod figures;
-mod no_design;
-mod norm;
-mod objective;
-mod rounding;
-mod scarce;
 mod segments;
 mod select;
 mod shortest;
 mod spectrum;
-mod stock;
 mod streamed;
-mod subset;
-mod update;
-mod wanted;
 
-pub use accuracy::Errors;
 pub use active_set::ActiveSetNewton;
-pub use bounds::Bounds;
-pub use candidates::{Candidates, Error, Evaluation};
-pub use certificate::is_concave;
-pub use counts::{CountOptions, Counted, Method, count_segments};
+pub use candidates::{Candidates, Error, Evaluation, Objective};
+pub use certificate::{Bounds, is_concave};
+pub use counts::{CountOptions, Counted, Method, apportion, count_segments};
 pub use covariance::{Covariance, CovariancePoint};
-pub use criterion::{CovarianceCriterion, Criterion, Predicted};
-pub use criterion_name::CriterionName;
+pub use criterion::{CovarianceCriterion, Criterion, CriterionName, FigureErrors, Predicted, WeightedFigure};
 pub use design::{
     Design, Options, Start, Status, solve, solve_covariance, solve_covariance_among, solve_covariance_from,
     solve_within,
 };
-pub use dictionary::{Degree, Dictionary};
-pub use figures::{FigureErrors, WeightedFigure};
-pub use no_design::NoDesign;
-pub use norm::Norm;
-pub use objective::Objective;
-pub use rounding::apportion;
-pub use scarce::Scarce;
-pub use segments::{Segments, Whole, counted};
+pub use dictionary::{AccuracyOf, Degree, Dictionary, NoDesign, OutOfReach, Scarce, Wanted};
+pub use segments::{Available, Length, Segments, Stock, Whole, counted};
 pub use select::{Restricted, Restriction, Selected, select};
-pub use shortest::{Accuracy, AccuracyPoint, MOST, Question, Rivals, Shortest, holds_from};
-pub use stock::{Available, Length, Stock};
+pub use shortest::{
+    Accuracy, AccuracyPoint, Errors, MOST, Question, Rivals, Shortest, error_of, holds_from, promised_error,
+};
+pub use spectrum::Norm;
 pub use streamed::{Blocks, Streamed, solve_streamed};
-pub use update::{error_of, promised_error};
-pub use wanted::{AccuracyOf, OutOfReach, Wanted};

@@ -1,8 +1,7 @@
 //! Designs with few candidates, each with a least share.
 
-use crate::bounds::largest;
+use crate::certificate::largest;
 use crate::design::{from_points, loss};
-use crate::subset::Subset;
 use crate::{Bounds, Design, Error, Method, Objective, Options};
 
 /// Restrictions on shares in addition to their bounds.
@@ -72,8 +71,7 @@ const INCOMING: usize = 12;
 /// are few and there is no least share.
 ///
 /// # Errors
-/// [`Error::Infeasible`] if no shares satisfy the bounds; [`Error::Solver`] if so few candidates do not excite every
-/// direction.
+/// [`Error::Infeasible`] if no shares satisfy the bounds; [`Error::Solver`] if so few candidates do not excite every direction.
 pub fn select<O: Objective>(
     objective: &O,
     relaxed: &Design,
@@ -82,12 +80,12 @@ pub fn select<O: Objective>(
     options: &Options,
 ) -> Result<Selected, Error> {
     let rough = Options { tolerance: options.tolerance.max(ROUGH), ..*options };
-    let mut search = Search { objective, bounds, options: &rough, restriction, tried: 0 };
+    let mut search = ChoiceSearch { objective, bounds, options: &rough, restriction, tried: 0 };
     let most = restriction.most.min(objective.len());
     if restriction.least <= 0.0 && choices(objective.len(), most) <= EXHAUSTIVE {
         search.options = options;
         let best = search.all(most);
-        return search.found(best, true);
+        return search.selected(best, true);
     }
     let used: Vec<usize> = (0..objective.len()).filter(|q| relaxed.shares[*q] > 0.0).collect();
     let mut now = search.solve(&used);
@@ -95,15 +93,12 @@ pub fn select<O: Objective>(
         now = now.as_ref().and_then(|current| search.drop_one(current));
     }
     for _ in 0..EXCHANGES {
-        match now.as_ref().and_then(|current| search.exchange(current)) {
-            Some(better) => now = Some(better),
-            None => break,
-        }
+        let Some(better) = now.as_ref().and_then(|current| search.exchange(current)) else { break };
+        now = Some(better);
     }
     search.options = options;
-    let polished =
-        now.as_ref().and_then(|current| search.solve(&current.members)).filter(|p| search.keeps(p));
-    search.found(polished.or(now), false)
+    let polished = now.as_ref().and_then(|choice| search.solve(&choice.members)).filter(|p| search.keeps(p));
+    search.selected(polished.or(now), false)
 }
 
 /// Number of sets of `k` out of `n`.
@@ -119,7 +114,7 @@ struct Choice {
     sensitivities: Vec<f64>,
 }
 
-struct Search<'a, O> {
+struct ChoiceSearch<'a, O> {
     objective: &'a O,
     bounds: &'a Bounds,
     options: &'a Options,
@@ -127,8 +122,8 @@ struct Search<'a, O> {
     tried: usize,
 }
 
-impl<O: Objective> Search<'_, O> {
-    fn found(&self, best: Option<Choice>, exhaustive: bool) -> Result<Selected, Error> {
+impl<O: Objective> ChoiceSearch<'_, O> {
+    fn selected(&self, best: Option<Choice>, exhaustive: bool) -> Result<Selected, Error> {
         let best = best.ok_or_else(|| Error::Solver("every choice was singular".into()))?;
         let mut shares = vec![0.0; self.objective.len()];
         best.members.iter().zip(&best.shares).for_each(|(q, w)| shares[*q] = *w);
@@ -175,9 +170,9 @@ impl<O: Objective> Search<'_, O> {
             }
             let left: Vec<usize> =
                 from.members.iter().enumerate().filter(|(i, _)| i != out).map(|(_, q)| *q).collect();
-            let found = if left.is_empty() { None } else { self.solve(&left) };
-            if let Some(found) = found.filter(|f| best.as_ref().is_none_or(|b| f.value > b.value)) {
-                best = Some(found);
+            let selected = if left.is_empty() { None } else { self.solve(&left) };
+            if let Some(better) = selected.filter(|f| best.as_ref().is_none_or(|b| f.value > b.value)) {
+                best = Some(better);
             }
         }
         best
@@ -196,8 +191,8 @@ impl<O: Objective> Search<'_, O> {
                 members.sort_unstable();
                 let worthwhile = from.value + WORTHWHILE * self.objective.degree();
                 let better = best.as_ref().map_or(worthwhile, |b| b.value);
-                let found = self.solve(&members).filter(|f| f.value > better && self.keeps(f));
-                best = found.or(best);
+                let grown = self.solve(&members).filter(|f| f.value > better && self.keeps(f));
+                best = grown.or(best);
             }
         }
         best
@@ -208,10 +203,10 @@ impl<O: Objective> Search<'_, O> {
         let mut members: Vec<usize> = (0..most).collect();
         let mut best: Option<Choice> = None;
         loop {
-            if let Some(found) =
+            if let Some(shrunk) =
                 self.solve(&members).filter(|f| best.as_ref().is_none_or(|b| f.value > b.value))
             {
-                best = Some(found);
+                best = Some(shrunk);
             }
             // The next combination in lexicographic order.
             let last = self.objective.len() - most;
@@ -221,5 +216,57 @@ impl<O: Objective> Search<'_, O> {
                 members[i] = members[i - 1] + 1;
             }
         }
+    }
+}
+
+/// An [`Objective`] over some of its candidates; the others have no share.
+struct Subset<'a, O> {
+    objective: &'a O,
+    members: Vec<usize>,
+}
+
+impl<O: Objective> Subset<'_, O> {
+    /// Shares of all candidates.
+    fn whole(&self, shares: &[f64]) -> Vec<f64> {
+        let mut whole = vec![0.0; self.objective.len()];
+        self.members.iter().zip(shares).for_each(|(q, w)| whole[*q] = *w);
+        whole
+    }
+}
+
+impl<O: Objective> Objective for Subset<'_, O> {
+    type Point = O::Point;
+
+    fn len(&self) -> usize {
+        self.members.len()
+    }
+
+    fn degree(&self) -> f64 {
+        self.objective.degree()
+    }
+
+    fn size(&self) -> usize {
+        self.objective.size()
+    }
+
+    fn exponent(&self) -> f64 {
+        self.objective.exponent()
+    }
+
+    fn evaluate(&self, shares: &[f64], at: &mut O::Point) -> Option<f64> {
+        self.objective.evaluate(&self.whole(shares), at)
+    }
+
+    fn value(&self, shares: &[f64], at: &mut O::Point) -> Option<f64> {
+        self.objective.value(&self.whole(shares), at)
+    }
+
+    fn sensitivity(&self, q: usize, at: &O::Point) -> f64 {
+        self.objective.sensitivity(self.members[q], at)
+    }
+
+    fn curvature(&self, members: &[usize], at: &O::Point) -> Vec<f64> {
+        let mapped: Vec<usize> = members.iter().map(|q| self.members[*q]).collect();
+        self.objective.curvature(&mapped, at)
     }
 }

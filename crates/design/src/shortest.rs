@@ -1,10 +1,15 @@
 //! The shortest experiment for a wanted accuracy.
 
+use std::ops::Range;
+
+use numerics::symmetric;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::dictionary::{AccuracyOf, OutOfReach};
 use crate::{
-    Bounds, Criterion, Design, Dictionary, Error, Errors, Length, NoDesign, Options, Scarce, Stock, Wanted,
+    Bounds, Candidates, Covariance, CovarianceCriterion, Criterion, Design, Dictionary, Error, Length,
+    NoDesign, Norm, Options, Scarce, Stock, Wanted, solve_covariance,
 };
 
 /// The question how long an experiment has to be.
@@ -32,8 +37,7 @@ pub struct Shortest {
     pub design: Design,
     /// Samples of the experiment.
     pub samples: f64,
-    /// If the largest error is minimised: a lower bound on its square for one sample, proved if the problem is
-    /// convex.
+    /// If the largest error is minimised: a lower bound on its square for one sample, proved if the problem is convex.
     pub bound: Option<f64>,
 }
 
@@ -99,8 +103,7 @@ const POINTS: usize = 25;
 /// 1.0 of the prediction, at a quarter of that length two to three times of it (docs/design.md).
 pub const MOST: f64 = 0.8;
 
-/// The number of samples from which on maneuvers of these `lengths` that take [`MOST`] of the time at `shares` are
-/// whole.
+/// The number of samples from which on maneuvers of these `lengths` that take [`MOST`] of the time at `shares` are whole.
 pub fn holds_from(shares: &[f64], lengths: &[f64]) -> f64 {
     let used = shares.iter().zip(lengths).filter(|(share, _)| **share > 0.0);
     let mut needs: Vec<(f64, f64)> = used.map(|(share, length)| (length / share, *share)).collect();
@@ -134,10 +137,9 @@ impl Question<'_> {
             return Ok((design, None));
         }
         let (shares, bound) = self.errors.least_largest(bounds, options)?;
-        let singular =
-            || NoDesign::Search(Error::Solver("the least largest error is at singular shares".into()));
-        design.log_det = self.criterion.value(&shares).ok_or_else(singular)?;
-        design.sensitivities = self.criterion.sensitivities(&shares).ok_or_else(singular)?;
+        let lost = || NoDesign::Search(Error::Solver("the least largest error is at singular shares".into()));
+        design.log_det = self.criterion.value(&shares).ok_or_else(lost)?;
+        design.sensitivities = self.criterion.sensitivities(&shares).ok_or_else(lost)?;
         let largest = design.sensitivities.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         design.gap = largest - self.criterion.degree();
         design.shares = shares;
@@ -174,12 +176,10 @@ impl Question<'_> {
         let (mut low, mut high) = (0.0, longest);
         while high - low > 1.0 {
             let middle = (0.5 * (low + high)).floor();
-            let found = match self.bounds(stock, middle)? {
-                Some(bounds) => Some(self.solve(&bounds, options)?),
-                None => None,
-            };
-            match found.filter(|(d, _)| self.errors.samples(&d.shares, &self.wanted) <= middle) {
-                Some(found) => ((design, bound), high) = (found, middle),
+            let bounds = self.bounds(stock, middle)?;
+            let solved = bounds.map(|bounds| self.solve(&bounds, options)).transpose()?;
+            match solved.filter(|(d, _)| self.errors.samples(&d.shares, &self.wanted) <= middle) {
+                Some(solved) => ((design, bound), high) = (solved, middle),
                 None => low = middle,
             }
         }
@@ -189,7 +189,7 @@ impl Question<'_> {
     /// `shortest` in time, with `rivals`.
     pub fn compare(&self, shortest: &Shortest, rivals: &Rivals) -> Accuracy {
         let (rate, samples, wanted) = (self.dictionary.sample_rate_hz, shortest.samples, self.wanted);
-        let (own, count) = (self.errors.squared(&shortest.design.shares), self.dictionary.maneuvers.len());
+        let (square, count) = (self.errors.squared(&shortest.design.shares), self.dictionary.maneuvers.len());
         let paper = rivals.paper.as_deref().map(|shares| self.errors.squared(shares));
         let equal = self.errors.squared(&vec![1.0 / count as f64; count]);
         let random = self.median(&rivals.random);
@@ -199,7 +199,7 @@ impl Question<'_> {
             let n = (samples * factor).max(1.0);
             AccuracyPoint {
                 duration_s: n / rate,
-                design: (own / n).sqrt(),
+                design: (square / n).sqrt(),
                 equal: at(equal, n),
                 paper: paper.and_then(|p| at(p, n)),
                 random: random.and_then(|r| at(r, n)),
@@ -211,7 +211,7 @@ impl Question<'_> {
             wanted,
             samples: samples as u64,
             duration_s: samples / rate,
-            reached: (own / samples).sqrt(),
+            reached: (square / samples).sqrt(),
             holds_from_s: holds_from(&shortest.design.shares, self.lengths) / rate,
             bound_s: shortest.bound.map(needs),
             paper_s: needed_s(paper),
@@ -228,4 +228,160 @@ impl Question<'_> {
         all.sort_by(f64::total_cmp);
         all.get(all.len() / 2).copied().filter(|m| m.is_finite())
     }
+}
+
+/// Iterations of the minimax search for the largest error.
+const ROUNDS: usize = 30;
+
+/// Predicts standard errors relative to what is wanted.
+#[derive(Clone, Debug)]
+pub struct Errors<'a> {
+    dictionary: &'a Dictionary,
+    meat: &'a Candidates,
+    covariance: &'a Covariance,
+    rows: Vec<usize>,
+    /// The squares that variances are relative to, one per parameter.
+    squares: &'a [f64],
+    /// The slopes of figures by row, over the standard errors that are wanted of them.
+    figures: Vec<Vec<f64>>,
+    of: AccuracyOf,
+}
+
+impl<'a> Errors<'a> {
+    /// `meat`: B_q of the dictionary's candidates. `squares`: of the parameters.
+    pub fn new(
+        dictionary: &'a Dictionary,
+        meat: &'a Candidates,
+        criterion: &'a CovarianceCriterion,
+        squares: &'a [f64],
+        of: AccuracyOf,
+    ) -> Self {
+        let (covariance, rows) = (&criterion.covariance, dictionary.parameter_rows());
+        Self { dictionary, meat, covariance, rows, squares, figures: Vec::new(), of }
+    }
+
+    /// Of figures instead, by their slopes by parameter and the wanted standard error in the figure's unit.
+    pub fn of_figures(
+        dictionary: &'a Dictionary,
+        meat: &'a Candidates,
+        criterion: &'a CovarianceCriterion,
+        wanted: &[(Vec<f64>, f64)],
+    ) -> Self {
+        let over = |(slopes, wanted): &(Vec<f64>, f64)| {
+            dictionary.by_row(&slopes.iter().map(|slope| slope / wanted).collect::<Vec<_>>())
+        };
+        let figures = wanted.iter().map(over).collect();
+        Self { figures, ..Self::new(dictionary, meat, criterion, &[], AccuracyOf::Figures) }
+    }
+
+    /// The variance of every parameter relative to its square, per sample.
+    fn relative(&self, shares: &[f64]) -> Option<Vec<f64>> {
+        let variances = self.covariance.variances(shares)?;
+        Some(self.rows.iter().zip(self.squares).map(|(row, s)| variances[*row].max(0.0) / s).collect())
+    }
+
+    /// The squared accuracy for one sample; infinite if the shares do not excite every parameter.
+    pub fn squared(&self, shares: &[f64]) -> f64 {
+        let squares = match self.of {
+            AccuracyOf::Figures => self.covariance.variances_of(shares, &self.figures),
+            _ => self.relative(shares),
+        };
+        let Some(squares) = squares else { return f64::INFINITY };
+        match self.of {
+            AccuracyOf::Overall => squares.iter().sum(),
+            AccuracyOf::PerParameter | AccuracyOf::Figures => squares.iter().copied().fold(0.0, f64::max),
+        }
+    }
+
+    /// Samples that reach the wanted accuracy at fixed shares.
+    pub fn samples(&self, shares: &[f64], wanted: &Wanted) -> f64 {
+        (self.squared(shares) / (wanted.accuracy * wanted.accuracy)).ceil()
+    }
+
+    /// [`Errors::samples`], if the longest experiment has as many.
+    ///
+    /// # Errors
+    /// [`NoDesign::OutOfReach`].
+    pub fn reachable(&self, shares: &[f64], wanted: &Wanted) -> Result<f64, NoDesign> {
+        let rate_hz = self.dictionary.sample_rate_hz;
+        let samples = self.samples(shares, wanted);
+        if samples <= wanted.longest_s * rate_hz {
+            return Ok(samples);
+        }
+        let best = (self.squared(shares) / (wanted.longest_s * rate_hz)).sqrt();
+        Err(NoDesign::OutOfReach(OutOfReach { wanted: *wanted, needed_s: samples / rate_hz, best }))
+    }
+
+    /// Shares that minimise the largest relative error, and a lower bound on its square for one sample (proved if the
+    /// criterion is concave): the weights of the largest relative variances in their sum are increased.
+    ///
+    /// # Errors
+    /// Those of the solver.
+    pub fn least_largest(&self, bounds: &Bounds, options: &Options) -> Result<(Vec<f64>, f64), NoDesign> {
+        let mut weights = vec![1.0 / self.squares.len() as f64; self.squares.len()];
+        let (mut best, mut bound): (Option<(f64, Vec<f64>)>, f64) = (None, 0.0);
+        let options = Options { random_starts: 0, tolerance: options.tolerance.max(1e-6), ..*options };
+        for _ in 0..ROUNDS {
+            let summed = self.reweighted(&weights)?;
+            let design =
+                solve_covariance(&summed, bounds, &options).map_err(|e| self.dictionary.explain(e))?;
+            let errors = self.relative(&design.shares).unwrap_or_else(|| vec![f64::INFINITY; weights.len()]);
+            bound = bound.max(libm::exp(-design.log_det) * (1.0 - design.gap.max(0.0)));
+            let largest = errors.iter().copied().fold(0.0, f64::max);
+            if best.as_ref().is_none_or(|(known, _)| largest < *known) {
+                best = Some((largest, design.shares));
+            }
+            weights.iter_mut().zip(&errors).for_each(|(w, r)| *w *= r / largest);
+            let sum: f64 = weights.iter().sum();
+            weights.iter_mut().for_each(|w| *w /= sum);
+        }
+        best.map(|(_, shares)| (shares, bound)).ok_or(NoDesign::Search(Error::Empty))
+    }
+
+    /// The sum of the relative variances with other weights.
+    fn reweighted(&self, weights: &[f64]) -> Result<Covariance, NoDesign> {
+        let scaled: Vec<f64> = weights.iter().zip(self.squares).map(|(w, s)| w / s).collect();
+        let rows = self.dictionary.by_row(&scaled);
+        let built = Covariance::new(&self.dictionary.information, self.meat, &rows, Norm::Trace);
+        built.map_err(|e| self.dictionary.explain(e))
+    }
+}
+
+/// The error that a norm measures of a covariance, n × n: for the trace the root of Σ weight × variance; for the determinant
+/// |covariance|^(1/2n), with the correlations inside of `blocks` alone. `None` where the covariance is singular.
+pub fn error_of(norm: Norm, weights: &[f64], covariance: &[f64], blocks: &[Range<usize>]) -> Option<f64> {
+    let n = weights.len();
+    let variance = |i: usize| covariance[i * n + i];
+    match norm {
+        Norm::Trace => Some(weights.iter().enumerate().map(|(i, w)| w * variance(i)).sum::<f64>().sqrt()),
+        Norm::LogDet => {
+            let logs = blocks.iter().map(|block| log_det(n, covariance, block.clone()));
+            let sum = logs.sum::<Option<f64>>()?;
+            Some(libm::exp(0.5 * sum / n as f64))
+        }
+    }
+}
+
+/// The same error as a design predicts it: `value` of the criterion of `parameters` for so many `samples`, at a trial of `of`.
+pub fn promised_error(norm: Norm, value: f64, parameters: usize, samples: f64, of: f64) -> f64 {
+    let shorter = (samples / of).sqrt();
+    match norm {
+        Norm::Trace => value.max(0.0).sqrt() * shorter,
+        Norm::LogDet => libm::exp(0.5 * value / parameters as f64) * shorter,
+    }
+}
+
+/// log det of a block, from its variances and its correlations.
+fn log_det(n: usize, covariance: &[f64], block: Range<usize>) -> Option<f64> {
+    let size = block.len();
+    let spread = |i: usize| covariance[i * n + i].sqrt();
+    let entry = |k: usize| {
+        let (i, j) = (block.start + k / size, block.start + k % size);
+        covariance[i * n + j] / (spread(i) * spread(j))
+    };
+    let correlations: Vec<f64> = (0..size * size).map(entry).collect();
+    let (values, _) = symmetric(size, &correlations)?;
+    let all = values.iter().all(|value| *value > 0.0);
+    let logs = values.iter().map(|value| libm::log(*value)).sum::<f64>();
+    all.then(|| logs + 2.0 * block.map(|i| libm::log(spread(i))).sum::<f64>())
 }

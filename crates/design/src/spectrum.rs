@@ -1,6 +1,9 @@
+use std::ops::Range;
+
 use numerics::{dot, product, symmetric, transposed};
 
-use crate::Norm;
+use crate::Candidates;
+use crate::certificate::{is_concave, row_scaling};
 
 /// The norm of a block-diagonal covariance with its first two derivatives.
 #[derive(Clone, Debug, Default)]
@@ -117,4 +120,133 @@ impl Eigen {
             }
         }
     }
+}
+
+/// The norm of a covariance matrix that is minimised.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Norm {
+    /// log det: D-optimality.
+    #[default]
+    LogDet,
+    /// log of the trace: A-optimality.
+    Trace,
+}
+
+/// The rows of one block: `range` in the matrices, `rows` over all blocks; the root V of its weights, k × n.
+pub(crate) struct Block<'a> {
+    pub n: usize,
+    pub range: Range<usize>,
+    pub rows: Range<usize>,
+    pub root: &'a [f64],
+}
+
+impl Block<'_> {
+    /// Rows of the root.
+    pub fn kept(&self) -> usize {
+        self.root.len() / self.n.max(1)
+    }
+
+    /// V C Vᵀ, k × k.
+    pub fn weighted(&self, matrix: &[f64]) -> Vec<f64> {
+        let (n, k) = (self.n, self.kept());
+        let mut half = vec![0.0; k * n];
+        multiply(k, n, self.root, matrix, &mut half);
+        let rows = |i: usize| &half[i * n..(i + 1) * n];
+        let root = |j: usize| &self.root[j * n..(j + 1) * n];
+        (0..k * k).map(|e| dot(rows(e / k), root(e % k))).collect()
+    }
+
+    /// Vᵀ K V, n × n.
+    pub fn unweighted(&self, kept: &[f64]) -> Vec<f64> {
+        let (n, k) = (self.n, self.kept());
+        let mut half = vec![0.0; k * n];
+        multiply(k, k, kept, self.root, &mut half);
+        let mut out = vec![0.0; n * n];
+        for (row, root) in half.chunks_exact(n).zip(self.root.chunks_exact(n)) {
+            for (line, r) in out.chunks_exact_mut(n).zip(root).filter(|(_, r)| **r != 0.0) {
+                line.iter_mut().zip(row).for_each(|(o, x)| *o += r * x);
+            }
+        }
+        out
+    }
+}
+
+/// A B of a rows × m and an m × n matrix; zeros in A are skipped.
+fn multiply(rows: usize, m: usize, a: &[f64], b: &[f64], out: &mut [f64]) {
+    let n = out.len() / rows.max(1);
+    for (line, left) in out.chunks_exact_mut(n.max(1)).zip(a.chunks_exact(m.max(1))) {
+        for (factor, right) in left.iter().zip(b.chunks_exact(n.max(1))).filter(|(f, _)| **f != 0.0) {
+            line.iter_mut().zip(right).for_each(|(o, r)| *o += factor * r);
+        }
+    }
+}
+
+/// The dominant row of a direction without variance in the weighted covariance `matrix` of a block, if there is one.
+pub(crate) fn row_without_variance(block: &Block<'_>, matrix: &[f64]) -> Option<usize> {
+    let k = block.kept();
+    if k == 0 {
+        return None;
+    }
+    // In correlations, so that units do not matter.
+    let size = |i: usize| matrix[i * k + i].max(0.0).sqrt();
+    let direction = match (0..k).find(|i| size(*i) == 0.0) {
+        Some(i) => (0..k).map(|j| f64::from(u8::from(i == j))).collect(),
+        None => {
+            let correlation: Vec<f64> = (0..k * k).map(|e| matrix[e] / (size(e / k) * size(e % k))).collect();
+            match numerics::weakest(k, &correlation) {
+                Some(weakest) if weakest.ratio > 1e-12 => return None,
+                Some(weakest) => weakest.direction,
+                None => vec![1.0; k],
+            }
+        }
+    };
+    Some(strongest(block, &direction))
+}
+
+/// The dominant row of a direction in weighted units.
+fn strongest(block: &Block<'_>, direction: &[f64]) -> usize {
+    let n = block.n;
+    let part =
+        |i: usize| direction.iter().enumerate().map(|(e, x)| x * block.root[e * n + i]).sum::<f64>().abs();
+    (0..n).max_by(|a, b| part(*a).total_cmp(&part(*b))).unwrap_or(0)
+}
+
+/// Whether every B_q is the same multiple, per block, of the information in symmetric form, which is semidefinite.
+pub(crate) fn is_proportional(information: &Candidates, meat: &Candidates) -> bool {
+    let proportional = information.blocks().all(|(n, range)| {
+        let matrices = (0..information.len()).map(|q| &information.candidate(q)[range.clone()]);
+        let Some(factors) = row_scaling(n, matrices) else { return false };
+        // A D with A = Mᵀ: instrument i is d_i times regressor i.
+        let symmetric = |q: usize| -> Vec<f64> {
+            let m = &information.candidate(q)[range.clone()];
+            (0..n * n).map(|e| factors[e / n] * m[e]).collect()
+        };
+        let all = (0..information.len()).map(|q| &meat.candidate(q)[range.clone()]);
+        if !is_multiple(&symmetric(0), &meat.candidate(0)[range.clone()], all) {
+            return false;
+        }
+        let (mut square, mut cross, mut total) = (0.0, 0.0, 0.0);
+        for q in 0..information.len() {
+            let (s, b) = (symmetric(q), &meat.candidate(q)[range.clone()]);
+            square += dot(&s, &s);
+            cross += dot(&s, b);
+            total += dot(b, b);
+        }
+        let factor = cross / square;
+        let left: f64 = (0..information.len())
+            .map(|q| {
+                let (s, b) = (symmetric(q), &meat.candidate(q)[range.clone()]);
+                s.iter().zip(b).map(|(s, b)| (b - factor * s).powi(2)).sum::<f64>()
+            })
+            .sum();
+        factor > 0.0 && left <= 1e-18 * total
+    });
+    proportional && is_concave(information)
+}
+
+/// Whether `b` may be a multiple of `s`, as `all` are: a cheap check that leaves few candidates for a full one.
+fn is_multiple<'a>(s: &[f64], b: &[f64], all: impl Iterator<Item = &'a [f64]>) -> bool {
+    let factor = dot(s, b) / dot(s, s);
+    let left: f64 = s.iter().zip(b).map(|(s, b)| (b - factor * s).powi(2)).sum();
+    left <= 1e-9 * all.map(|b| dot(b, b)).sum::<f64>() || !left.is_finite()
 }

@@ -21,9 +21,6 @@ pub trait Blocks: Sync {
     fn blocks(&self) -> usize;
 
     /// The candidates of block `i`, all of the same dimensions.
-    ///
-    /// # Errors
-    /// The block cannot be read.
     fn block(&self, i: usize) -> Result<Candidates, Self::Error>;
 }
 
@@ -54,26 +51,21 @@ const PASSES: u32 = 60;
 /// # Errors
 /// A block cannot be read; as [`crate::solve`].
 pub fn solve_streamed<S: Blocks>(source: &S, options: &Options) -> Result<Streamed, S::Error> {
-    let Surveyed { mut working, mean, candidates } = Surveyed::of(source)?;
+    let (mut working, mean, candidates) = survey(source)?;
     let scaling = Scaling::of(&working.candidates);
     let mut passes = 0;
     loop {
-        let found = solve_within(&working.candidates, &Bounds::default(), options)?;
-        working.keep(|place| found.shares[place] > 0.0);
+        let relaxed = solve_within(&working.candidates, &Bounds::default(), options)?;
+        working.keep(|place| relaxed.shares[place] > 0.0);
         let mut design = solve_within(&working.candidates, &Bounds::default(), options)?;
-        let pass = Pass::over(source, &Weights::at(&working.candidates, &design.shares)?, &scaling)?;
+        let pass = Pass::over(source, &weights(&working.candidates, &design.shares)?, &scaling)?;
         passes += 1;
         let p = working.candidates.dimension() as f64;
         design.gap = pass.largest - p;
         let reached = design.gap <= options.tolerance.max(LEAST_GAP) * p;
         let joined = !reached && passes < PASSES && working.join(pass.joining);
         if !joined {
-            let concave = pass.concave && is_concave(&working.candidates);
-            design.status = match (reached, concave) {
-                (false, _) => Status::Stalled,
-                (true, true) => Status::Optimal,
-                (true, false) => Status::Stationary,
-            };
+            design.status = Status::of(reached, pass.concave && is_concave(&working.candidates));
             return Ok(Streamed { members: working.places, design, mean, candidates, passes });
         }
     }
@@ -102,9 +94,9 @@ impl Working {
     /// Adds those that are not in the set yet; returns whether there were any.
     fn join(&mut self, joining: Vec<Joining>) -> bool {
         let new = joining.into_iter().filter(|one| !self.places.contains(&one.place)).collect::<Vec<_>>();
-        let own = self.places.iter().enumerate();
+        let places = self.places.iter().enumerate();
         let mut all: Vec<((usize, usize), &[f64])> =
-            own.map(|(i, place)| (*place, self.candidates.candidate(i))).collect();
+            places.map(|(i, place)| (*place, self.candidates.candidate(i))).collect();
         all.extend(new.iter().map(|one| (one.place, one.entries.as_slice())));
         all.sort_by_key(|(place, _)| *place);
         let mut candidates = self.candidates.none();
@@ -114,50 +106,41 @@ impl Working {
     }
 }
 
-/// The result of a first pass over all candidates, before any shares are known.
-struct Surveyed {
-    working: Working,
-    mean: Candidates,
-    candidates: usize,
-}
-
-impl Surveyed {
-    /// An even sample, and the mean of all.
-    fn of<S: Blocks>(source: &S) -> Result<Self, S::Error> {
-        let each = SAMPLE.div_ceil(source.blocks().max(1)).max(1);
-        let survey = |i: usize| -> Result<_, S::Error> {
-            let block = source.block(i)?;
-            let mut sum = Vec::new();
-            block.sum(&vec![1.0; block.len()], &mut sum);
-            let mut sample = Working { places: Vec::new(), candidates: block.none() };
-            for place in sampled(&block, each) {
-                sample.places.push((i, place));
-                sample.candidates.append(block.candidate(place));
-            }
-            Ok((block.len(), sum, sample))
-        };
-        let blocks: Vec<_> = (0..source.blocks()).into_par_iter().map(survey).collect();
-        let mut all: Option<(usize, Vec<f64>, Working)> = None;
-        for block in blocks {
-            let (count, sum, sample) = block?;
-            match &mut all {
-                None => all = Some((count, sum, sample)),
-                Some((known, total, working)) => {
-                    *known += count;
-                    total.iter_mut().zip(&sum).for_each(|(total, own)| *total += own);
-                    working.places.extend(sample.places);
-                    (0..sample.candidates.len())
-                        .for_each(|place| working.candidates.append(sample.candidates.candidate(place)));
-                }
+/// An even sample of all candidates, their mean and their number.
+fn survey<S: Blocks>(source: &S) -> Result<(Working, Candidates, usize), S::Error> {
+    let each = SAMPLE.div_ceil(source.blocks().max(1)).max(1);
+    let sample = |i: usize| -> Result<_, S::Error> {
+        let block = source.block(i)?;
+        let mut sum = Vec::new();
+        block.sum(&vec![1.0; block.len()], &mut sum);
+        let mut sample = Working { places: Vec::new(), candidates: block.none() };
+        for place in sampled(&block, each) {
+            sample.places.push((i, place));
+            sample.candidates.append(block.candidate(place));
+        }
+        Ok((block.len(), sum, sample))
+    };
+    let blocks: Vec<_> = (0..source.blocks()).into_par_iter().map(sample).collect();
+    let mut all: Option<(usize, Vec<f64>, Working)> = None;
+    for block in blocks {
+        let (count, sum, sample) = block?;
+        match &mut all {
+            None => all = Some((count, sum, sample)),
+            Some((known, total, working)) => {
+                *known += count;
+                total.iter_mut().zip(&sum).for_each(|(total, more)| *total += more);
+                working.places.extend(sample.places);
+                (0..sample.candidates.len())
+                    .for_each(|place| working.candidates.append(sample.candidates.candidate(place)));
             }
         }
-        let (candidates, sum, working) = all.filter(|(count, ..)| *count > 0).ok_or(Error::Empty)?;
-        let mut mean = working.candidates.none();
-        mean.append(&sum.iter().map(|entry| entry / candidates as f64).collect::<Vec<_>>());
-        let (scaled, _) = mean.scaled()?;
-        scaled.check_excitation()?;
-        Ok(Self { working, mean, candidates })
     }
+    let (candidates, sum, working) = all.filter(|(count, ..)| *count > 0).ok_or(Error::Empty)?;
+    let mut mean = working.candidates.none();
+    mean.append(&sum.iter().map(|entry| entry / candidates as f64).collect::<Vec<_>>());
+    let (scaled, _) = mean.scaled()?;
+    scaled.check_excitation()?;
+    Ok((working, mean, candidates))
 }
 
 /// `each` evenly spaced indices of `block`, and the candidates with most information about every row, so that a
@@ -186,31 +169,27 @@ impl Scaling {
     /// Whether all of these are symmetric and positive semidefinite with it.
     fn holds(&self, candidates: &Candidates) -> bool {
         let Some(factors) = &self.0 else { return false };
-        let of_block = |((n, range), own): ((usize, std::ops::Range<usize>), &Vec<f64>)| {
-            (0..candidates.len()).all(|q| is_semidefinite(n, &candidates.candidate(q)[range.clone()], own))
+        let of_block = |((n, range), sums): ((usize, std::ops::Range<usize>), &Vec<f64>)| {
+            (0..candidates.len()).all(|q| is_semidefinite(n, &candidates.candidate(q)[range.clone()], sums))
         };
         candidates.blocks().zip(factors).all(of_block)
     }
 }
 
 /// The weights of a candidate's entries in its sensitivity.
-struct Weights(Vec<f64>);
-
-impl Weights {
-    fn at(candidates: &Candidates, shares: &[f64]) -> Result<Self, Error> {
-        let balanced = candidates.balanced()?;
-        let mut at = Evaluation::default();
-        let singular = || Error::Solver("the shares are singular".into());
-        balanced.candidates.evaluate(shares, &mut at).ok_or_else(singular)?;
-        let (mut weights, mut first) = (at.inverse_transposed, 0);
-        for (n, range) in candidates.blocks() {
-            for (e, weight) in weights[range].iter_mut().enumerate() {
-                *weight /= balanced.rows[first + e / n] * balanced.columns[first + e % n];
-            }
-            first += n;
+fn weights(candidates: &Candidates, shares: &[f64]) -> Result<Vec<f64>, Error> {
+    let balanced = candidates.balanced()?;
+    let mut at = Evaluation::default();
+    let singular = || Error::Solver("the shares are singular".into());
+    balanced.candidates.evaluate(shares, &mut at).ok_or_else(singular)?;
+    let (mut weights, mut first) = (at.inverse_transposed, 0);
+    for (n, range) in candidates.blocks() {
+        for (e, weight) in weights[range].iter_mut().enumerate() {
+            *weight /= balanced.rows[first + e / n] * balanced.columns[first + e % n];
         }
-        Ok(Self(weights))
+        first += n;
     }
+    Ok(weights)
 }
 
 /// A candidate whose share should grow.
@@ -228,23 +207,18 @@ struct Pass {
 }
 
 impl Pass {
-    fn over<S: Blocks>(source: &S, weights: &Weights, scaling: &Scaling) -> Result<Self, S::Error> {
+    fn over<S: Blocks>(source: &S, weights: &[f64], scaling: &Scaling) -> Result<Self, S::Error> {
         let look = |i: usize| -> Result<Self, S::Error> {
             let block = source.block(i)?;
-            let sensitivities: Vec<f64> =
-                (0..block.len()).map(|q| dot(&weights.0, block.candidate(q))).collect();
+            let gains: Vec<f64> = (0..block.len()).map(|q| dot(weights, block.candidate(q))).collect();
             let join = |q: usize| Joining {
-                sensitivity: sensitivities[q],
+                sensitivity: gains[q],
                 place: (i, q),
                 entries: block.candidate(q).to_vec(),
             };
-            let best = crate::bounds::largest(0..block.len(), &sensitivities, JOINING[0]);
-            let largest = sensitivities.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            Ok(Self {
-                largest,
-                joining: best.into_iter().map(join).collect(),
-                concave: scaling.holds(&block),
-            })
+            let top = crate::certificate::largest(0..block.len(), &gains, JOINING[0]);
+            let largest = gains.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            Ok(Self { largest, joining: top.into_iter().map(join).collect(), concave: scaling.holds(&block) })
         };
         let blocks: Vec<_> = (0..source.blocks()).into_par_iter().map(look).collect();
         let mut all = Self { largest: f64::NEG_INFINITY, joining: Vec::new(), concave: true };
@@ -254,9 +228,7 @@ impl Pass {
             all.concave &= block.concave;
             all.joining.extend(block.joining);
         }
-        let order =
-            |a: &Joining, b: &Joining| b.sensitivity.total_cmp(&a.sensitivity).then(a.place.cmp(&b.place));
-        all.joining.sort_by(order);
+        all.joining.sort_by(|a, b| b.sensitivity.total_cmp(&a.sensitivity).then(a.place.cmp(&b.place)));
         all.joining.truncate(JOINING[1]);
         Ok(all)
     }

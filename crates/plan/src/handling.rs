@@ -1,3 +1,4 @@
+use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
 use maneuver::{Motion, Steady};
@@ -7,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use ship::engine::Compiled;
 use ship::model::Vessel;
 
-use crate::Mode;
+use crate::leg::{around, wrap};
+use crate::{Grid, Leg, Mode, Phase, Purpose};
 
 /// How the vessel is handled between informative maneuvers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -108,8 +110,7 @@ impl Handling {
         ]
     }
 
-    /// Refuses meaningless numbers, and those that would make a leg last for days: every leg is simulated to
-    /// its end.
+    /// Refuses meaningless numbers, and those that would make a leg last for days: every leg is simulated to its end.
     ///
     /// # Errors
     /// Names the key.
@@ -200,13 +201,13 @@ impl DerivedHandling {
 
 impl Ability {
     fn of(vessel: &Vessel, speeds: impl Iterator<Item = f64>, slowest: f64) -> Result<Self, Invalid> {
-        let mut own = Self {
+        let mut ability = Self {
             turn_rate_rad_s: None,
             turn_acceleration_rad_s2: None,
             acceleration_m_s2: None,
             braking_m_s2: None,
             coasting_m_s2: -gains(vessel, slowest, &idle(vessel))[0],
-            lag_s: vessel.actuators.iter().map(|own| own.lag_s + own.hold_s).fold(0.0, f64::max),
+            lag_s: vessel.actuators.iter().map(|one| one.lag_s + one.hold_s).fold(0.0, f64::max),
         };
         let least = |known: &mut Option<f64>, new: Option<f64>| {
             *known = [*known, new].into_iter().flatten().reduce(f64::min);
@@ -215,19 +216,19 @@ impl Ability {
             let mut steady = Steady::new(vessel, &vessel.nominal);
             let straight = held(vessel, &mut steady, speed, 0.0)?;
             let [gain, loss, turn] = extremes(vessel, speed, &straight);
-            least(&mut own.acceleration_m_s2, gain);
-            least(&mut own.braking_m_s2, loss);
-            least(&mut own.turn_acceleration_rad_s2, turn);
-            least(&mut own.turn_rate_rad_s, largest_turn(vessel, &mut steady, speed));
+            least(&mut ability.acceleration_m_s2, gain);
+            least(&mut ability.braking_m_s2, loss);
+            least(&mut ability.turn_acceleration_rad_s2, turn);
+            least(&mut ability.turn_rate_rad_s, largest_turn(vessel, &mut steady, speed));
         }
-        Ok(own)
+        Ok(ability)
     }
 }
 
 /// The settings nearest to zero.
 fn idle(vessel: &Vessel) -> Vec<f64> {
     let setting = |range: [f64; 2]| 0.0_f64.clamp(range[0], range[1]);
-    vessel.actuators.iter().map(|own| own.range.map_or(0.0, setting)).collect()
+    vessel.actuators.iter().map(|actuator| actuator.range.map_or(0.0, setting)).collect()
 }
 
 /// The inputs that hold a speed and a yaw rate within the actuators' ranges.
@@ -251,21 +252,22 @@ fn held(vessel: &Vessel, steady: &mut Steady, speed: f64, turn: f64) -> Result<V
 
 /// The time that the slowest actuator needs to initiate a turn.
 fn laid_s(vessel: &Vessel, speed: f64, turn: f64) -> Result<f64, Invalid> {
-    if vessel.actuators.iter().all(|own| own.rate_per_s.is_none()) {
+    if vessel.actuators.iter().all(|actuator| actuator.rate_per_s.is_none()) {
         return Ok(0.0);
     }
     let mut steady = Steady::new(vessel, &vessel.nominal);
     let straight = held(vessel, &mut steady, speed, 0.0)?;
     let turning = held(vessel, &mut steady, speed, turn)?;
     let settings = straight.iter().zip(&turning).zip(&vessel.actuators);
-    let seconds = settings.filter_map(|((a, b), own)| Some((b - a).abs() / own.rate_per_s?));
+    let seconds = settings.filter_map(|((a, b), actuator)| Some((b - a).abs() / actuator.rate_per_s?));
     Ok(seconds.fold(0.0, f64::max))
 }
 
 /// The largest yaw rate that can be held at a speed; `None` if it is not bounded.
 fn largest_turn(vessel: &Vessel, steady: &mut Steady, speed: f64) -> Option<f64> {
     let (mut low, mut high) = (0.0, FASTEST_TURN_RAD_S);
-    if vessel.actuators.iter().all(|own| own.range.is_none()) || held(vessel, steady, speed, high).is_ok() {
+    let is_boundless = vessel.actuators.iter().all(|actuator| actuator.range.is_none());
+    if is_boundless || held(vessel, steady, speed, high).is_ok() {
         return None;
     }
     for _ in 0..HALVINGS {
@@ -281,7 +283,7 @@ fn largest_turn(vessel: &Vessel, steady: &mut Steady, speed: f64) -> Option<f64>
 /// The largest increase and decrease of speed and the largest yaw acceleration, in the weaker direction, that
 /// an input can produce while the vessel goes straight ahead \[per s\]; `None` where no range bounds it.
 fn extremes(vessel: &Vessel, speed: f64, straight: &[f64]) -> [Option<f64>; 3] {
-    let mut found = [0.0_f64; 4];
+    let mut limits = [0.0_f64; 4];
     for (input, actuator) in vessel.actuators.iter().enumerate() {
         let changed = |setting: f64| {
             let mut inputs = straight.to_vec();
@@ -292,13 +294,13 @@ fn extremes(vessel: &Vessel, speed: f64, straight: &[f64]) -> [Option<f64>; 3] {
         let usual = changed(straight[input]);
         let ends = actuator.range.unwrap_or([-1.0, 1.0].map(|step| straight[input] + step));
         for gained in ends.map(changed) {
-            for ((most, gain), usual) in found.iter_mut().zip(gained).zip(usual) {
+            for ((most, gain), usual) in limits.iter_mut().zip(gained).zip(usual) {
                 let boundless = actuator.range.is_none() && (gain - usual).abs() > 0.0;
                 *most = if boundless { f64::INFINITY } else { most.max(gain) };
             }
         }
     }
-    let [gain, loss, starboard, port] = found;
+    let [gain, loss, starboard, port] = limits;
     [gain, loss, starboard.min(port)].map(|most| Some(most).filter(|most| most.is_finite() && *most > 0.0))
 }
 
@@ -310,4 +312,114 @@ fn gains(vessel: &Vessel, speed: f64, inputs: &[f64]) -> [f64; 3] {
     let mut model = Compiled::new(&vessel.model, &vessel.nominal);
     model.look([speed, 0.0, 0.0], &exogenous, None);
     model.increments().map(|gain| gain * vessel.sample_rate_hz)
+}
+
+/// Names of the basic moves.
+pub const BASIC_MOVES: [&str; 5] = ["straight", "faster", "slower", "turn-port", "turn-starboard"];
+
+/// How many nodes beyond its shortest end a move is tried.
+const FARTHER: usize = 5;
+/// Most ends of a turn that are tried, nearest first.
+const TURNS: usize = 24;
+
+/// The basic moves from a heading level and mode: straight ahead, turns (on the spot at rest, arcs under
+/// way), changes of speed. Each move has several legs, shortest first: a vessel that does not settle by the
+/// end of one may settle by the end of a longer one.
+///
+/// Their names are [`BASIC_MOVES`]. At rest a vessel moves ahead at the crawl speed.
+pub fn basic_moves(grid: &Grid, handling: &Handling, level: usize, mode: usize) -> Vec<Vec<Leg>> {
+    let slower = mode.checked_sub(1);
+    let faster = Some(mode + 1).filter(|mode| *mode < grid.modes.len());
+    let modes = [Some(mode), faster, slower].into_iter().flatten();
+    let mut moves: Vec<Vec<Leg>> = modes.map(|to| straights(grid, handling, level, mode, to)).collect();
+    for side in [-1.0, 1.0] {
+        // Levels count counter-clockwise, to port.
+        let to = (level as i64 - side as i64).rem_euclid(grid.headings as i64) as usize;
+        moves.push(match grid.modes[mode].speed_m_s {
+            0.0 => vec![turn_on_the_spot(grid, level, to, mode, side)],
+            _ => arcs(grid, handling, level, to, mode, side),
+        });
+    }
+    moves
+}
+
+fn turn_name(side: f64) -> &'static str {
+    if side > 0.0 { "turn-starboard" } else { "turn-port" }
+}
+
+/// A basic move between two layers.
+fn basic(name: &str, [from, to]: [usize; 2], (di, dj): (i32, i32), phases: Vec<Phase>) -> Leg {
+    Leg { purpose: Purpose::Basic(name.to_owned()), from, di, dj, to, phases }
+}
+
+fn turn_on_the_spot(grid: &Grid, level: usize, to: usize, mode: usize, side: f64) -> Leg {
+    let phases = vec![Phase::Hold { at: [0.0, 0.0], heading_rad: grid.heading_rad(to) }];
+    basic(turn_name(side), [level, to].map(|level| grid.layer(level, mode)), (0, 0), phases)
+}
+
+/// One step ahead, or as many as a change of speed needs, and longer ones.
+fn straights(grid: &Grid, handling: &Handling, level: usize, from: usize, to: usize) -> Vec<Leg> {
+    let (di, dj) = grid.step_along(level);
+    let [north, east] = grid.displacement(di, dj);
+    let (v0, v1) = (grid.modes[from].speed_m_s, grid.modes[to].speed_m_s);
+    let needed = (v1 * v1 - v0 * v0).abs() / (2.0 * handling.acceleration_m_s2);
+    let steps = (needed / libm::hypot(north, east)).ceil().max(1.0) as usize;
+    (steps..=steps + FARTHER).map(|steps| straight(grid, level, [from, to], steps as i32)).collect()
+}
+
+/// `steps` steps ahead, from one mode to another.
+fn straight(grid: &Grid, level: usize, [from, to]: [usize; 2], steps: i32) -> Leg {
+    let (di, dj) = grid.step_along(level);
+    let (v0, v1) = (grid.modes[from].speed_m_s, grid.modes[to].speed_m_s);
+    let end = grid.displacement(steps * di, steps * dj);
+    let heading_rad = grid.heading_rad(level);
+    let ahead = (v0 != 0.0 || v1 != 0.0).then(|| line(end, v0, v1));
+    let hold = (v1 == 0.0).then_some(Phase::Hold { at: end, heading_rad });
+    let name = match to.cmp(&from) {
+        std::cmp::Ordering::Equal => "straight",
+        std::cmp::Ordering::Greater => "faster",
+        std::cmp::Ordering::Less => "slower",
+    };
+    let layers = [from, to].map(|mode| grid.layer(level, mode));
+    basic(name, layers, (steps * di, steps * dj), ahead.into_iter().chain(hold).collect())
+}
+
+/// From the node along the course to `to`.
+fn line(to: [f64; 2], from_m_s: f64, to_m_s: f64) -> Phase {
+    Phase::Line { to, heading_rad: libm::atan2(to[1], to[0]), from_m_s, to_m_s }
+}
+
+/// Straight–arc–straight from one level to the next, ending on nodes and within the yaw rate: the shortest first.
+fn arcs(grid: &Grid, handling: &Handling, level: usize, to: usize, mode: usize, side: f64) -> Vec<Leg> {
+    let speed = grid.modes[mode].speed_m_s;
+    let (a, b) = (grid.heading_rad(level), grid.heading_rad(to));
+    let turn = TAU / grid.headings as f64;
+    let tangent = speed / handling.turn_rate_rad_s * libm::tan(turn / 2.0);
+    // A move longer than the lattice is useless.
+    let most = grid.nx.max(grid.ny) as f64;
+    let reach = (3.0 + FARTHER as f64 + (2.0 * tangent / grid.cell_m).ceil()).min(most) as i32;
+    let mut ends: Vec<(f64, i32, i32, f64)> = around(0, 0, reach)
+        .filter_map(|(di, dj)| {
+            let [north, east] = grid.displacement(di, dj);
+            // North, east = p (cos a, sin a) + q (cos b, sin b).
+            let det = libm::cos(a) * libm::sin(b) - libm::sin(a) * libm::cos(b);
+            let p = (north * libm::sin(b) - east * libm::cos(b)) / det;
+            let q = (libm::cos(a) * east - libm::sin(a) * north) / det;
+            (p >= tangent - 1e-9 && q >= tangent - 1e-9).then_some((p + q, di, dj, p))
+        })
+        .collect();
+    ends.sort_by(|x, y| x.0.total_cmp(&y.0));
+    ends.truncate(TURNS);
+    let radius_m = tangent / libm::tan(turn / 2.0);
+    let along =
+        |to: [f64; 2], heading_rad: f64| Phase::Line { to, heading_rad, from_m_s: speed, to_m_s: speed };
+    let leg = |(_, di, dj, p): (f64, i32, i32, f64)| {
+        let begin = [(p - tangent) * libm::cos(a), (p - tangent) * libm::sin(a)];
+        let centre = [begin[0] - side * radius_m * libm::sin(a), begin[1] + side * radius_m * libm::cos(a)];
+        let before = (p - tangent > 1e-6).then(|| along(begin, a));
+        let arc = Phase::Arc { centre, radius_m, to_rad: wrap(b), side, speed_m_s: speed };
+        let phases = before.into_iter().chain([arc, along(grid.displacement(di, dj), b)]).collect();
+        basic(turn_name(side), [level, to].map(|level| grid.layer(level, mode)), (di, dj), phases)
+    };
+    ends.into_iter().map(leg).collect()
 }

@@ -1,7 +1,7 @@
 use refusal::Invalid;
 use ship::engine::Pose;
 
-use crate::grid::{around, wrap};
+use crate::leg::{around, wrap};
 use crate::repertoire::{Best, Farthest, Outcome, Settled, Unsettled};
 use crate::sampled_vessel::{Crew, Failed, Underway};
 use crate::{Leg, Phase, Purpose, Repertoire, Sailed, SampledVessel, Side};
@@ -31,7 +31,7 @@ impl Repertoire<'_> {
         others: &[SampledVessel],
     ) -> Result<Vec<Outcome>, Invalid> {
         let from = self.grid.layer(level, self.mode_of(index)?);
-        let search = Search { repertoire: self, index, from };
+        let search = ManeuverSearch { repertoire: self, index, from };
         let mirrored = (self.mirror.is_some() && !search.is_straight()).then_some(Side::Mirrored);
         let sides = [Side::AsDesigned].into_iter().chain(mirrored);
         let legs = sides.map(|side| search.legs(side, others)).collect::<Result<Vec<_>, _>>()?;
@@ -60,7 +60,7 @@ impl Repertoire<'_> {
     }
 }
 
-struct Search<'a> {
+struct ManeuverSearch<'a> {
     repertoire: &'a Repertoire<'a>,
     /// Index of the piece.
     index: usize,
@@ -69,22 +69,21 @@ struct Search<'a> {
 }
 
 /// A maneuver that all vessels have run, before its recovery.
-struct Run<'a> {
+struct ManeuverRun<'a> {
     leg: Leg,
     sailed: Sailed,
     crew: Crew<'a>,
     tracks: Vec<Vec<Pose>>,
 }
 
-impl Run<'_> {
+impl ManeuverRun<'_> {
     /// The leg with the recoveries of all vessels.
     fn with(&self, recovered: Settled) -> Settled {
         let (mut leg, mut sailed, mut tracks) = (self.leg.clone(), self.sailed.clone(), self.tracks.clone());
-        let Settled { leg: Leg { di, dj, to, phases, .. }, sailed: last, tracks: lasts, farthest } =
-            recovered;
+        let Settled { leg: Leg { di, dj, to, phases, .. }, sailed: last, tracks: rest, farthest } = recovered;
         sailed.samples.extend(last.samples);
         sailed.ends = last.ends;
-        tracks.iter_mut().zip(lasts).for_each(|(track, last)| track.extend(last));
+        tracks.iter_mut().zip(rest).for_each(|(track, last)| track.extend(last));
         leg.phases.extend(phases);
         Settled { leg: Leg { di, dj, to, ..leg }, sailed, tracks, farthest }
     }
@@ -108,7 +107,7 @@ struct Lane {
     across: i32,
 }
 
-impl Search<'_> {
+impl ManeuverSearch<'_> {
     fn piece(&self) -> &Piece {
         &self.repertoire.pieces[self.index]
     }
@@ -136,11 +135,9 @@ impl Search<'_> {
             Ok(run) => self.recovered(run)?,
             Err(failed) => Err(failed),
         };
+        let with_farthest = |settled| Ok(Settled { farthest: farthest(&settled, &all), ..settled });
         match recovered {
-            Ok(legs) => Ok(legs
-                .into_iter()
-                .map(|settled| Ok(Settled { farthest: farthest(&settled, &all), ..settled }))
-                .collect()),
+            Ok(legs) => Ok(legs.into_iter().map(with_farthest).collect()),
             Err(failed) => unsettled("", failed),
         }
     }
@@ -202,8 +199,7 @@ impl Search<'_> {
     }
 
     /// Approach and maneuver, by all vessels.
-    fn run<'a>(&self, approach: Leg, crew: &mut Crew<'a>) -> Result<Result<Run<'a>, Failed>, Invalid> {
-        let mut leg = approach;
+    fn run<'a>(&self, mut leg: Leg, crew: &mut Crew<'a>) -> Result<Result<ManeuverRun<'a>, Failed>, Invalid> {
         leg.phases.push(Phase::Maneuver);
         let mut nominal = crew.nominal.clone();
         let sailed = self.repertoire.simulated(&leg, &mut nominal)?;
@@ -215,23 +211,23 @@ impl Search<'_> {
         });
         Ok(others.map(|others| {
             let (tracks, ends) = others.into_iter().unzip();
-            Run { leg, sailed, crew: Crew::new(nominal, ends), tracks }
+            ManeuverRun { leg, sailed, crew: Crew::new(nominal, ends), tracks }
         }))
     }
 
     /// Legs with recoveries on which all of them settle: onto the first such node, and onto the first such node of the
     /// nearest other lanes. From these the search for a plan chooses.
-    fn recovered(&self, mut run: Run) -> Result<Result<Vec<Settled>, Failed>, Invalid> {
+    fn recovered(&self, mut run: ManeuverRun) -> Result<Result<Vec<Settled>, Failed>, Invalid> {
         let speed = run.crew.nominal.ship.state[0];
         let nodes = self.nodes(&run.crew, speed);
         let step = nodes.len().saturating_sub(NEAREST).div_ceil(FARTHER).max(1);
         let some = nodes.iter().take(NEAREST).chain(nodes.iter().skip(NEAREST).step_by(step));
         let (node, first) = match self.first_settled(&mut run, some, speed)? {
-            Ok(found) => found,
+            Ok(ends) => ends,
             Err(best) => return Ok(Err(best.failed(self.repertoire, &run.crew))),
         };
-        let (mut legs, own) = (vec![first], self.lane(node));
-        for lane in self.lanes(&nodes).into_iter().filter(|lane| *lane != own).take(FURTHER) {
+        let (mut legs, straight) = (vec![first], self.lane(node));
+        for lane in self.lanes(&nodes).into_iter().filter(|lane| *lane != straight).take(FURTHER) {
             let some = nodes.iter().filter(|node| self.lane(**node) == lane).take(TRIED);
             legs.extend(self.first_settled(&mut run, some, speed)?.ok().map(|(_, leg)| leg));
         }
@@ -241,7 +237,7 @@ impl Search<'_> {
     /// The first of `nodes` where all of them settle, and the leg with that recovery.
     fn first_settled<'n>(
         &self,
-        run: &mut Run,
+        run: &mut ManeuverRun,
         nodes: impl Iterator<Item = &'n Node>,
         speed: f64,
     ) -> Result<Result<(Node, Settled), Best>, Invalid> {
@@ -297,14 +293,13 @@ impl Search<'_> {
         let mut levels = vec![nearest, (nearest + 1) % h, (nearest + h - 1) % h];
         levels.dedup();
         let cell = grid.cell_m;
-        let spread =
-            crew.others.iter().map(|one| libm::hypot(one.ship.pose.x - end.x, one.ship.pose.y - end.y));
-        let spread = spread.fold(0.0, f64::max);
+        let off = crew.others.iter().map(|one| libm::hypot(one.ship.pose.x - end.x, one.ship.pose.y - end.y));
+        let spread = off.fold(0.0, f64::max);
         let lookahead = if at_rest { 0.0 } else { 6.0 * handling.lookahead_m };
         let far = (2.0 + ((spread + lookahead) / cell).ceil()).min(grid.nx.max(grid.ny) as f64) as i32;
         let [i, j] = [(end.y / cell).round() as i32, (end.x / cell).round() as i32];
         let all = || [&crew.nominal].into_iter().chain(&crew.others);
-        let mut found = Vec::new();
+        let mut nodes = Vec::new();
         for (turn, level) in levels.into_iter().enumerate() {
             let heading = grid.heading_rad(level);
             let swing = wrap(heading - end.psi).abs() * handling.lookahead_m;
@@ -319,27 +314,26 @@ impl Search<'_> {
                 if at_rest || (across.abs() <= 1.5 * cell && all().all(reached)) {
                     let [cost, ahead, across] = [cost, ahead, across].map(|m| (1e3 * m).round() as i64);
                     let order = [cost, ahead, across, turn as i64];
-                    found.push(Node { order, di, dj, layer: grid.layer(level, mode) });
+                    nodes.push(Node { order, di, dj, layer: grid.layer(level, mode) });
                 }
             }
         }
-        found.sort_by_key(|node| node.order);
-        found
+        nodes.sort_by_key(|node| node.order);
+        nodes
     }
 }
 
-/// The one of `others`, whose tracks these are, that is farthest from the nominal vessel at the end of its
-/// maneuver.
+/// The one of `others`, whose tracks these are, that is farthest from the nominal vessel at the end of its maneuver.
 fn farthest(Settled { sailed, tracks, .. }: &Settled, others: &[SampledVessel]) -> Option<Farthest> {
     let open = sailed.samples.iter().rposition(|s| s.informative)?;
-    let own = sailed.samples[open].pose;
+    let open_end = sailed.samples[open].pose;
     let off = |(track, who): (&Vec<Pose>, &SampledVessel)| {
         let pose = track.get(open)?;
-        let distance_m = libm::hypot(pose.x - own.x, pose.y - own.y);
+        let distance_m = libm::hypot(pose.x - open_end.x, pose.y - open_end.y);
         Some(Farthest { distance_m, parameters: who.parameters.clone() })
     };
     let all = tracks.iter().zip(others).filter_map(off);
-    all.reduce(|most, own| if own.distance_m > most.distance_m { own } else { most })
+    all.reduce(|most, astray| if astray.distance_m > most.distance_m { astray } else { most })
 }
 
 /// The displacement of a place from a vessel on `heading`, ahead and across.

@@ -1,15 +1,15 @@
 use refusal::Invalid;
 use ship::engine::{Changes, Pose, Ship, Streams};
 use ship::model::Vessel;
+use trial::Piece;
 
-use crate::leg::turned;
-use crate::sampled_vessel::{Crew, Failed, Underway};
+use crate::leg::{turned, turned_back, wrap};
+use crate::sampled_vessel::{Candidate, Crew, Doubt, Failed, Underway, goal_value, goals};
 use crate::simulate::End;
 use crate::{
     Astray, Autopilot, Deviations, Fixed, Grid, Handling, Leg, Purpose, Sailed, SampledVessel, Sensors,
     Stopped, Tolerance, Used, basic_moves, simulate_legs,
 };
-use trial::Piece;
 
 /// The parts of a leg before and after an informative maneuver.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,7 +95,7 @@ impl Unsettled {
         failed: Failed,
         others: &[SampledVessel],
     ) -> Self {
-        let parameters = failed.who.and_then(|who| others.get(who)).map(|own| own.parameters.clone());
+        let parameters = failed.who.and_then(|who| others.get(who)).map(|vessel| vessel.parameters.clone());
         let Failed { used, all, .. } = failed;
         let others = if all == used { String::new() } else { format!("; of all vessels {all}") };
         Self { from, purpose, why: format!("{when}{used}{others}"), parameters }
@@ -151,25 +151,15 @@ impl Repertoire<'_> {
     ///
     /// # Errors
     /// As [`simulate_legs`].
-    pub fn basic(
-        &self,
-        level: usize,
-        mode: usize,
-        others: &[SampledVessel],
-    ) -> Result<Vec<Outcome>, Invalid> {
+    pub fn basic(&self, level: usize, mode: usize, fleet: &[SampledVessel]) -> Result<Vec<Outcome>, Invalid> {
         let moves = basic_moves(self.grid, self.handling, level, mode);
-        let mut crew = self.crew(self.grid.layer(level, mode), others)?;
+        let mut crew = self.crew(self.grid.layer(level, mode), fleet)?;
         let moves = moves.into_iter().filter(|legs| !legs.is_empty());
-        moves.map(|legs| self.shortest(legs, &mut crew, others)).collect()
+        moves.map(|legs| self.shortest(legs, &mut crew, fleet)).collect()
     }
 
     /// The first of `legs` on which all settle.
-    fn shortest(
-        &self,
-        legs: Vec<Leg>,
-        crew: &mut Crew,
-        others: &[SampledVessel],
-    ) -> Result<Outcome, Invalid> {
+    fn shortest(&self, legs: Vec<Leg>, crew: &mut Crew, fleet: &[SampledVessel]) -> Result<Outcome, Invalid> {
         let from = (legs[0].from, legs[0].purpose.clone());
         let mut best = Best::NONE;
         for leg in legs {
@@ -178,7 +168,7 @@ impl Repertoire<'_> {
                 Err(failed) => best = best.or(failed, leg),
             }
         }
-        Ok(Err(Unsettled::of(from, String::new(), best.failed(self, crew), others)))
+        Ok(Err(Unsettled::of(from, String::new(), best.failed(self, crew), fleet)))
     }
 
     /// The trajectories of `crew` on `leg`, unless one vessel does not settle.
@@ -237,9 +227,7 @@ impl Repertoire<'_> {
     pub fn is_isotropic(&self) -> bool {
         self.mean_current_m_s == [0.0; 2]
     }
-}
 
-impl Repertoire<'_> {
     /// The nominal vessel and `others` at the origin, in `layer`.
     pub(crate) fn crew(&self, layer: usize, others: &[SampledVessel]) -> Result<Crew<'_>, Invalid> {
         let others = others.iter().zip(0..).map(|(who, run)| self.underway(layer, Some(who), Some(run)));
@@ -269,10 +257,9 @@ impl Repertoire<'_> {
         let mut autopilot = Autopilot::new(self.vessel, &self.vessel.nominal, *self.handling);
         autopilot.known_current_m_s = self.mean_current_m_s;
         if let Some(run) = noise {
-            let streams = |purpose: &str| Streams::new(self.seed, purpose);
-            autopilot = autopilot.with_sensors(self.sensors, streams("rehearsal-sensors"), run);
-            ship.changing =
-                self.changes.of_run(streams("rehearsal-changes"), run, self.vessel.sample_rate_hz);
+            let draws = |purpose: &str| Streams::new(self.seed, purpose);
+            autopilot = autopilot.with_sensors(self.sensors, draws("rehearsal-sensors"), run);
+            ship.changing = self.changes.of_run(draws("rehearsal-changes"), run, self.vessel.sample_rate_hz);
         }
         let mut underway = Underway { ship, autopilot };
         if let Some(who) = who {
@@ -283,5 +270,74 @@ impl Repertoire<'_> {
             underway.autopilot.see(Fixed::from(&underway.ship), true);
         }
         Ok(underway)
+    }
+}
+
+/// What a vessel has at the end of a maneuver: along and across \[m\], turned \[rad\], u, r.
+const FEATURES: usize = 5;
+
+/// The end of a maneuver.
+type Ended = [f64; FEATURES];
+
+impl Repertoire<'_> {
+    /// The vessels and currents within the stated errors that end a maneuver farthest off: in position in any
+    /// direction, in heading, speed and yaw rate. `approached` is the maneuver with its steady approach.
+    ///
+    /// The slopes of these quantities say which corner of the errors comes first; its neighbours are tried after it.
+    pub(crate) fn farthest(&self, approached: &Leg) -> Result<Vec<SampledVessel>, Invalid> {
+        let doubt = self.doubt();
+        if doubt.is_none() {
+            return Ok(Vec::new());
+        }
+        let search = FarthestSearch { repertoire: self, approached, doubt };
+        let axes = doubt.axes().iter().map(|who| search.ended(who)).collect::<Result<Vec<_>, _>>()?;
+        let mut farthest: Vec<Candidate> = Vec::new();
+        for goal in goals() {
+            let values: Vec<f64> = axes.iter().map(|ended| goal_value(&goal, ended)).collect();
+            let who = search.climbed(doubt.extreme(&values), &goal)?;
+            if !farthest.contains(&who) {
+                farthest.push(who);
+            }
+        }
+        Ok(farthest.iter().map(|who| doubt.on_node(who)).collect())
+    }
+
+    pub(crate) fn doubt(&self) -> Doubt<'_> {
+        let (nominal, current_m_s) = (&self.vessel.nominal, self.unknown_current_m_s);
+        Doubt { nominal, deviations: self.deviations, current_m_s }
+    }
+}
+
+struct FarthestSearch<'a> {
+    repertoire: &'a Repertoire<'a>,
+    approached: &'a Leg,
+    doubt: Doubt<'a>,
+}
+
+impl FarthestSearch<'_> {
+    /// The better one of a candidate and its neighbours.
+    fn climbed(&self, first: Candidate, goal: &Ended) -> Result<Candidate, Invalid> {
+        let mut best = (goal_value(goal, &self.ended(&first)?), first.clone());
+        for who in self.doubt.neighbours(&first) {
+            let value = goal_value(goal, &self.ended(&who)?);
+            if value > best.0 {
+                best = (value, who);
+            }
+        }
+        Ok(best.1)
+    }
+
+    /// How a candidate ends; that of the nominal vessel if it cannot be simulated, which the check finds.
+    fn ended(&self, who: &Candidate) -> Result<Ended, Invalid> {
+        let layer = self.approached.from;
+        let mut underway = self.repertoire.underway(layer, Some(&self.doubt.on_node(who)), None)?;
+        let (pose, [u, _, r]) = match self.repertoire.track(self.approached, &mut underway) {
+            Ok((_, end)) => end,
+            Err(_) => (Pose::default(), [0.0; 3]),
+        };
+        let (level, _) = self.repertoire.grid.level_and_mode(layer);
+        let heading = self.repertoire.grid.heading_rad(level);
+        let [along, across] = turned_back([pose.x, pose.y], heading);
+        Ok([along, across, wrap(pose.psi - heading), u, r])
     }
 }

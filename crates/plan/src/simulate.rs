@@ -1,8 +1,11 @@
+use std::fmt;
+
 use refusal::Invalid;
 use ship::engine::{Origin, Pose, Seen, Ship};
-
-use crate::{Autopilot, Fixed, Leg, Phase, Purpose, Side};
 use trial::Piece;
+
+use crate::leg::wrap;
+use crate::{Autopilot, Fixed, Leg, Phase, Purpose, Side};
 
 /// A sample of a simulated vessel.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,8 +73,7 @@ impl Sailed {
         autopilot: &mut Autopilot,
     ) -> Result<Self, Invalid> {
         let mut samples = Vec::new();
-        let ends =
-            simulate_legs(legs, pieces, mirror, ship, autopilot, |passing| samples.push(passing.into()))?;
+        let ends = simulate_legs(legs, pieces, mirror, ship, autopilot, |now| samples.push(now.into()))?;
         Ok(Self { samples, ends })
     }
 }
@@ -99,17 +101,16 @@ impl From<Invalid> for Stopped {
 
 impl From<Stopped> for Invalid {
     fn from(stopped: Stopped) -> Self {
-        let (Stopped::Unfinished(own) | Stopped::Lost(own)) = stopped;
-        own
+        let (Stopped::Unfinished(invalid) | Stopped::Lost(invalid)) = stopped;
+        invalid
     }
 }
 
 /// Pose and state at the end of a leg.
 pub type End = (Pose, [f64; 3]);
 
-/// Simulates `legs`, each from its own node (north, east), starting with `ship` as it is. Pieces' inputs are
-/// multiplied by `mirror` where they are run to the other side. Calls `record` with every sample and returns
-/// the ends of the legs.
+/// Simulates `legs`, each from its own node (north, east), starting with `ship` as it is. Pieces' inputs are multiplied by
+/// `mirror` where they are run to the other side. Calls `record` with every sample and returns the ends of the legs.
 ///
 /// # Errors
 /// A maneuver that is not completed; a vessel that cannot be commanded; a simulation that diverges.
@@ -167,8 +168,7 @@ impl<'s> Way<'_, 's, '_> {
             let pose = Pose { x: pose.x, y: side * pose.y, psi: side * pose.psi };
             let seen = Seen { state, own: state, pose };
             command.command(&seen, &mut self.inputs);
-            let mirror =
-                |inputs: &mut [f64]| inputs.iter_mut().zip(signs).for_each(|(input, sign)| *input *= sign);
+            let mirror = |inputs: &mut [f64]| inputs.iter_mut().zip(signs).for_each(|(u, sign)| *u *= sign);
             mirror(&mut self.inputs);
             let mut ends = command.ends().map(|ends| ends.map(<[f64]>::to_vec));
             ends.iter_mut().flatten().for_each(|end| mirror(end));
@@ -188,8 +188,8 @@ impl<'s> Way<'_, 's, '_> {
             if elapsed_s > LONGEST_PHASE as f64 * self.ship.sample_s() {
                 let expected = format!("at most {LONGEST_PHASE} samples of a turn or a line");
                 let remedy = "correct `cell_m`, the speeds or `handling`";
-                let found = format!("over {elapsed_s:.0} s");
-                return Err(Invalid::new("leg under way", found, expected, remedy));
+                let elapsed = format!("over {elapsed_s:.0} s");
+                return Err(Invalid::new("leg under way", elapsed, expected, remedy));
             }
             let inputs = self.autopilot.steer(phase, node, start, &self.seen)?;
             self.inputs.clear();
@@ -219,8 +219,156 @@ impl<'s> Way<'_, 's, '_> {
         }
         let what = if informative { "in a maneuver" } else { "under the autopilot" };
         let seconds = *samples as f64 * ship.sample_s();
-        let found = format!("a simulation that diverges: {:.3?} after {seconds:.1} s", ship.state);
+        let diverged = format!("a simulation that diverges: {:.3?} after {seconds:.1} s", ship.state);
         let remedy = "shorten the maneuver, or check the signs of the parameters in vessel.toml";
-        Err(Invalid::new(format!("model {what}, leg {}", leg + 1), found, "speeds within bounds", remedy))
+        Err(Invalid::new(format!("model {what}, leg {}", leg + 1), diverged, "speeds within bounds", remedy))
+    }
+}
+
+/// The distance from its node, and from a settled state there, within which a leg must end. It is the same
+/// for all nodes, so legs that end within it from anywhere within it can be chained: errors do not grow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// Distance from the node \[m\].
+    pub distance_m: f64,
+    /// Difference from the level's heading \[rad\].
+    pub heading_rad: f64,
+    /// Difference from the mode's speed \[m/s\].
+    pub surge_m_s: f64,
+    /// Sway speed over the ground \[m/s\].
+    pub sway_m_s: f64,
+    /// Yaw rate \[rad/s\].
+    pub yaw_rate_rad_s: f64,
+}
+
+/// A vessel near a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Astray {
+    /// Its position relative to the node (north, east), and its heading.
+    pub pose: Pose,
+    /// u, v \[m/s\], r \[rad/s\].
+    pub state: [f64; 3],
+}
+
+impl Astray {
+    /// A vessel relative to `node`.
+    pub fn of(pose: Pose, state: [f64; 3], [north, east]: [f64; 2]) -> Self {
+        Self { pose: Pose { x: pose.x - north, y: pose.y - east, ..pose }, state }
+    }
+
+    /// Distance from the node \[m\].
+    pub fn distance_m(&self) -> f64 {
+        libm::hypot(self.pose.x, self.pose.y)
+    }
+}
+
+/// Quantities that have a tolerance.
+const QUANTITIES: [&str; 5] = ["position", "heading", "speed", "sway", "yaw rate"];
+
+/// The used fractions of a tolerance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Used {
+    /// Of position, heading, speed, sway and yaw rate: 1 is the whole tolerance.
+    Parts([f64; 5]),
+    /// Of a vessel that does not complete its maneuver.
+    Unfinished,
+    /// Of a vessel that is lost.
+    Lost,
+}
+
+impl Used {
+    /// Nothing of it.
+    pub const NONE: Self = Self::Parts([0.0; 5]);
+
+    /// The largest fraction; infinite where there is none.
+    pub fn part(&self) -> f64 {
+        match self {
+            Self::Parts(parts) => parts.iter().copied().fold(0.0, f64::max),
+            Self::Unfinished | Self::Lost => f64::INFINITY,
+        }
+    }
+
+    /// The larger fractions of two vessels, quantity by quantity.
+    #[must_use]
+    pub fn or_more(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Parts(parts), Self::Parts(others)) => {
+                Self::Parts(std::array::from_fn(|k| parts[k].max(others[k])))
+            }
+            (Self::Lost, _) | (_, Self::Lost) => Self::Lost,
+            _ => Self::Unfinished,
+        }
+    }
+}
+
+impl From<Stopped> for Used {
+    fn from(stopped: Stopped) -> Self {
+        match stopped {
+            Stopped::Unfinished(_) => Self::Unfinished,
+            Stopped::Lost(_) => Self::Lost,
+        }
+    }
+}
+
+/// Names every quantity that exceeds its tolerance, or the largest where none does.
+impl fmt::Display for Used {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let parts = match self {
+            Self::Parts(parts) => parts,
+            Self::Unfinished => return f.write_str("not done within its `duration_s` in the dictionary"),
+            Self::Lost => return f.write_str("motion out of all bounds"),
+        };
+        let least = self.part().min(1.0);
+        let is_said = |part: f64| part > 1.0 || part == least;
+        let said = QUANTITIES.iter().zip(parts).filter(|(_, part)| is_said(**part));
+        let said: Vec<String> = said.map(|(quantity, part)| format!("{quantity} {part:.1}")).collect();
+        let whose = if said.len() > 1 { "their tolerances" } else { "its tolerance" };
+        write!(f, "{} times {whose}", said.join(" and "))
+    }
+}
+
+/// Fraction of the tolerance in which sampled vessels must end near their node, and from which they begin;
+/// and of the offsets in heading, speed and yaw rate at the beginning.
+const NEAR: f64 = 0.25;
+const BEGUN: f64 = 0.5;
+
+impl Tolerance {
+    /// The stricter tolerance for the ends of sampled vessels, so that vessels that were not sampled still keep the whole one.
+    #[must_use]
+    pub fn ended(&self) -> Self {
+        Self { distance_m: NEAR * self.distance_m, ..*self }
+    }
+
+    /// The tolerance for the beginnings of sampled vessels.
+    #[must_use]
+    pub fn begun(&self) -> Self {
+        let Self { heading_rad, surge_m_s, yaw_rate_rad_s, .. } = *self;
+        Self {
+            heading_rad: BEGUN * heading_rad,
+            surge_m_s: BEGUN * surge_m_s,
+            yaw_rate_rad_s: BEGUN * yaw_rate_rad_s,
+            ..self.ended()
+        }
+    }
+
+    /// The used fractions of a vessel under way at `speed_m_s`, wherever it is.
+    pub fn used_in_motion(&self, state: [f64; 3], speed_m_s: f64) -> Used {
+        self.used(&Astray { pose: Pose::default(), state }, 0.0, speed_m_s)
+    }
+
+    /// The used fractions of a vessel at a node of `heading_rad` and `speed_m_s`.
+    pub fn used(&self, vessel: &Astray, heading_rad: f64, speed_m_s: f64) -> Used {
+        let [_, _, heading, surge, sway, yaw_rate] = self.off(vessel, heading_rad, speed_m_s).map(f64::abs);
+        Used::Parts([vessel.distance_m() / self.distance_m, heading, surge, sway, yaw_rate])
+    }
+
+    /// The same with signs, and the position as north and east, for searches that compare vessels: north, east, heading, surge,
+    /// sway, yaw rate.
+    pub(crate) fn off(&self, vessel: &Astray, heading_rad: f64, speed_m_s: f64) -> [f64; 6] {
+        let (Pose { x, y, psi }, [u, v, r]) = (vessel.pose, vessel.state);
+        let [north, east] = [x, y].map(|metres| metres / self.distance_m);
+        let heading = wrap(psi - heading_rad) / self.heading_rad;
+        let surge = (u - speed_m_s) / self.surge_m_s;
+        [north, east, heading, surge, v / self.sway_m_s, r / self.yaw_rate_rad_s]
     }
 }

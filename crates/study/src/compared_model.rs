@@ -6,7 +6,7 @@ use estimation::pooled::Covered;
 use files::{Error, Provenance, read_document};
 use refusal::Invalid;
 use ship::model::Vessel;
-use validation::comparison::{Known, Magnitudes, Standing};
+use validation::comparison::{EstimatedErrors, Magnitudes, Standing};
 
 use crate::documents::{AverageDocument, ModelDocument};
 use crate::tables::trajectories::rate_of;
@@ -100,16 +100,16 @@ impl Tried {
     }
 
     /// Its estimated errors.
-    pub fn known(&self) -> Option<Known<'_>> {
+    pub fn known(&self) -> Option<EstimatedErrors<'_>> {
         let rmse = self.output_rmse?;
         match self.models.as_slice() {
             // Errors on left-out recordings include all sources, so that no covariance of the parameters is needed.
             [model] => match (model.errors_of_parameters(), model.left_out_rmse) {
                 (None, None) => None,
-                (None, Some(rmse)) => Some(Known { covariance: None, rmse }),
-                (covariance, _) => Some(Known { covariance, rmse }),
+                (None, Some(rmse)) => Some(EstimatedErrors { covariance: None, rmse }),
+                (covariance, _) => Some(EstimatedErrors { covariance, rmse }),
             },
-            _ => Some(Known { covariance: None, rmse }),
+            _ => Some(EstimatedErrors { covariance: None, rmse }),
         }
     }
 

@@ -1,9 +1,11 @@
 //! Exhaustive search for any costs: one distance per node and count vector.
 
+use std::collections::BTreeMap;
+
+use super::watch::RadixHeap;
+use crate::lattice::Limit;
 use crate::lattice::graph::Graph;
-use crate::lattice::radix_heap::RadixHeap;
-use crate::lattice::watch::{self, Verdict, Walk, Watch, filled};
-use crate::lattice::{Limit, recover};
+use crate::lattice::watch::{self, MoveSequence, Verdict, Watch, filled};
 
 /// States between two checks of the queue's memory.
 const LOOKS: u32 = 1 << 12;
@@ -42,8 +44,7 @@ enum Ended {
     Full,
 }
 
-/// Bytes that the search usually needs: distances, and about half of a state's entries in a queue at its
-/// widest.
+/// Bytes that the search usually needs: distances, and about half of a state's entries in a queue at its widest.
 pub(crate) fn bytes(graph: &Graph) -> u128 {
     graph.states().saturating_mul(if narrow(graph) { 12 } else { 16 }) + u128::from(graph.arc_bytes(false))
 }
@@ -60,23 +61,23 @@ pub(crate) fn fits(graph: &Graph) -> bool {
 
 /// The cheapest plan with a key of at most `most`.
 pub(crate) fn search(graph: &Graph, most: u64, memory: u64, watch: &mut Watch) -> Verdict {
-    if graph.lay_out(false, watch).is_none() {
-        return Verdict::stopped(None, watch.lower, Limit::Time);
-    }
+    let verdict = searched(graph, most, memory, watch);
+    verdict.unwrap_or_else(|| Verdict::stopped(None, watch.lower, Limit::Time))
+}
+
+/// `None` if cancelled before it began.
+fn searched(graph: &Graph, most: u64, memory: u64, watch: &mut Watch) -> Option<Verdict> {
+    graph.lay_out(false, watch)?;
     if narrow(graph) {
-        let Some(mut dense) = Dense::<u32>::new(graph, most, memory, watch) else {
-            return Verdict::stopped(None, watch.lower, Limit::Time);
-        };
+        let mut dense = Dense::<u32>::new(graph, most, memory, watch)?;
         match dense.run(watch, false) {
             Ended::Overflow => {}
-            ended => return dense.verdict(&ended, watch.lower),
+            ended => return Some(dense.verdict(&ended, watch.lower)),
         }
     }
-    let Some(mut dense) = Dense::<u64>::new(graph, most, memory, watch) else {
-        return Verdict::stopped(None, watch.lower, Limit::Time);
-    };
+    let mut dense = Dense::<u64>::new(graph, most, memory, watch)?;
     let ended = dense.run(watch, false);
-    dense.verdict(&ended, watch.lower)
+    Some(dense.verdict(&ended, watch.lower))
 }
 
 /// The least key of every count vector at any goal, by mixed-radix number, of keys up to `most`; `None` if cancelled.
@@ -186,9 +187,9 @@ impl<'a, D: Stored> Dense<'a, D> {
         }
     }
 
-    fn walk(&self, node: u32) -> Option<Walk> {
+    fn walk(&self, node: u32) -> Option<MoveSequence> {
         let distance = |node: u32, counts: &[u32]| self.distance(watch::number(counts, &self.strides), node);
-        recover::walk(self.graph, node, self.required.clone(), &distance)
+        self::walk(self.graph, node, self.required.clone(), &distance)
     }
 
     fn distance(&self, vector: u64, node: u32) -> Option<u64> {
@@ -202,8 +203,81 @@ impl<'a, D: Stored> Dense<'a, D> {
 
     fn possible(&self) -> Option<Vec<u32>> {
         let reached = (0..self.vectors as u64).filter(|&vector| self.at_goal(vector).is_some());
-        reached
-            .map(|vector| watch::counts(vector, &self.required))
-            .max_by_key(|counts| counts.iter().sum::<u32>())
+        let counts = reached.map(|vector| watch::counts(vector, &self.required));
+        counts.max_by_key(|counts| counts.iter().sum::<u32>())
     }
+}
+
+/// Distance of a node with counts from the start, by slot; `None` if it was not reached.
+pub(crate) type Distance<'a> = dyn Fn(u32, &[u32]) -> Option<u64> + 'a;
+
+/// The walk to `node` with `counts`, which are reached according to the distances.
+pub(crate) fn walk(
+    graph: &Graph,
+    mut node: u32,
+    mut counts: Vec<u32>,
+    distance: &Distance,
+) -> Option<MoveSequence> {
+    let mut walk = MoveSequence::new();
+    loop {
+        let here = distance(node, &counts)?;
+        let (along, before) = entry(graph, node, &mut counts, here, distance)?;
+        walk.extend(along);
+        let Some((from, step)) = before else { break };
+        walk.push(step);
+        node = from;
+    }
+    walk.reverse();
+    Some(walk)
+}
+
+/// Free basic moves, last first, and the move before these with its start; none where they begin at the start.
+type Entry = (MoveSequence, Option<(u32, u32)>);
+
+/// How a walk enters a node.
+///
+/// Searches backwards over free basic moves for a move from a smaller distance or smaller counts. The counts become
+/// those before that move.
+fn entry(graph: &Graph, node: u32, counts: &mut [u32], here: u64, distance: &Distance) -> Option<Entry> {
+    let mut after: BTreeMap<u32, Option<(u32, u32)>> = BTreeMap::from([(node, None)]);
+    let mut queue = vec![node];
+    while let Some(at) = queue.pop() {
+        if at == graph.start && here == 0 && counts.iter().all(|&count| count == 0) {
+            return Some((along(&after, at), None));
+        }
+        for (from, step) in graph.ways_into(at) {
+            let (key, slot) = graph.price(step);
+            let Some(before) = here.checked_sub(key) else { continue };
+            match slot.map(|slot| slot as usize) {
+                Some(slot) if counts[slot] > 0 => {
+                    counts[slot] -= 1;
+                    if distance(from, counts) == Some(before) {
+                        return Some((along(&after, at), Some((from, step))));
+                    }
+                    counts[slot] += 1;
+                }
+                None if distance(from, counts) != Some(before) => {}
+                None if key > 0 => return Some((along(&after, at), Some((from, step)))),
+                None => {
+                    after.entry(from).or_insert_with(|| {
+                        queue.push(from);
+                        Some((at, step))
+                    });
+                }
+                Some(_) => {}
+            }
+        }
+    }
+    None
+}
+
+/// The free moves from `at` to where the search began, last first.
+fn along(after: &BTreeMap<u32, Option<(u32, u32)>>, mut at: u32) -> MoveSequence {
+    let mut moves = MoveSequence::new();
+    while let Some(&Some((next, step))) = after.get(&at) {
+        moves.push(step);
+        at = next;
+    }
+    moves.reverse();
+    moves
 }

@@ -1,9 +1,8 @@
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
-use crate::lattice::collision::FreeCells;
 use crate::lattice::watch::Poll;
-use crate::lattice::{Action, Cost, Demand, Goal, Invalid, Lattice, Move, Pose, Problem};
+use crate::lattice::{Action, Cost, Demand, Goal, Invalid, Lattice, Move, MoveId, Pose, Problem};
 
 /// The schema of [`ProblemFile`].
 pub const SCHEMA: &str = "experiment-lattice-planning/1";
@@ -154,15 +153,14 @@ impl ProblemFile {
         self.check_map()?;
         self.check_moves()?;
         let lattice = Lattice { nx: self.lattice.nx, ny: self.lattice.ny, layers: self.lattice.headings };
-        crate::lattice::validate::lattice(&lattice)?;
+        super::grid::lattice(&lattice)?;
         let (actions, moves) = self.actions();
         // Refuses a bad start or goal before the map is processed, and moves with it.
-        crate::lattice::validate::ends(&lattice, pose(self.start), &Goal::Poses(vec![pose(self.goal)]))?;
+        super::grid::ends(&lattice, pose(self.start), &Goal::Poses(vec![pose(self.goal)]))?;
         let Some(free) = self.free_cells(&moves, keep_going) else { return Ok(None) };
         let mut poll = Poll::new(keep_going);
-        let allowed = |id: crate::lattice::MoveId, i: usize, j: usize| {
-            poll.proceed() && free[id.action][id.index][j * lattice.nx + i]
-        };
+        let allowed =
+            |id: MoveId, i: usize, j: usize| poll.proceed() && free[id.action][id.index][j * lattice.nx + i];
         let goal = Goal::Poses(vec![pose(self.goal)]);
         let problem = Problem::new(lattice, actions, pose(self.start), goal, allowed)?;
         Ok(Some(problem).filter(|_| !poll.stopped))
@@ -189,15 +187,11 @@ impl ProblemFile {
     }
 
     /// By action, move and cell: whether the swept boxes are free. `None` if cancelled.
-    fn free_cells(
-        &self,
-        moves: &[&[MoveFile]],
-        keep_going: &dyn Fn() -> bool,
-    ) -> Option<Vec<Vec<Vec<bool>>>> {
+    fn free_cells(&self, all: &[&[MoveFile]], keep_going: &dyn Fn() -> bool) -> Option<Vec<Vec<Vec<bool>>>> {
         let cells = FreeCells::new(self.lattice);
         let of = |one: &MoveFile| keep_going().then(|| cells.of(&self.bounds, &self.obstacles, &one.swept));
         let of_action = |moves: &&[MoveFile]| moves.iter().map(of).collect();
-        moves.iter().map(of_action).collect()
+        all.iter().map(of_action).collect()
     }
 
     fn check_map(&self) -> Result<(), Invalid> {
@@ -207,13 +201,9 @@ impl ProblemFile {
             return Err(Invalid::new("lattice.cell", cell.to_string(), expected, "give the cells' pitch"));
         }
         if !origin.iter().all(|value| value.is_finite()) {
-            let found = format!("{origin:?}");
-            return Err(Invalid::new(
-                "lattice.origin",
-                found,
-                "finite coordinates",
-                "give node (0, 0) in metres",
-            ));
+            let value = format!("{origin:?}");
+            let (expected, remedy) = ("finite coordinates", "give node (0, 0) in metres");
+            return Err(Invalid::new("lattice.origin", value, expected, remedy));
         }
         check_box("bounds", &self.bounds)?;
         let mut obstacles = self.obstacles.iter().enumerate();
@@ -249,11 +239,235 @@ fn check_headings(thing: &str, step: &MoveFile, headings: usize) -> Result<(), I
     Ok(())
 }
 
-fn check_box(thing: &str, found: &[f64; 4]) -> Result<(), Invalid> {
-    let [xmin, ymin, xmax, ymax] = *found;
-    if found.iter().all(|value| value.is_finite()) && xmin <= xmax && ymin <= ymax {
+fn check_box(thing: &str, bounds: &[f64; 4]) -> Result<(), Invalid> {
+    let [xmin, ymin, xmax, ymax] = *bounds;
+    if bounds.iter().all(|value| value.is_finite()) && xmin <= xmax && ymin <= ymax {
         return Ok(());
     }
     let expected = "finite [xmin, ymin, xmax, ymax] with min <= max";
-    Err(Invalid::new(thing, format!("{found:?}"), expected, "order the box's corners"))
+    Err(Invalid::new(thing, format!("{bounds:?}"), expected, "order the box's corners"))
+}
+
+impl ProblemFile {
+    /// `problem` on nodes `cell_m` apart, for other solvers: the same poses, moves, counts and (primary)
+    /// costs. The map is not that of the sea: every move sweeps a small box in a strip of its own, with an
+    /// obstacle at each node where it is not allowed.
+    ///
+    /// # Errors
+    /// A goal that is not one pose, which the format cannot hold.
+    pub fn of(problem: &Problem, name: &str, cell_m: f64) -> Result<Self, Invalid> {
+        let goal = match problem.goal() {
+            Goal::Poses(poses) if poses.len() == 1 => poses[0],
+            other => {
+                let given = match other {
+                    Goal::Any => "any pose".to_owned(),
+                    Goal::Poses(poses) => format!("{} poses", poses.len()),
+                };
+                let (wanted, remedy) = ("one pose, which is all that the format holds", "plan for one goal");
+                return Err(Invalid::new("goal", given, wanted, remedy));
+            }
+        };
+        let Lattice { nx, ny, layers: headings } = problem.lattice();
+        let strips = Strips { problem, cell_m, width_m: 2.0 * nx as f64 * cell_m };
+        let mut obstacles = Vec::new();
+        let (mut informative, mut basic, mut strip) = (Vec::new(), Vec::new(), 0);
+        for (action, wanted) in problem.actions().iter().enumerate() {
+            let moves = (0..wanted.moves.len()).map(|index| {
+                strips.add_obstacles(MoveId { action, index }, strip, &mut obstacles);
+                strip += 1;
+                strips.step(wanted, index, strip - 1)
+            });
+            let (name, moves) = (wanted.name.clone(), moves.collect());
+            match wanted.required {
+                0 => basic.push(BasicFile { name, cost: 0.0, moves }),
+                count => informative.push(InformativeFile { name, count, cost: 0.0, moves }),
+            }
+        }
+        let [right, top] = [strip as f64 * strips.width_m, ny as f64 * cell_m];
+        let node = |pose: Pose| [pose.i, pose.j, pose.layer];
+        Ok(Self {
+            schema: SCHEMA.to_owned(),
+            name: name.to_owned(),
+            description: Some(
+                "A level h is a heading in a speed mode. The boxes are no map: each move has a strip of its own along x.".to_owned(),
+            ),
+            variant: None,
+            lattice: LatticeFile { nx, ny, headings, cell: cell_m, origin: [0.0; 2] },
+            bounds: [-cell_m, -cell_m, right, top],
+            obstacles,
+            informative,
+            basic,
+            start: node(problem.start()),
+            goal: node(goal),
+            expected: None,
+        })
+    }
+}
+
+/// The positions of the strips.
+struct Strips<'a> {
+    problem: &'a Problem,
+    cell_m: f64,
+    width_m: f64,
+}
+
+impl Strips<'_> {
+    fn step(&self, action: &Action, index: usize, strip: usize) -> MoveFile {
+        let step = &action.moves[index];
+        let (x, half) = (strip as f64 * self.width_m, 0.25 * self.cell_m);
+        MoveFile {
+            h: step.from,
+            di: step.di,
+            dj: step.dj,
+            to_h: step.to,
+            cost: Some(step.cost.primary),
+            swept: vec![[x - half, -half, x + half, half]],
+        }
+    }
+
+    /// A box for every run of neighbours along x from which the move would stay in the lattice and is not allowed.
+    fn add_obstacles(&self, id: MoveId, strip: usize, obstacles: &mut Vec<[f64; 4]>) {
+        let lattice = self.problem.lattice();
+        let shape = &self.problem.actions()[id.action].moves[id.index];
+        let forbidden = |i: usize, j: usize| {
+            let pose = Pose { i, j, layer: shape.from };
+            lattice.end(pose, shape).is_some() && !self.problem.is_allowed(pose, id)
+        };
+        for j in 0..lattice.ny {
+            let mut i = 0;
+            while i < lattice.nx {
+                let run = (i..lattice.nx).take_while(|i| forbidden(*i, j)).count();
+                if run > 0 {
+                    obstacles.push(self.wall(strip, i, i + run - 1, j));
+                }
+                i += run + 1;
+            }
+        }
+    }
+
+    fn wall(&self, strip: usize, first: usize, last: usize, j: usize) -> [f64; 4] {
+        let (x, half) = (strip as f64 * self.width_m, 0.25 * self.cell_m);
+        let [first, last, y] = [first, last, j].map(|k| k as f64 * self.cell_m);
+        [x + first - half, y - half, x + last + half, y + half]
+    }
+}
+
+// Where the boxes that a move sweeps are free, for all cells at once.
+//
+// Boxes are `[xmin, ymin, xmax, ymax]` \[m\]. A swept box moves with the cell, so the cells at which it
+// overlaps an obstacle form a rectangle of indices. The rectangles of a move are summed in a table of
+// differences. The result equals a test of every cell, bit for bit.
+
+/// A half-open range of indices.
+type Span = std::ops::Range<usize>;
+
+/// Reusable answer to "at which cells are these swept boxes free?".
+#[derive(Clone, Debug)]
+pub struct FreeCells {
+    grid: LatticeFile,
+    per_cell: f64,
+    x: Vec<f64>,
+    y: Vec<f64>,
+}
+
+impl FreeCells {
+    /// A grid with `cell` above 0 and finite numbers.
+    pub fn new(grid: LatticeFile) -> Self {
+        let nodes = |axis: usize, count: usize| {
+            (0..count).map(|k| grid.origin[axis] + grid.cell * k as f64).collect()
+        };
+        Self { grid, per_cell: 1.0 / grid.cell, x: nodes(0, grid.nx), y: nodes(1, grid.ny) }
+    }
+
+    /// Cells at which all `swept` boxes (relative to the node, `min <= max`) lie in `bounds`, edges included, and share no
+    /// area with any of `obstacles`; `nx * ny`, i fastest.
+    pub fn of(&self, bounds: &[f64; 4], obstacles: &[[f64; 4]], swept: &[[f64; 4]]) -> Vec<bool> {
+        let (nx, ny) = (self.grid.nx, self.grid.ny);
+        let (mut inside_x, mut inside_y) = (0..nx, 0..ny);
+        let mut hits = Hits::new(nx, ny);
+        for swept in swept {
+            inside_x = both(&inside_x, &self.inside(0, swept, bounds));
+            inside_y = both(&inside_y, &self.inside(1, swept, bounds));
+            for obstacle in obstacles {
+                let across = self.overlap(0, swept, obstacle);
+                if !across.is_empty() {
+                    hits.add(&across, &self.overlap(1, swept, obstacle));
+                }
+            }
+        }
+        hits.free(&inside_x, &inside_y)
+    }
+
+    /// Indices along an axis at which the swept box lies in the bounds.
+    fn inside(&self, axis: usize, swept: &[f64; 4], bounds: &[f64; 4]) -> Span {
+        let first = self.first(axis, bounds[axis] - swept[axis], |node| node + swept[axis] >= bounds[axis]);
+        let high = axis + 2;
+        let end = self.first(axis, bounds[high] - swept[high], |node| node + swept[high] > bounds[high]);
+        first..end
+    }
+
+    /// Indices along an axis at which the inner parts of swept box and obstacle overlap.
+    fn overlap(&self, axis: usize, swept: &[f64; 4], block: &[f64; 4]) -> Span {
+        let high = axis + 2;
+        let first = self.first(axis, block[axis] - swept[high], |node| node + swept[high] > block[axis]);
+        let end = self.first(axis, block[high] - swept[axis], |node| node + swept[axis] >= block[high]);
+        first..end
+    }
+
+    /// The first index whose node passes a test that all later ones pass as well; it is near the place `near` \[m\].
+    fn first(&self, axis: usize, near: f64, passes: impl Fn(f64) -> bool) -> usize {
+        let nodes = if axis == 0 { &self.x } else { &self.y };
+        // The guess may be off; the cast maps negative numbers to 0.
+        let mut index = ((near - self.grid.origin[axis]) * self.per_cell) as usize;
+        index = index.min(nodes.len());
+        while index > 0 && passes(nodes[index - 1]) {
+            index -= 1;
+        }
+        while index < nodes.len() && !passes(nodes[index]) {
+            index += 1;
+        }
+        index
+    }
+}
+
+fn both(a: &Span, b: &Span) -> Span {
+    a.start.max(b.start)..a.end.min(b.end)
+}
+
+/// Hits per cell, as differences along both axes.
+struct Hits {
+    nx: usize,
+    ny: usize,
+    differences: Vec<i32>,
+}
+
+impl Hits {
+    fn new(nx: usize, ny: usize) -> Self {
+        Self { nx, ny, differences: vec![0; (nx + 1) * (ny + 1)] }
+    }
+
+    fn add(&mut self, across: &Span, along: &Span) {
+        if along.is_empty() {
+            return;
+        }
+        let row = self.nx + 1;
+        self.differences[along.start * row + across.start] += 1;
+        self.differences[along.start * row + across.end] -= 1;
+        self.differences[along.end * row + across.start] -= 1;
+        self.differences[along.end * row + across.end] += 1;
+    }
+
+    fn free(&self, inside_x: &Span, inside_y: &Span) -> Vec<bool> {
+        let mut above = vec![0; self.nx];
+        let mut free = Vec::with_capacity(self.nx * self.ny);
+        for j in 0..self.ny {
+            let mut along = 0;
+            for (i, above) in above.iter_mut().enumerate() {
+                along += self.differences[j * (self.nx + 1) + i];
+                *above += along;
+                free.push(*above == 0 && inside_x.contains(&i) && inside_y.contains(&j));
+            }
+        }
+        free
+    }
 }

@@ -2,11 +2,10 @@
 
 use std::cell::OnceCell;
 
-use crate::lattice::allowed::Arc;
-use crate::lattice::by_node::ByNode;
-use crate::lattice::radix_heap::RadixHeap;
+use super::grid::Arc;
+use super::watch::RadixHeap;
 use crate::lattice::watch::{self, Watch, filled};
-use crate::lattice::{Goal, Limit, Problem};
+use crate::lattice::{Action, Goal, Lattice, Limit, Problem};
 
 /// The number of a pose that is not live.
 const NONE: u32 = u32::MAX;
@@ -167,17 +166,9 @@ impl Reach {
 /// The poses that plans with keys of at most `most` can pass, and maybe some more: those near start and goals, however large the
 /// lattice is. Plans use informative actions no more often than required. So with a price on each use, their priced keys are at most
 /// `most` and all prices, and no priced walk through a pose is below its least one.
-///
-/// # Errors
-/// Cancelled, or its tables and queue need more than `memory` bytes.
-pub(crate) fn within(
-    problem: &Problem,
-    most: u64,
-    memory: u64,
-    watch: &mut Watch,
-) -> Result<Vec<bool>, Limit> {
+pub(crate) fn within(problem: &Problem, most: u64, room: u64, watch: &mut Watch) -> Result<Vec<bool>, Limit> {
     let tables = (problem.lattice().poses() * WITHIN_PER_POSE) as u64;
-    let queued = memory.checked_sub(tables).ok_or(Limit::Memory)?;
+    let queued = room.checked_sub(tables).ok_or(Limit::Memory)?;
     let number = |pose| problem.lattice().number(pose) as u32;
     let uses = problem.required().iter().map(|&count| u64::from(count)).sum::<u64>();
     let price = most / uses.max(1);
@@ -194,9 +185,6 @@ pub(crate) fn within(
 
 /// By pose the least key of a walk along `arcs` from any of `ends`, with a price on each informative move; `u64::MAX` where it is
 /// above `most`.
-///
-/// # Errors
-/// Cancelled, or the queue needs more than `memory` bytes.
 fn least_keys<I: Iterator<Item = Arc>>(
     problem: &Problem,
     ends: Vec<u32>,
@@ -223,10 +211,10 @@ fn least_keys<I: Iterator<Item = Arc>>(
         }
         for arc in arcs(pose as usize) {
             let (step, known) = (&problem.moves[arc.step as usize], &mut least[arc.node as usize]);
-            let own = key + step.key + if step.slot.is_some() { price } else { 0 };
-            if own <= most && own < *known {
-                *known = own;
-                queue.push(own, arc.node);
+            let there = key + step.key + if step.slot.is_some() { price } else { 0 };
+            if there <= most && there < *known {
+                *known = there;
+                queue.push(there, arc.node);
             }
         }
     }
@@ -235,43 +223,36 @@ fn least_keys<I: Iterator<Item = Arc>>(
 
 /// The poses that are reached from the start by any moves.
 pub(crate) fn reached(problem: &Problem, watch: &mut Watch) -> Option<Vec<bool>> {
-    let mut reached = vec![false; problem.lattice().poses()];
-    let start = problem.lattice().number(problem.start());
-    reached[start] = true;
-    let mut stack = vec![start as u32];
-    while let Some(pose) = stack.pop() {
-        if !watch.keep_going(1) {
-            return None;
-        }
-        for arc in problem.arcs(pose as usize) {
-            if !std::mem::replace(&mut reached[arc.node as usize], true) {
-                stack.push(arc.node);
-            }
-        }
-    }
-    Some(reached)
+    let start = problem.lattice().number(problem.start()) as u32;
+    flooded(problem, vec![start], |pose| problem.arcs(pose), watch)
 }
 
 /// The poses from which any moves lead to a goal.
 fn homing(problem: &Problem, watch: &mut Watch) -> Option<Vec<bool>> {
-    let poses = problem.lattice().poses();
-    let Goal::Poses(goals) = problem.goal() else {
-        return Some(vec![true; poses]);
-    };
-    let mut homing = vec![false; poses];
-    let mut stack: Vec<u32> = goals.iter().map(|&pose| problem.lattice().number(pose) as u32).collect();
-    stack.iter().for_each(|&pose| homing[pose as usize] = true);
+    let Goal::Poses(goals) = problem.goal() else { return Some(vec![true; problem.lattice().poses()]) };
+    let goals = goals.iter().map(|&pose| problem.lattice().number(pose) as u32).collect();
+    flooded(problem, goals, |pose| problem.arcs_into(pose), watch)
+}
+
+/// The poses that `arcs` lead to from any of `ends`, and these. `None` if cancelled.
+fn flooded<I: Iterator<Item = Arc>>(
+    problem: &Problem,
+    ends: Vec<u32>,
+    arcs: impl Fn(usize) -> I,
+    watch: &mut Watch,
+) -> Option<Vec<bool>> {
+    let mut flooded = vec![false; problem.lattice().poses()];
+    ends.iter().for_each(|&pose| flooded[pose as usize] = true);
+    let mut stack = ends;
     while let Some(pose) = stack.pop() {
-        if !watch.keep_going(1) {
-            return None;
-        }
-        for arc in problem.arcs_into(pose as usize) {
-            if !std::mem::replace(&mut homing[arc.node as usize], true) {
+        watch.keep_going(1).then_some(())?;
+        for arc in arcs(pose as usize) {
+            if !std::mem::replace(&mut flooded[arc.node as usize], true) {
                 stack.push(arc.node);
             }
         }
     }
-    Some(homing)
+    Some(flooded)
 }
 
 /// `None` if cancelled.
@@ -280,4 +261,109 @@ fn backward(arcs: &ByNode<Arc>, nodes: usize, watch: &mut Watch) -> Option<ByNod
         arcs.range(from).map(move |arc| (arcs.entries()[arc as usize].node, Back { from: from as u32, arc }))
     };
     ByNode::sorted(nodes, || (0..nodes).flat_map(back), watch)
+}
+
+/// Some entries of every node.
+#[derive(Clone, Debug)]
+pub(crate) struct ByNode<T> {
+    /// Where the entries of each node begin; then where the last end.
+    offsets: Vec<u32>,
+    entries: Vec<T>,
+}
+
+impl<T> ByNode<T> {
+    /// Without nodes yet, with capacity for `nodes` and `entries`.
+    pub fn with_capacity(nodes: usize, entries: usize) -> Self {
+        let mut offsets = Vec::with_capacity(nodes + 1);
+        offsets.push(0);
+        Self { offsets, entries: Vec::with_capacity(entries) }
+    }
+
+    /// Adds the next node with its entries.
+    pub fn push(&mut self, entries: impl IntoIterator<Item = T>) {
+        self.entries.extend(entries);
+        self.offsets.push(self.entries.len() as u32);
+    }
+
+    /// The entries of a node.
+    pub fn of(&self, node: usize) -> &[T] {
+        let range = self.range(node);
+        &self.entries[range.start as usize..range.end as usize]
+    }
+
+    /// Indices of a node's entries.
+    pub fn range(&self, node: usize) -> std::ops::Range<u32> {
+        self.offsets[node]..self.offsets[node + 1]
+    }
+
+    /// The entries of all nodes.
+    pub fn entries(&self) -> &[T] {
+        &self.entries
+    }
+}
+
+impl<T: Copy + Default> ByNode<T> {
+    /// For `nodes` nodes, from entries in any order, each with its node; the order within a node is kept. `None` if cancelled.
+    pub fn sorted<I: Iterator<Item = (u32, T)>>(
+        nodes: usize,
+        entries: impl Fn() -> I,
+        watch: &mut Watch,
+    ) -> Option<Self> {
+        let mut offsets = vec![0; nodes + 1];
+        for (node, _) in entries() {
+            offsets[node as usize + 1] += 1;
+            watch.keep_going(1).then_some(())?;
+        }
+        for node in 0..nodes {
+            offsets[node + 1] += offsets[node];
+        }
+        let mut next = offsets.clone();
+        let mut sorted = vec![T::default(); offsets[nodes] as usize];
+        for (node, entry) in entries() {
+            let at = &mut next[node as usize];
+            sorted[*at as usize] = entry;
+            *at += 1;
+            watch.keep_going(1).then_some(())?;
+        }
+        Some(Self { offsets, entries: sorted })
+    }
+}
+
+/// Approximate bytes of a pose in the tables of graph and search together.
+const PER_POSE: u128 = 28;
+/// Bytes of a pose while the surroundings of start and goals are searched: those of the graph, and of [`WITHIN_PER_POSE`].
+const PER_POSE_WITHIN: u128 = 16 + WITHIN_PER_POSE as u128;
+/// Approximate bytes of an allowed move: a bit in the problem, and one entry in the tables of a search.
+const PER_MOVE: u128 = 10;
+
+/// The demand of a lattice with its moves, known before anything is allocated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Demand {
+    /// Poses.
+    pub poses: u128,
+    /// Moves that stay in the lattice, over all poses: the number of allowed ones without obstacles.
+    pub moves: u128,
+}
+
+impl Demand {
+    /// For a lattice with these actions.
+    pub fn new(lattice: Lattice, actions: &[Action]) -> Self {
+        let Lattice { nx, ny, layers } = lattice;
+        let left = |count: usize, step: i32| count.saturating_sub(step.unsigned_abs() as usize) as u128;
+        let moves = actions.iter().flat_map(|action| &action.moves);
+        let moves = moves.map(|step| left(nx, step.di).saturating_mul(left(ny, step.dj)));
+        let poses = [ny, layers].into_iter().fold(nx as u128, |all, n| all.saturating_mul(n as u128));
+        Self { poses, moves: moves.fold(0, u128::saturating_add) }
+    }
+
+    /// Approximate bytes of problem, graph and arcs of a search at most; its states need more.
+    pub fn bytes(&self) -> u128 {
+        let search = self.poses.saturating_mul(PER_POSE).saturating_add(self.moves.saturating_mul(PER_MOVE));
+        search.max(self.poses.saturating_mul(PER_POSE_WITHIN).saturating_add(self.moves / 8))
+    }
+
+    /// Approximate bytes of the problem that remain after the search: a bit for each move.
+    pub fn kept_bytes(&self) -> u128 {
+        self.moves / 8
+    }
 }

@@ -1,11 +1,10 @@
 //! Laws of the bound, and comparison of the searches on maps.
 
-use crate::lattice::bound::Bound;
+use super::beam::{Bound, Left, Packing};
+use super::watch::RadixHeap;
 use crate::lattice::graph::{Graph, Reach, WITHIN_PER_POSE, within};
 use crate::lattice::layered::Levels;
-use crate::lattice::radix_heap::RadixHeap;
 use crate::lattice::seconds::with_seconds;
-use crate::lattice::uses::{Left, Packing};
 use crate::lattice::watch::Watch;
 use crate::lattice::{Demand, Limit, Options, Problem, dense, layered, plan, synthetic};
 
@@ -47,8 +46,7 @@ fn all_left(required: &[u32], packing: &Packing) -> Vec<Left> {
     all
 }
 
-/// Exact remaining keys, by (uses left, node): Dijkstra's method backwards, one vector of uses after the
-/// other.
+/// Exact remaining keys, by (uses left, node): Dijkstra's method backwards, one vector of uses after the other.
 fn exact(graph: &Graph, packing: &Packing, all: &[Left]) -> Vec<Vec<Option<u64>>> {
     let position = |left: Left| all.iter().position(|&other| other == left).unwrap();
     let mut to_go: Vec<Vec<Option<u64>>> = vec![vec![None; graph.len()]; all.len()];
@@ -220,11 +218,11 @@ fn law_moves_then_seconds_agree_with_single_states() {
         let primary = |key: u64| key / problem.units.radix;
         let single = dense::front(&graph, u64::MAX, 1 << 30, &mut watch()).unwrap();
         for most in [u64::MAX, key(&bits).unwrap_or(u64::MAX)] {
-            let found = layered::front(&graph, levels, most, &mut watch()).unwrap();
-            let found: Vec<_> = found.into_iter().map(|key| key.map(primary)).collect();
+            let front = layered::front(&graph, levels, most, &mut watch()).unwrap();
+            let front: Vec<_> = front.into_iter().map(|key| key.map(primary)).collect();
             let as_cheap = |key: &u64| *key <= primary(most);
             let least: Vec<_> = single.iter().map(|key| key.map(primary).filter(as_cheap)).collect();
-            assert_eq!(found, least, "seed {seed}");
+            assert_eq!(front, least, "seed {seed}");
         }
         if seed == 1 {
             stop_everywhere(&problem, |watch| layered::search(&graph, levels, u64::MAX, 1 << 30, watch));

@@ -7,15 +7,11 @@
 //! Where that holds of the primary costs alone, levels are these. Only the states on ways to the goal that are optimal in them are then
 //! searched for the least whole cost.
 
-mod arrival;
 mod cheapest;
-mod reading;
 
-use arrival::States;
-
+use super::dense;
+use super::layout::{self, Bits, Fans};
 use crate::lattice::Limit;
-use crate::lattice::bits::{self, Bits};
-use crate::lattice::fan::Fans;
 use crate::lattice::graph::Graph;
 use crate::lattice::layout::Layout;
 use crate::lattice::watch::{self, Verdict, Watch};
@@ -97,14 +93,14 @@ fn other_bytes(graph: &Graph, words: usize) -> u64 {
 /// optimal in them, do not fit.
 pub(crate) fn search(graph: &Graph, levels: Levels, most: u64, memory: u64, watch: &mut Watch) -> Verdict {
     let layout = Layout::new(&graph.problem.required());
-    let found = match layout.words {
+    let verdict = match layout.words {
         1 => Layered::<1>::new(graph, layout, levels, memory, watch).map(|new| new.search(most, watch)),
         2 => Layered::<2>::new(graph, layout, levels, memory, watch).map(|new| new.search(most, watch)),
         3 => Layered::<3>::new(graph, layout, levels, memory, watch).map(|new| new.search(most, watch)),
         4 => Layered::<4>::new(graph, layout, levels, memory, watch).map(|new| new.search(most, watch)),
         _ => Layered::<8>::new(graph, layout, levels, memory, watch).map(|new| new.search(most, watch)),
     };
-    found.unwrap_or_else(|| Verdict::stopped(None, watch.lower, Limit::Time))
+    verdict.unwrap_or_else(|| Verdict::stopped(None, watch.lower, Limit::Time))
 }
 
 /// The least level of every count vector at any goal, as its key and by mixed-radix number, of keys up to `most`; `None` if cancelled.
@@ -128,8 +124,7 @@ struct Layered<'a, const W: usize> {
     memory: u64,
     nodes: usize,
     blocks: usize,
-    /// By `block * nodes + node`: states reached, those of them that are still to be followed, and the
-    /// levels.
+    /// By `block * nodes + node`: states reached, those of them that are still to be followed, and the levels.
     reached: Vec<Bits<W>>,
     fresh: Vec<Bits<W>>,
     planes: Vec<Vec<Bits<W>>>,
@@ -215,7 +210,7 @@ impl<'a, const W: usize> Layered<'a, W> {
         let mut level = 0;
         while self.is_open() && levels.key(level) <= most {
             let mut note = |block: usize, bits: &Bits<W>| {
-                for bit in bits::ones(bits) {
+                for bit in layout::ones(bits) {
                     let number = watch::number(&layout.counts(block, bit), &strides);
                     least[number as usize].get_or_insert(levels.key(level));
                 }
@@ -256,7 +251,7 @@ impl<'a, const W: usize> Layered<'a, W> {
             self.note_level(block, level);
             for &node in self.touched.iter().filter(|&&node| self.graph.is_goal[node as usize]) {
                 let new = &self.now[node as usize];
-                if block + 1 == self.blocks && goal_bit.is_some_and(|bit| bits::has(new, bit)) {
+                if block + 1 == self.blocks && goal_bit.is_some_and(|bit| layout::has(new, bit)) {
                     return Level::Goal(node);
                 }
                 at_goal(block, new);
@@ -297,20 +292,20 @@ impl<'a, const W: usize> Layered<'a, W> {
             for &(end, shift) in self.fans.within.of(node as usize) {
                 let moved = self.fans.shifts[shift as usize].apply(&here);
                 let known = &mut reached[end as usize];
-                let new = bits::beyond(&moved, known);
-                if !bits::any(&new) {
+                let new = layout::beyond(&moved, known);
+                if !layout::any(&new) {
                     continue;
                 }
-                bits::or(known, &new);
+                layout::or(known, &new);
                 let (now, pending) = (&mut now[end as usize], &mut pending[end as usize]);
-                if !bits::any(pending) {
+                if !layout::any(pending) {
                     self.queue.push(end);
-                    if !bits::any(now) {
+                    if !layout::any(now) {
                         self.touched.push(end);
                     }
                 }
-                bits::or(pending, &new);
-                bits::or(now, &new);
+                layout::or(pending, &new);
+                layout::or(now, &new);
             }
         }
         self.queue.clear();
@@ -333,7 +328,7 @@ impl<'a, const W: usize> Layered<'a, W> {
         for plane in (0..needed).filter(|plane| level >> plane & 1 == 1) {
             let plane = &mut self.planes[plane][base..base + self.nodes];
             for &node in &self.touched {
-                bits::or(&mut plane[node as usize], &self.now[node as usize]);
+                layout::or(&mut plane[node as usize], &self.now[node as usize]);
             }
         }
     }
@@ -358,5 +353,63 @@ impl<'a, const W: usize> Layered<'a, W> {
             }
         }
         self.touched.clear();
+    }
+}
+
+/// The states of all blocks while a block is left.
+struct States<'a, const W: usize> {
+    pub nodes: usize,
+    pub reached: &'a mut [Bits<W>],
+    pub fresh: &'a mut [Bits<W>],
+    pub dirty: &'a mut [u64],
+}
+
+impl<const W: usize> States<'_, W> {
+    pub fn arrive(&mut self, block: usize, end: u32, states: &Bits<W>) {
+        let at = block * self.nodes + end as usize;
+        let new = layout::beyond(states, &self.reached[at]);
+        if layout::any(&new) {
+            layout::or(&mut self.reached[at], &new);
+            layout::or(&mut self.fresh[at], &new);
+            self.dirty[block * self.nodes.div_ceil(64) + end as usize / 64] |= 1 << (end % 64);
+        }
+    }
+}
+
+impl<const W: usize> Layered<'_, W> {
+    fn solved(&self, node: u32, key: u64) -> Verdict {
+        if self.planes_left.is_none() {
+            return Verdict::stopped(None, key, Limit::Memory);
+        }
+        let distance = |node: u32, counts: &[u32]| self.distance(node, counts);
+        match dense::walk(self.graph, node, self.graph.problem.required(), &distance) {
+            Some(walk) => Verdict::proved(Some((key, walk))),
+            None => unreachable!("every reached state has a walk from the start"),
+        }
+    }
+
+    /// Distance of a state that was reached and followed.
+    fn distance(&self, node: u32, counts: &[u32]) -> Option<u64> {
+        let (block, bit) = self.layout.place(counts);
+        let at = block * self.nodes + node as usize;
+        if !layout::has(&self.reached[at], bit) || layout::has(&self.fresh[at], bit) {
+            return None;
+        }
+        let level = |(plane, bits): (usize, &Vec<Bits<W>>)| u64::from(layout::has(&bits[at], bit)) << plane;
+        Some(self.levels.step * self.planes.iter().enumerate().map(level).sum::<u64>())
+    }
+
+    fn possible(&self) -> Option<Vec<u32>> {
+        let at_goal = |block: usize| {
+            let mut all = [0; W];
+            for &goal in &self.graph.goals {
+                layout::or(&mut all, &self.reached[block * self.nodes + goal as usize]);
+            }
+            all
+        };
+        let vectors =
+            (0..self.blocks).flat_map(|block| layout::ones(&at_goal(block)).map(move |bit| (block, bit)));
+        let counts = vectors.map(|(block, bit)| self.layout.counts(block, bit));
+        counts.max_by_key(|counts| counts.iter().sum::<u32>())
     }
 }

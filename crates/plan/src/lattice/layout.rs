@@ -1,5 +1,9 @@
 //! How count vectors become bits: some counts number the bits of a block, the others number the blocks.
 
+use super::graph::ByNode;
+use crate::lattice::graph::Graph;
+use crate::lattice::watch::Watch;
+
 /// Where the count of a slot is kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Digit {
@@ -73,8 +77,7 @@ impl Layout {
     /// The bits from which a slot in the bit may be used once more, as words.
     pub fn mask<const W: usize>(&self, stride: u32, radix: u32) -> [u64; W] {
         let mut mask = [0; W];
-        let bits =
-            self.digits.iter().map(|digit| if let Digit::Bit { radix, .. } = digit { *radix } else { 1 });
+        let bits = self.digits.iter().map(|one| if let Digit::Bit { radix, .. } = one { *radix } else { 1 });
         for bit in (0..bits.product()).filter(|bit| bit / stride % radix + 1 < radix) {
             mask[bit as usize / 64] |= 1 << (bit % 64);
         }
@@ -99,6 +102,193 @@ fn fullest(required: &[u32], bits: usize) -> (usize, Vec<bool>) {
     }
     let full = (1..=bits).rev().find_map(|used| best[used].clone().map(|chosen| (used, chosen)));
     full.unwrap_or((1, vec![false; required.len()]))
+}
+
+pub(crate) type Bits<const W: usize> = [u64; W];
+
+pub(crate) fn any<const W: usize>(bits: &Bits<W>) -> bool {
+    bits.iter().fold(0, |all, word| all | word) != 0
+}
+
+pub(crate) fn or<const W: usize>(into: &mut Bits<W>, bits: &Bits<W>) {
+    for w in 0..W {
+        into[w] |= bits[w];
+    }
+}
+
+/// The bits of `bits` that are not in `known`.
+pub(crate) fn beyond<const W: usize>(bits: &Bits<W>, known: &Bits<W>) -> Bits<W> {
+    let mut new = [0; W];
+    for w in 0..W {
+        new[w] = bits[w] & !known[w];
+    }
+    new
+}
+
+pub(crate) fn has<const W: usize>(bits: &Bits<W>, bit: usize) -> bool {
+    bits[bit / 64] >> (bit % 64) & 1 == 1
+}
+
+/// The bits of `bits` that are also in `others`.
+pub(crate) fn both<const W: usize>(bits: &Bits<W>, others: &Bits<W>) -> Bits<W> {
+    std::array::from_fn(|w| bits[w] & others[w])
+}
+
+/// How many bits are set.
+pub(crate) fn count<const W: usize>(bits: &Bits<W>) -> usize {
+    bits.iter().map(|word| word.count_ones() as usize).sum()
+}
+
+/// Bits that are set, in order.
+pub(crate) fn ones<const W: usize>(bits: &Bits<W>) -> impl Iterator<Item = usize> + use<W> {
+    let bits = *bits;
+    (0..W).flat_map(move |number| {
+        let mut left = bits[number];
+        std::iter::from_fn(move || {
+            let bit = (left != 0).then(|| 64 * number + left.trailing_zeros() as usize);
+            left &= left.wrapping_sub(1);
+            bit
+        })
+    })
+}
+
+/// One use of a slot that is kept in the bits: where it may be used, shifted.
+#[derive(Clone, Copy)]
+pub(crate) struct Shift<const W: usize> {
+    pub mask: Bits<W>,
+    pub words: usize,
+    pub bits: u32,
+}
+
+impl<const W: usize> Shift<W> {
+    /// By `stride` bits, of bits in `mask`.
+    pub fn new(mask: Bits<W>, stride: u32) -> Self {
+        Self { mask, words: stride as usize / 64, bits: stride % 64 }
+    }
+
+    pub fn apply(&self, bits: &Bits<W>) -> Bits<W> {
+        let mut masked = [0; W];
+        for w in 0..W {
+            masked[w] = bits[w] & self.mask[w];
+        }
+        let mut shifted = [0; W];
+        for w in self.words..W {
+            shifted[w] = masked[w - self.words] << self.bits;
+            if self.bits > 0 && w > self.words {
+                shifted[w] |= masked[w - self.words - 1] >> (64 - self.bits);
+            }
+        }
+        shifted
+    }
+
+    /// The bits that [`Self::apply`] takes to some of `bits`.
+    pub fn undo(&self, bits: &Bits<W>) -> Bits<W> {
+        let mut back = [0; W];
+        for w in 0..W - self.words.min(W) {
+            back[w] = bits[w + self.words] >> self.bits;
+            if self.bits > 0 && w + self.words + 1 < W {
+                back[w] |= bits[w + self.words + 1] << (64 - self.bits);
+            }
+            back[w] &= self.mask[w];
+        }
+        back
+    }
+}
+
+/// Arcs by node: where they end, and an index.
+pub(crate) type Fan = ByNode<(u32, u32)>;
+
+/// One use of a slot that is kept in the block's number.
+#[derive(Clone, Copy)]
+pub(crate) struct Hop {
+    stride: u64,
+    radix: u64,
+}
+
+impl Hop {
+    /// The block after one more use, if the count allows it.
+    pub fn from(&self, block: usize) -> Option<usize> {
+        let block = block as u64;
+        (block / self.stride % self.radix + 1 < self.radix).then_some((block + self.stride) as usize)
+    }
+}
+
+pub(crate) struct Fans<const W: usize> {
+    /// Free arcs within a block, with an index of `shifts`.
+    pub within: Fan,
+    pub shifts: Vec<Shift<W>>,
+    /// Free arcs to a higher block, with an index of `hops`.
+    pub higher: Fan,
+    pub hops: Vec<Hop>,
+    /// Ends of arcs to the next level.
+    pub onward: ByNode<u32>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Class {
+    Within(u32),
+    Higher(u32),
+    Onward,
+}
+
+impl Class {
+    fn within(self) -> Option<u32> {
+        if let Self::Within(index) = self { Some(index) } else { None }
+    }
+
+    fn higher(self) -> Option<u32> {
+        if let Self::Higher(index) = self { Some(index) } else { None }
+    }
+}
+
+impl<const W: usize> Fans<W> {
+    /// Moves with keys below `unit` count as free. `None` if cancelled.
+    pub fn new(graph: &Graph, layout: &Layout, unit: u64, watch: &mut Watch) -> Option<Self> {
+        // The first shift belongs to free basic moves: none.
+        let mut shifts = vec![Shift::new([u64::MAX; W], 0)];
+        let mut hops = Vec::new();
+        let mut by_slot = Vec::new();
+        for digit in &layout.digits {
+            match *digit {
+                Digit::Bit { stride, radix } => {
+                    by_slot.push(Class::Within(shifts.len() as u32));
+                    shifts.push(Shift::new(layout.mask(stride, radix), stride));
+                }
+                Digit::Block { stride, radix } => {
+                    by_slot.push(Class::Higher(hops.len() as u32));
+                    hops.push(Hop { stride, radix });
+                }
+            }
+        }
+        let class = |step: u32| match graph.price(step) {
+            (_, Some(slot)) => by_slot[slot as usize],
+            (key, None) if key < unit => Class::Within(0),
+            (_, None) => Class::Onward,
+        };
+        let classes: Vec<Class> = (0..graph.problem.moves.len() as u32).map(class).collect();
+        let mut within = fan(graph, &classes, |class| class.within().is_some());
+        let mut higher = fan(graph, &classes, |class| class.higher().is_some());
+        let mut onward = fan(graph, &classes, |class| class == Class::Onward);
+        let mut arcs = Vec::new();
+        for node in 0..graph.len() as u32 {
+            if !watch.keep_going(1) {
+                return None;
+            }
+            arcs.clear();
+            arcs.extend(graph.ways(node).map(|arc| (arc.node, classes[arc.step as usize])));
+            let arcs = || arcs.iter().copied();
+            within.push(arcs().filter_map(|(end, class)| class.within().map(|index| (end, index))));
+            higher.push(arcs().filter_map(|(end, class)| class.higher().map(|index| (end, index))));
+            onward.push(arcs().filter(|(_, class)| *class == Class::Onward).map(|(end, _)| end));
+        }
+        Some(Self { within, shifts, higher, hops, onward })
+    }
+}
+
+/// Without nodes yet, with capacity for all moves of some classes.
+fn fan<T>(graph: &Graph, classes: &[Class], wanted: fn(Class) -> bool) -> ByNode<T> {
+    let entries = graph.problem.arc_count(|step| wanted(classes[step]));
+    ByNode::with_capacity(graph.len(), entries)
 }
 
 #[cfg(test)]

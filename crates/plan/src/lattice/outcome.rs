@@ -1,4 +1,6 @@
-use crate::lattice::{Cost, Pose, Reason};
+use std::fmt;
+
+use crate::lattice::{Cost, Pose};
 
 /// How to search.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,4 +105,94 @@ pub struct Step {
     pub to: Pose,
     /// What it costs.
     pub cost: Cost,
+}
+
+/// Why no plan exists. Every reason is proved.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Reason {
+    /// No move is allowed from the start.
+    StartEnclosed {
+        /// The start.
+        start: Pose,
+        /// The pose nearest to it from which a move is allowed, if there is one, and its distance in cells.
+        nearest: Option<(Pose, f64)>,
+    },
+    /// No move is allowed into any goal.
+    GoalEnclosed {
+        /// The first goal of the problem.
+        goal: Pose,
+        /// The pose nearest to it into which a move is allowed, if there is one, and its distance in cells.
+        nearest: Option<(Pose, f64)>,
+    },
+    /// No walk leads from the start to a goal, regardless of counts.
+    GoalUnreachable {
+        /// The reached pose nearest to a goal, and its distance in cells.
+        nearest: Option<(Pose, f64)>,
+    },
+    /// An informative action is allowed nowhere that can be reached.
+    FitsNowhere {
+        /// Index of the action.
+        action: usize,
+        /// Its name.
+        name: String,
+        /// A pose from which it is allowed, but which cannot be reached.
+        elsewhere: Option<Pose>,
+    },
+    /// An informative action can be used, but afterwards no walk leads to a goal.
+    NoWayBack {
+        /// Index of the action.
+        action: usize,
+        /// Its name.
+        name: String,
+    },
+    /// Each informative action can be used, but no walk uses all of them as often as required and ends in a goal.
+    CountsCannotBeCombined {
+        /// Counts that can be had, as many uses in total as any, by informative action; known after an exhaustive search.
+        possible: Option<Vec<u32>>,
+    },
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::StartEnclosed { start, nearest } => {
+                write!(f, "no move is allowed from the start {start}")?;
+                near(f, "the nearest pose with room is", nearest)
+            }
+            Self::GoalEnclosed { goal, nearest } => {
+                write!(f, "no move is allowed into the goal {goal}")?;
+                near(f, "the nearest pose with room is", nearest)
+            }
+            Self::GoalUnreachable { nearest } => {
+                write!(f, "no moves lead from the start to the goal")?;
+                near(f, "the nearest pose that is reached is", nearest)
+            }
+            Self::FitsNowhere { name, elsewhere: None, .. } => {
+                write!(f, "{name} fits nowhere on the lattice")
+            }
+            Self::FitsNowhere { name, elsewhere: Some(pose), .. } => {
+                write!(f, "{name} fits nowhere that can be reached, though it would at {pose}")
+            }
+            Self::NoWayBack { name, .. } => {
+                write!(f, "after {name} there is no way to the goal, wherever it is used")
+            }
+            Self::CountsCannotBeCombined { possible } => {
+                write!(
+                    f,
+                    "each maneuver can be used, but the required counts cannot be combined on any way to the goal"
+                )?;
+                match possible {
+                    Some(counts) => write!(f, "; the counts {counts:?} can"),
+                    None => Ok(()),
+                }
+            }
+        }
+    }
+}
+
+fn near(f: &mut fmt::Formatter<'_>, what: &str, nearest: &Option<(Pose, f64)>) -> fmt::Result {
+    match nearest {
+        Some((pose, cells)) => write!(f, "; {what} {pose}, {cells:.1} cells away"),
+        None => write!(f, "; no pose has room"),
+    }
 }

@@ -1,20 +1,25 @@
 //! The check of a plan in continuous space: clearance of the hull from charted obstacles and settling at the
 //! ends of legs, by the nominal model, by the worst vessels that a search finds, and by drawn ones.
 
+use std::collections::BTreeSet;
+
 use numerics::statistics::{quantile, sorted, wilson};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::check_run::{Checking, Drawn, Vessel};
-use super::error::VoyageError;
+use super::clearance::cells_around;
+use super::error::{Footing, Search, VoyageError};
 use super::prepared::Prepared;
-use super::search::Search;
-use super::task::{ErrorsFrom, key_of};
+use super::settled_legs::SettledLeg;
+use super::solve::Moves;
+use super::task::{ErrorsFrom, Secondary, key_of};
 use super::worst::{Searched, WorstVessels};
-use crate::{Fix, SampledVessel, Used};
+use crate::lattice::{Demand, Lattice};
+use crate::{Fix, Sample, SampledVessel, Used};
 
 /// Tracks that are kept for drawing.
-pub(super) const TRACKS: u32 = 200;
+const TRACKS: u32 = 200;
 /// Runs after which a check with counter-examples ends: the next plan is checked instead.
 const FIRST_RUNS: u32 = 64;
 /// Probability, over all rounds, that a bound does not hold.
@@ -117,8 +122,7 @@ impl Prepared {
 /// The default bound on the probability of running aground.
 pub(super) const USUAL_PROBABILITY: f64 = 0.01;
 
-/// Probability that the bound of a round does not hold: halved from round to round, so that the sum is
-/// bounded.
+/// Probability that the bound of a round does not hold: halved from round to round, so that the sum is bounded.
 fn doubt(round: u32) -> f64 {
     DOUBT * 0.5_f64.powi(round as i32)
 }
@@ -126,9 +130,6 @@ fn doubt(round: u32) -> f64 {
 impl Checking<'_> {
     /// Searches the worst vessels, then simulates the script with drawn parameters and in drawn currents; `concurrent`
     /// is executed along with the last runs, if all of them are simulated.
-    ///
-    /// # Errors
-    /// A simulation that diverges; no time.
     pub(super) fn check<T: Send>(
         &self,
         search: &Search,
@@ -137,25 +138,25 @@ impl Checking<'_> {
         let worst = self.worst(search)?;
         let mut counter_examples = worst.counter_examples(self);
         let runs = self.prepared().runs(self.round);
-        let (mut found, mut next, mut concurrent, mut aside) = (Vec::new(), 0, Some(concurrent), None);
+        let (mut drawn, mut next, mut concurrent, mut aside) = (Vec::new(), 0, Some(concurrent), None);
         while next < runs && (counter_examples.is_empty() || self.is_last) {
             let some = next..(next + FIRST_RUNS.max(next * FIRST_RUNS)).min(runs);
             let simulate = || self.all(some.clone().map(|run| self.drawn(run)).collect(), search);
             let new = match concurrent.take_if(|_| some.end == runs) {
-                Some(own) => {
-                    let (new, own) = rayon::join(simulate, own);
-                    aside = Some(own);
+                Some(follow) => {
+                    let (new, followed) = rayon::join(simulate, follow);
+                    aside = Some(followed);
                     new?
                 }
                 None => simulate()?,
             };
             let if_astray = self.are_too_many_astray(&new.iter().collect::<Vec<_>>());
             counter_examples.extend(new.iter().flat_map(|run| run.counter_examples(self, if_astray)));
-            found.extend(new.into_iter().map(Drawn::from));
+            drawn.extend(new.into_iter().map(Drawn::from));
             next = some.end;
         }
-        let check = self.judged(&found, &worst);
-        let tracks = found.into_iter().filter_map(|run| run.track).collect();
+        let check = self.judged(&drawn, &worst);
+        let tracks = drawn.into_iter().filter_map(|run| run.track).collect();
         // The counter-examples of the last round are not used.
         let counter_examples = if self.is_last { Vec::new() } else { counter_examples };
         Ok((Checked { check, tracks, counter_examples }, aside))
@@ -172,25 +173,25 @@ impl Checking<'_> {
         }
     }
 
-    fn judged(&self, found: &[Drawn], worst: &Searched) -> Check {
+    fn judged(&self, drawn: &[Drawn], worst: &Searched) -> Check {
         let (prepared, clearance) = (self.prepared(), self.clearance);
         let safety = prepared.brief.task.safety;
-        let count = |is: &dyn Fn(&Drawn) -> bool| found.iter().filter(|run| is(run)).count() as u64;
-        let least = sorted(found.iter().map(|run| Some(run.passage.clearance_m)));
-        let seconds = sorted(found.iter().map(|run| Some(run.seconds)));
-        let mut own = clearance.open();
-        self.nominal.samples.iter().for_each(|s| clearance.add(&mut own, s.pose, s.informative));
+        let count = |is: &dyn Fn(&Drawn) -> bool| drawn.iter().filter(|run| is(run)).count() as u64;
+        let least = sorted(drawn.iter().map(|run| Some(run.passage.clearance_m)));
+        let seconds = sorted(drawn.iter().map(|run| Some(run.seconds)));
+        let mut cleared = clearance.open();
+        self.nominal.samples.iter().for_each(|s| clearance.add(&mut cleared, s.pose, s.informative));
         let rate_hz = prepared.brief.vessel.sample_rate_hz;
-        let (runs, is_aground) = (found.len() as u64, |run: &Drawn| run.passage.clearance_m <= 0.0);
+        let (runs, is_aground) = (drawn.len() as u64, |run: &Drawn| run.passage.clearance_m <= 0.0);
         let aground = count(&is_aground);
-        let bound = || 1.0 - libm::exp(libm::log(doubt(self.round)) / found.len() as f64);
+        let bound = || 1.0 - libm::exp(libm::log(doubt(self.round)) / drawn.len() as f64);
         let check = Check {
             safe: false,
             faults: Vec::new(),
-            clearance_m: own.clearance_m,
-            clear: own.clearance_m > 0.0,
+            clearance_m: cleared.clearance_m,
+            clear: cleared.clearance_m > 0.0,
             margin_m: safety.margin_m,
-            shortfall_m: (safety.margin_m - own.clearance_m).max(0.0),
+            shortfall_m: (safety.margin_m - cleared.clearance_m).max(0.0),
             sight_m: clearance.sight_m,
             unknown_current_m_s: safety.unknown_current_m_s,
             parameter_error: safety.parameter_error,
@@ -200,10 +201,10 @@ impl Checking<'_> {
             runs,
             aground,
             aground_interval: wilson(aground, runs).unwrap_or([0.0, 1.0]),
-            aground_bound: (aground == 0 && !found.is_empty()).then(bound),
+            aground_bound: (aground == 0 && !drawn.is_empty()).then(bound),
             below_margin: count(&|run| run.passage.clearance_m < safety.margin_m),
-            ends: found.iter().map(|run| run.ends[0]).sum(),
-            ends_astray: found.iter().map(|run| run.ends[1]).sum(),
+            ends: drawn.iter().map(|run| run.ends[0]).sum(),
+            ends_astray: drawn.iter().map(|run| run.ends[1]).sum(),
             tolerance_used: self.used(&self.nominal.ends).iter().map(Used::part).fold(0.0, f64::max),
             proved_s: self.legs.iter().map(|leg| prepared.legs[*leg].seconds(rate_hz)).sum(),
             sailed_s: self.nominal.samples.len() as f64 / rate_hz,
@@ -214,7 +215,7 @@ impl Checking<'_> {
             aground_open_loop: count(&|run| run.is_aground_open_loop),
             worst: worst.summary(self),
         };
-        let used = found.iter().map(|run| run.used).fold(worst.most_used(), Used::or_more);
+        let used = drawn.iter().map(|run| run.used).fold(worst.most_used(), Used::or_more);
         check.with_faults(self.tolerated_astray(), used)
     }
 }
@@ -246,7 +247,7 @@ impl Check {
             let (nearer, runs) = (self.below_margin - self.aground, self.runs);
             faults.push(format!("{nearer} of {runs} runs afloat nearer than the margin"));
         }
-        let are_astray = |own: u64, ends: u64| own as f64 > astray * ends as f64;
+        let are_astray = |astray_ends: u64, ends: u64| astray_ends as f64 > astray * ends as f64;
         let drawn_astray = are_astray(self.ends_astray, self.ends);
         if drawn_astray {
             let (astray, ends) = (self.ends_astray, self.ends);
@@ -263,5 +264,97 @@ impl Check {
         }
         (self.safe, self.faults) = (faults.is_empty(), faults);
         self
+    }
+}
+
+/// Approximate bytes of inputs, threads and output.
+const READ_BYTES: u128 = 28 << 20;
+const WRITTEN_BYTES: u128 = 12 << 20;
+
+/// Most uses of a maneuver that are budgeted for before the search, which refuses more.
+const MOST_USES: u32 = 1000;
+
+/// Refuses a footing that exceeds `memory_bytes`.
+fn fits(footing: Footing, memory_bytes: u64) -> Result<(), VoyageError> {
+    if footing.bytes() > u128::from(memory_bytes) { Err(VoyageError::TooLarge(footing)) } else { Ok(()) }
+}
+
+impl Prepared {
+    /// Refuses rasters that exceed the memory, regardless of legs.
+    pub(super) fn check_rasters(&self, search: &Search) -> Result<(), VoyageError> {
+        fits(self.footing(&[])?, search.options.memory_bytes)
+    }
+
+    /// Refuses rasters and legs that exceed the memory; else returns the search with the remaining memory.
+    pub(super) fn within<'a>(&self, moves: &Moves, search: &Search<'a>) -> Result<Search<'a>, VoyageError> {
+        let footing = self.footing(&moves.actions)?;
+        fits(footing, search.options.memory_bytes)?;
+        Ok(search.reserving(footing.kept_bytes()))
+    }
+
+    /// Refuses a plan whose check exceeds the memory; else returns a concurrent search with the remaining memory.
+    pub(super) fn within_check<'a>(
+        &self,
+        moves: &Moves,
+        (round, samples): (u32, usize),
+        search: &Search<'a>,
+    ) -> Result<Search<'a>, VoyageError> {
+        let footing = Footing { check: self.check_bytes(round, samples), ..self.footing(&moves.actions)? };
+        fits(footing, search.options.memory_bytes)?;
+        Ok(search.reserving(footing.kept_bytes() + footing.lattice.kept_bytes() + footing.check))
+    }
+
+    fn footing(&self, actions: &[crate::lattice::Action]) -> Result<Footing, VoyageError> {
+        let (task, grid) = (&self.brief.task, &self.grid);
+        let raster = task.raster(grid);
+        let layers =
+            self.obstacle_kinds().0.len().max(1) + usize::from(task.cost.secondary == Secondary::Clearance);
+        let masks = usize::from(!task.area.corners.is_empty()) + task.speed_limits.len();
+        let around = cells_around(&raster, task.safety.margin_m);
+        let read = READ_BYTES.max(self.brief.chart_bytes.into());
+        let legs = self.legs.iter().map(|leg| self.bytes_of(leg)).sum::<u128>();
+        Ok(Footing {
+            lattice: self.demand(actions),
+            cells: layers as u128 * around + (masks * raster.nx * raster.ny) as u128,
+            clearance_cells: self.clearance_cells()?,
+            // The chart was in memory as it was read, too, except for the cells of its grids.
+            other: read + 2 * u128::from(self.chart.bytes()) + u128::from(self.chart.grid_bytes()) + legs,
+            check: self.check_bytes(1, self.least_samples()),
+        })
+    }
+
+    fn demand(&self, actions: &[crate::lattice::Action]) -> Demand {
+        let grid = &self.grid;
+        Demand::new(Lattice { nx: grid.nx, ny: grid.ny, layers: grid.layers() }, actions)
+    }
+
+    /// Bytes of a round's plan while the next one is searched: its problem, and its legs that are simulated again.
+    pub(super) fn last_bytes(&self, moves: &Moves, counter_examples: &[(usize, SampledVessel)]) -> u128 {
+        let anew: BTreeSet<usize> = counter_examples.iter().map(|(leg, _)| self.legs[*leg].group).collect();
+        let legs = self.legs.iter().filter(|leg| anew.contains(&leg.group));
+        self.demand(&moves.actions).kept_bytes() + legs.map(|leg| self.bytes_of(leg)).sum::<u128>()
+    }
+
+    /// Bytes of a simulated leg.
+    fn bytes_of(&self, leg: &SettledLeg) -> u128 {
+        let sample = size_of::<Sample>() + 8 * self.brief.vessel.model.inputs;
+        (leg.sailed.samples.len() * sample + size_of_val(leg.footprint.runs())) as u128
+    }
+
+    /// Bytes of a check's runs, of the tracks that are kept of them and of the nominal one.
+    fn check_bytes(&self, round: u32, samples: usize) -> u128 {
+        let runs = self.runs(round);
+        let sample = size_of::<Sample>() + 8 * self.brief.vessel.model.inputs;
+        let tracks = runs.min(TRACKS) as usize * size_of::<Fix>() * 9 / 8;
+        WRITTEN_BYTES + (runs as usize * size_of::<Drawn>()) as u128 + (samples * (tracks + sample)) as u128
+    }
+
+    /// Samples of all maneuvers, each from the fastest heading: any plan has more.
+    fn least_samples(&self) -> usize {
+        let rate_hz = self.brief.vessel.sample_rate_hz;
+        let pieces = self.wanted.iter().enumerate();
+        let seconds =
+            pieces.map(|(piece, wanted)| f64::from(wanted.count.min(MOST_USES)) * self.shortest_leg_s(piece));
+        seconds.filter(|s| s.is_finite()).map(|s| (s * rate_hz) as usize).sum()
     }
 }

@@ -2,16 +2,13 @@
 
 use rayon::prelude::*;
 use refusal::Invalid;
-use ship::engine::Pose;
+use ship::engine::{Pose, Ship, Streams};
 
 use super::clearance::{Clearance, Cleared};
-use super::error::VoyageError;
-use super::off_nominal::parameters_in_words;
+use super::error::{Search, VoyageError, parameters_in_words};
 use super::prepared::Prepared;
-use super::script::{Noise, Script};
-use super::search::Search;
 use crate::leg::turned_back;
-use crate::{Astray, End, Fix, Sailed, SampledVessel, Used};
+use crate::{Astray, Autopilot, End, Fix, Leg, Passing, Sailed, SampledVessel, Used, simulate_legs};
 
 /// Share of the ends of legs that noise may leave beyond a tolerance.
 const ASTRAY_BY_NOISE: f64 = 0.01;
@@ -45,7 +42,7 @@ pub(super) struct Vessel {
 }
 
 /// A run of a check.
-pub(super) struct Run {
+pub(super) struct CheckedRun {
     pub vessel: Vessel,
     /// Over all legs.
     pub passage: Cleared,
@@ -68,44 +65,36 @@ impl Checking<'_> {
         self.script.prepared
     }
 
-    /// The share of the ends of legs that may be beyond a tolerance: none, unless sensors are noisy, or current or
-    /// wind change.
+    /// The share of the ends of legs that may be beyond a tolerance: none, unless sensors are noisy, or current or wind change.
     pub(super) fn tolerated_astray(&self) -> f64 {
         let task = &self.prepared().brief.task;
         if task.sensors.are_exact() && task.changes.are_none() { 0.0 } else { ASTRAY_BY_NOISE }
     }
 
     /// Whether more ends of legs than that are beyond a tolerance.
-    pub(super) fn are_too_many_astray(&self, runs: &[&Run]) -> bool {
+    pub(super) fn are_too_many_astray(&self, runs: &[&CheckedRun]) -> bool {
         let astray: u64 = runs.iter().map(|run| run.ends_astray()).sum();
         let ends: usize = runs.iter().map(|run| run.ends.len()).sum();
         astray as f64 > self.tolerated_astray() * ends as f64
     }
 
     /// A run of every one of `vessels`, in their order.
-    ///
-    /// # Errors
-    /// A simulation that diverges; no time.
-    pub(super) fn all(&self, vessels: Vec<Vessel>, search: &Search) -> Result<Vec<Run>, VoyageError> {
+    pub(super) fn all(&self, vessels: Vec<Vessel>, search: &Search) -> Result<Vec<CheckedRun>, VoyageError> {
         let one = |vessel: Vessel| {
             if !(search.keep_going)() {
                 return Err(VoyageError::OutOfTime("the check of the plan"));
             }
             let words = parameters_in_words(&self.prepared().brief.vessel, &vessel.parameters);
             // A vessel that cannot be simulated is not the fault of a file.
-            let named =
-                |invalid: Invalid| Invalid { thing: format!("{} with {words}", invalid.thing), ..invalid };
-            self.run(vessel).map_err(|own| VoyageError::NoAnswer(named(own)))
+            let named = |e: Invalid| Invalid { thing: format!("{} with {words}", e.thing), ..e };
+            self.run(vessel).map_err(|refused| VoyageError::NoAnswer(named(refused)))
         };
         let all: Vec<_> = vessels.into_par_iter().map(one).collect();
         all.into_iter().collect()
     }
 
     /// Simulates a vessel.
-    ///
-    /// # Errors
-    /// A vessel that cannot be commanded; a simulation that diverges.
-    pub(super) fn run(&self, vessel: Vessel) -> Result<Run, Invalid> {
+    pub(super) fn run(&self, vessel: Vessel) -> Result<CheckedRun, Invalid> {
         let (clearance, brief) = (self.clearance, &self.prepared().brief);
         let open = if vessel.is_searched { clearance.open_to_compare() } else { clearance.open() };
         let mut passages = vec![open; self.legs.len()];
@@ -115,24 +104,24 @@ impl Checking<'_> {
         let capacity = self.nominal.samples.len() * 9 / 8;
         let mut track = vessel.is_drawn.then(|| Vec::with_capacity(capacity));
         let noise = self.noise(&vessel);
-        let ends = self.script.simulate(&vessel.parameters, vessel.unknown_m_s, noise, |own| {
-            if own.leg > leg {
+        let ends = self.script.simulate(&vessel.parameters, vessel.unknown_m_s, noise, |sample| {
+            if sample.leg > leg {
                 if !vessel.is_searched {
                     // Distances beyond the margin and the least one so far are irrelevant.
-                    passages[own.leg].clearance_m = passages[leg].clearance_m.max(margin_m);
+                    passages[sample.leg].clearance_m = passages[leg].clearance_m.max(margin_m);
                 }
-                leg = own.leg;
+                leg = sample.leg;
             }
-            clearance.add(&mut passages[own.leg], own.pose, own.informative);
+            clearance.add(&mut passages[sample.leg], sample.pose, sample.informative);
             samples += 1;
             if let Some(track) = &mut track {
-                track.push(Fix { leg: own.leg, pose: own.pose });
+                track.push(Fix { leg: sample.leg, pose: sample.pose });
             }
         })?;
-        Ok(Run {
+        Ok(CheckedRun {
             passage: passages.iter().fold(clearance.open(), |a, b| a.and(b)),
-            clearances_m: passages.iter().map(|own| own.clearance_m).collect(),
-            between_cells_m: passages.iter().filter_map(|own| own.between_cells_m).collect(),
+            clearances_m: passages.iter().map(|passage| passage.clearance_m).collect(),
+            between_cells_m: passages.iter().filter_map(|passage| passage.between_cells_m).collect(),
             is_aground_open_loop: !vessel.is_searched && self.is_aground_open_loop(&vessel),
             used: self.used(&ends),
             ends,
@@ -142,9 +131,9 @@ impl Checking<'_> {
         })
     }
 
-    fn noise(&self, vessel: &Vessel) -> Option<Noise> {
+    fn noise(&self, vessel: &Vessel) -> Option<RunNoise> {
         let kind = if vessel.is_searched { "searched" } else { "checked" };
-        Some(Noise { kind, round: self.round, run: vessel.noise })
+        Some(RunNoise { kind, round: self.round, run: vessel.noise })
     }
 
     fn is_aground_open_loop(&self, vessel: &Vessel) -> bool {
@@ -152,8 +141,8 @@ impl Checking<'_> {
         // Only running aground matters.
         open_loop.clearance_m = f64::MIN_POSITIVE;
         let noise = self.noise(vessel);
-        self.script.repeat(self.nominal, &vessel.parameters, vessel.unknown_m_s, noise, |own| {
-            self.clearance.add(&mut open_loop, own.pose, own.informative);
+        self.script.repeat(self.nominal, &vessel.parameters, vessel.unknown_m_s, noise, |sample| {
+            self.clearance.add(&mut open_loop, sample.pose, sample.informative);
             open_loop.clearance_m > 0.0
         });
         open_loop.clearance_m <= 0.0
@@ -197,16 +186,16 @@ pub(super) struct Drawn {
     pub track: Option<Vec<Fix>>,
 }
 
-impl From<Run> for Drawn {
-    fn from(run: Run) -> Self {
+impl From<CheckedRun> for Drawn {
+    fn from(run: CheckedRun) -> Self {
         let ends = [run.ends.len() as u64, run.ends_astray()];
         let used = run.most_used();
-        let Run { passage, is_aground_open_loop, seconds, track, .. } = run;
+        let CheckedRun { passage, is_aground_open_loop, seconds, track, .. } = run;
         Self { passage, is_aground_open_loop, ends, used, seconds, track }
     }
 }
 
-impl Run {
+impl CheckedRun {
     pub(super) fn ends_astray(&self) -> u64 {
         self.used.iter().filter(|used| used.part() > 1.0).count() as u64
     }
@@ -221,17 +210,12 @@ impl Run {
         step == 0 || self.used[step - 1].part() <= 1.0
     }
 
-    /// The steps that began within the tolerance and violated the margin or, `if_astray`, the tolerance, each with
-    /// its vessel.
-    pub(super) fn counter_examples(
-        &self,
-        checking: &Checking,
-        if_astray: bool,
-    ) -> Vec<(usize, SampledVessel)> {
+    /// The steps that began within the tolerance and violated the margin or, `if_astray`, the tolerance, each with its vessel.
+    pub(super) fn counter_examples(&self, checking: &Checking, astray: bool) -> Vec<(usize, SampledVessel)> {
         let margin_m = checking.prepared().brief.task.safety.margin_m;
         let failed = |step: &usize| {
             self.clearances_m[*step] < margin_m
-                || (if_astray && self.used[*step].part() > 1.0 && self.began_well(*step))
+                || (astray && self.used[*step].part() > 1.0 && self.began_well(*step))
         };
         let failures = (0..self.used.len()).filter(failed);
         failures.map(|step| (step, self.sampled_vessel(checking, step))).collect()
@@ -250,8 +234,94 @@ impl Run {
         SampledVessel {
             parameters: self.vessel.parameters.clone(),
             current_m_s: turned_back(self.vessel.unknown_m_s, heading),
-            off: [along, across, crate::grid::wrap(psi - heading)],
+            off: [along, across, crate::leg::wrap(psi - heading)],
             motion: [u - speed, v, r],
         }
+    }
+}
+
+/// Legs from their nodes (north, east), in order.
+pub(super) struct Script<'a> {
+    pub prepared: &'a Prepared,
+    pub legs: Vec<([f64; 2], &'a Leg)>,
+    pub start: Pose,
+    pub speed_m_s: f64,
+}
+
+/// The noise of a vessel's sensors, and of the changes of current and wind.
+#[derive(Clone, Copy)]
+pub(super) struct RunNoise {
+    /// What it is simulated for.
+    pub kind: &'static str,
+    /// In which round.
+    pub round: u32,
+    /// Its number.
+    pub run: u32,
+}
+
+impl RunNoise {
+    fn streams(&self, seed: u64, of: &str) -> Streams {
+        Streams::new(seed, &format!("{}-{of}-{}", self.kind, self.round))
+    }
+}
+
+impl Script<'_> {
+    /// Simulates a vessel with `parameters` in the known current and `unknown` (north, east); calls `record`
+    /// with every sample. Without `noise` sensors are exact, and current and wind do not change.
+    pub(super) fn simulate(
+        &self,
+        parameters: &[f64],
+        unknown: [f64; 2],
+        noise: Option<RunNoise>,
+        record: impl FnMut(Passing),
+    ) -> Result<Vec<End>, Invalid> {
+        let Prepared { brief, pieces, mirror, .. } = self.prepared;
+        let mut ship = self.ship(parameters, unknown, noise);
+        let mut autopilot = Autopilot::new(&brief.vessel, &brief.vessel.nominal, brief.task.handling);
+        if let Some(noise) = noise {
+            let streams = noise.streams(brief.seed, "sensors");
+            autopilot = autopilot.with_sensors(brief.task.sensors, streams, noise.run);
+        }
+        autopilot.known_current_m_s = brief.task.known_current_m_s;
+        let mirror = mirror.as_deref().unwrap_or_default();
+        Ok(simulate_legs(self.legs.iter().copied(), pieces, mirror, &mut ship, &mut autopilot, record)?)
+    }
+
+    /// The trajectory of a vessel with `parameters`.
+    pub(super) fn simulated(&self, parameters: &[f64], unknown: [f64; 2]) -> Result<Sailed, Invalid> {
+        let mut samples = Vec::new();
+        let ends = self.simulate(parameters, unknown, None, |passing| samples.push(passing.into()))?;
+        Ok(Sailed { samples, ends })
+    }
+
+    /// Repeats the inputs of a track, sample by sample, without corrections: calls `record` with every sample
+    /// until it returns false. `noise` as in [`Self::simulate`].
+    fn repeat(
+        &self,
+        nominal: &Sailed,
+        parameters: &[f64],
+        unknown: [f64; 2],
+        noise: Option<RunNoise>,
+        mut record: impl FnMut(Passing) -> bool,
+    ) {
+        let mut ship = self.ship(parameters, unknown, noise);
+        for sample in &nominal.samples {
+            let (pose, state, inputs) = (ship.pose, ship.state, &sample.inputs[..]);
+            if !record(Passing { leg: sample.leg, informative: sample.informative, pose, state, inputs }) {
+                return;
+            }
+            ship.step(inputs);
+        }
+    }
+
+    fn ship<'s>(&'s self, parameters: &[f64], unknown: [f64; 2], noise: Option<RunNoise>) -> Ship<'s> {
+        let brief = &self.prepared.brief;
+        let mut ship = Ship::new(&brief.vessel, parameters, self.start, self.speed_m_s);
+        ship.current_m_s = [0, 1].map(|d| brief.task.known_current_m_s[d] + unknown[d]);
+        ship.changing = noise.and_then(|noise| {
+            let streams = noise.streams(brief.seed, "changes");
+            brief.task.changes.of_run(streams, noise.run, brief.vessel.sample_rate_hz)
+        });
+        ship
     }
 }

@@ -1,11 +1,13 @@
 //! Clearance of the hull from charted obstacles, in continuous space.
 
-use chart::{Bounds, Distances, Invalid, Polygon, Raster};
+use chart::{Bounds, Distances, Polygon, Raster};
+use refusal::Invalid;
 use ship::engine::Pose;
 
 use super::error::VoyageError;
 use super::prepared::Prepared;
-use super::task::Task;
+use super::task::{Goal, Place, Task};
+use crate::lattice;
 
 /// How far beyond the lattice a hull's clearance is measured \[m\]. The chart is read farther than that.
 const BEYOND_M: f64 = 500.0;
@@ -16,8 +18,7 @@ const FINEST: u32 = 8;
 
 /// Distance of the hull from obstacles.
 pub struct Clearance {
-    /// Outline about the reference point, x forward, y to starboard \[m\], including the midpoints of its
-    /// sides.
+    /// Outline about the reference point, x forward, y to starboard \[m\], including the midpoints of its sides.
     pub outline: Vec<[f64; 2]>,
     /// Greatest distance of the outline from the reference point \[m\].
     pub radius_m: f64,
@@ -62,30 +63,26 @@ impl Cleared {
 
 impl Clearance {
     /// Rasters of the chart around the lattice, finer than those of the search.
-    pub(super) fn new(
-        prepared: &Prepared,
-        keep_going: &(dyn Fn() -> bool + Sync),
-    ) -> Result<Self, VoyageError> {
-        let task = &prepared.brief.task;
-        let (area, sight_m) = (task.raster(&prepared.grid).bounds(), sight_m(task));
-        let raster = prepared.clearance_raster()?;
-        let corners = task.hull.outline();
+    pub(super) fn new(plan: &Prepared, keep_going: &(dyn Fn() -> bool + Sync)) -> Result<Self, VoyageError> {
+        let task = &plan.brief.task;
+        let (area, sight_m) = (task.raster(&plan.grid).bounds(), sight_m(task));
+        let raster = plan.clearance_raster()?;
+        let hull = task.hull.outline();
         let between = |(a, b): (&[f64; 2], &[f64; 2])| [*a, [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0]];
-        let outline: Vec<[f64; 2]> =
-            corners.iter().zip(corners.iter().cycle().skip(1)).flat_map(between).collect();
+        let outline: Vec<[f64; 2]> = hull.iter().zip(hull.iter().cycle().skip(1)).flat_map(between).collect();
         let radius_m = outline.iter().map(|[x, y]| libm::hypot(*x, *y)).fold(0.0, f64::max);
-        let (chart, safety) = (&prepared.chart, &task.safety);
+        let (chart, safety) = (&plan.chart, &task.safety);
         let (transit, trial) = rayon::join(
             || Distances::in_transit(chart, raster, [safety.transit_depth_m, sight_m], keep_going),
             || {
                 let trial = || Distances::new(chart, raster, [safety.trial_depth_m, sight_m], keep_going);
-                prepared.has_waters_of_trials().then(trial).transpose()
+                plan.has_waters_of_trials().then(trial).transpose()
             },
         );
         let late = VoyageError::OutOfTime("the layout of the chart");
         let polygon = task.area.polygon(chart.plane());
         let (Some(transit), trial) = (transit?, trial?) else { return Err(late) };
-        let trial = trial.map(|own| own.ok_or(late)).transpose()?;
+        let trial = trial.map(|trial| trial.ok_or(late)).transpose()?;
         Ok(Self { outline, radius_m, transit, trial, area, polygon, sight_m })
     }
 
@@ -133,8 +130,8 @@ impl Clearance {
         let cell_m = obstacles.raster().cell_m;
         let far = obstacles.distance_m(pose.y, pose.x) - self.radius_m - 2.0 * cell_m;
         // Interpolated distances may be a cell less.
-        let nearest =
-            passage.between_cells_m.map_or(passage.clearance_m, |own| own.max(passage.clearance_m) + cell_m);
+        let least_m = passage.clearance_m;
+        let nearest = passage.between_cells_m.map_or(least_m, |between| between.max(least_m) + cell_m);
         let inside_m = self.inside_m(place, passage.left_area.then(|| obstacles.raster().bounds()));
         if far > nearest && inside_m >= 0.0 {
             passage.unseen_m = (far - nearest).min(inside_m);
@@ -146,12 +143,9 @@ impl Clearance {
             let distance_m = obstacles.distance_m(place[0], place[1]);
             passage.clearance_m = passage.clearance_m.min(distance_m);
             // Interpolated, it is at most a cell's diagonal less.
-            if let Some(own) = passage
-                .between_cells_m
-                .as_mut()
-                .filter(|between_cells_m| distance_m < **between_cells_m + 1.5 * cell_m)
-            {
-                *own = own.min(obstacles.between_cells_m(place[0], place[1]));
+            let between = passage.between_cells_m.as_mut();
+            if let Some(least) = between.filter(|least| distance_m < **least + 1.5 * cell_m) {
+                *least = least.min(obstacles.between_cells_m(place[0], place[1]));
             }
             let is_outside = || inside_m < 0.0 && self.inside_polygon_m(place) < 0.0;
             passage.left_area |= !self.area.contains(place) || is_outside();
@@ -183,8 +177,7 @@ fn sight_m(task: &Task) -> f64 {
     BEYOND_M + task.safety.margin_m
 }
 
-/// The finest raster over `bounds`, with cells that divide `cell_m`, of a reasonable size including
-/// `around_m`.
+/// The finest raster over `bounds`, with cells that divide `cell_m`, of a reasonable size including `around_m`.
 fn fine(bounds: &Bounds, cell_m: f64, around_m: f64) -> Result<Raster, Invalid> {
     let wide = bounds.grown(around_m);
     let cells =
@@ -197,4 +190,72 @@ fn fine(bounds: &Bounds, cell_m: f64, around_m: f64) -> Result<Raster, Invalid> 
 pub(super) fn cells_around(raster: &Raster, margin_m: f64) -> u128 {
     let around = 2 * ((margin_m / raster.cell_m).ceil() as u128 + 1);
     (raster.nx as u128 + around) * (raster.ny as u128 + around)
+}
+
+impl Prepared {
+    /// The node and heading level nearest to a place, in its speed mode (by default the slowest).
+    pub(super) fn pose(&self, key: &str, place: &Place) -> Result<lattice::Pose, Invalid> {
+        let [east, north] = self.chart.plane().to_plane(place.longitude_deg, place.latitude_deg);
+        let node = |at: f64, origin: f64| ((at - origin) / self.grid.cell_m).round();
+        let (i, j) = (node(east, self.grid.origin_m[0]), node(north, self.grid.origin_m[1]));
+        let inside = |n: f64, count: usize| n >= 0.0 && n < count as f64;
+        if !inside(i, self.grid.nx) || !inside(j, self.grid.ny) || !place.heading_deg.is_finite() {
+            let Place { longitude_deg, latitude_deg, heading_deg, .. } = place;
+            let value = format!("longitude {longitude_deg}, latitude {latitude_deg}, heading {heading_deg}");
+            let expected = "a place inside `area` and a compass heading";
+            return Err(refuse(key, &value, expected, "move it, or widen `area`"));
+        }
+        let grid_rad = place.heading_deg.to_radians() + self.chart.plane().north_rad([east, north]);
+        let level = self.grid.nearest_level(grid_rad);
+        let layer = self.grid.layer(level, self.mode(key, place)?);
+        Ok(lattice::Pose { i: i as usize, j: j as usize, layer })
+    }
+
+    fn mode(&self, key: &str, place: &Place) -> Result<usize, Invalid> {
+        let Some(name) = &place.mode else { return Ok(0) };
+        let names = || self.grid.modes.iter().map(|m| m.name.as_str()).collect::<Vec<_>>().join(", ");
+        self.grid.modes.iter().position(|m| m.name == *name).ok_or_else(|| {
+            refuse(&format!("{key}.mode"), &format!("`{name}`"), &names(), "name one of these")
+        })
+    }
+
+    /// Where the trial may end.
+    pub(super) fn goal(&self, goal: &Goal, start: lattice::Pose) -> Result<lattice::Goal, Invalid> {
+        match goal {
+            Goal::Any {} => Ok(lattice::Goal::Any),
+            Goal::Home {} => Ok(lattice::Goal::Poses(vec![start])),
+            Goal::Places { places } if places.is_empty() => {
+                Err(refuse("goal.places", "none", "at least one place", "add one, or take kind = \"any\""))
+            }
+            Goal::Places { places } => {
+                let poses = places.iter().map(|place| self.pose("goal.places", place));
+                Ok(lattice::Goal::Poses(poses.collect::<Result<_, _>>()?))
+            }
+        }
+    }
+
+    /// The true heading of a pose on the plane, from 0 to 360 \[deg\].
+    pub fn true_deg(&self, pose: Pose) -> f64 {
+        compass_deg(pose.psi - self.chart.plane().north_rad([pose.y, pose.x]))
+    }
+
+    /// A pose in words: its position in degrees, and its true heading.
+    pub(super) fn words(&self, pose: lattice::Pose) -> String {
+        let (level, _) = self.grid.level_and_mode(pose.layer);
+        let at = self.grid.pose(pose.i, pose.j, level);
+        let (longitude, latitude) = self.chart.plane().to_geographic([at.y, at.x]);
+        let part = |degrees: f64, side: char| format!("{:.4} {side}", degrees.abs());
+        let north = part(latitude, if latitude < 0.0 { 'S' } else { 'N' });
+        let east = part(longitude, if longitude < 0.0 { 'W' } else { 'E' });
+        format!("{north} {east} heading {:.0}°", self.true_deg(at).round() % 360.0)
+    }
+}
+
+fn refuse(key: &str, value: &str, expected: &str, remedy: &str) -> Invalid {
+    Invalid::new(format!("`{key}`"), value, expected, remedy)
+}
+
+/// A heading in degrees from 0 to 360.
+pub fn compass_deg(heading_rad: f64) -> f64 {
+    heading_rad.to_degrees().rem_euclid(360.0)
 }

@@ -1,15 +1,20 @@
 //! The information of a segment of a trajectory about the parameters: sums of lifted moments per degree of
 //! freedom, of a ship with forces that of her free numbers.
 
+use std::collections::BTreeMap;
+
 use numerics::{LANES, Lane};
 use refusal::Invalid;
 use regression::{Batch, Noise, moments};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use ship::engine::simulate_one;
 use ship::model::Vessel;
-
-use super::task::Brief;
 use trial::Piece;
 use trial::moments::ForcesPrediction;
+
+use super::error::VoyageError;
+use super::task::Brief;
 
 /// Σ φ̃ ζ̃ᵀ per degree of freedom, row-major; of a ship with forces one matrix Σ SᵀWS. The sums of two segments add up to
 /// those of both.
@@ -30,15 +35,12 @@ pub(super) struct Summing<'a> {
 
 impl Brief {
     /// How the information of its vessel is summed.
-    ///
-    /// # Errors
-    /// A ship with forces whose logs have no stated noise; noise that is stated where nothing weighs by it.
     pub(super) fn summing(&self) -> Result<Summing<'_>, Invalid> {
         let vessel = &self.vessel;
         let forces = match (&vessel.model.forces, self.task.measurement) {
             (None, None) => None,
-            (Some(_), Some(own)) => {
-                let noise = Noise { measurement: own.std(), current: 0.0 };
+            (Some(_), Some(assumed)) => {
+                let noise = Noise { measurement: assumed.std(), current: 0.0 };
                 Some(ForcesPrediction::of_nominal(vessel, noise)?)
             }
             (Some(_), None) => {
@@ -47,9 +49,9 @@ impl Brief {
                 return Err(Invalid::new("[measurement]", "none", expected, remedy));
             }
             (None, Some(_)) => {
-                let found = "noise of logs, and a vessel with terms per sample";
+                let both = "noise of logs, and a vessel with terms per sample";
                 let expected = "it of a ship with forces alone";
-                return Err(Invalid::new("[measurement]", found, expected, "leave it out"));
+                return Err(Invalid::new("[measurement]", both, expected, "leave it out"));
             }
         };
         Ok(Summing { vessel, forces })
@@ -71,8 +73,8 @@ impl Summing<'_> {
             Some(forces) => {
                 let prior = forces.prior_information();
                 let nothing = || vec![0.0; prior.len() * prior.len()];
-                let unwrap_or_else = forces.information(initial, &exogenous).unwrap_or_else(nothing);
-                MomentSums { degrees: vec![unwrap_or_else], prior }
+                let information = forces.information(initial, &exogenous).unwrap_or_else(nothing);
+                MomentSums { degrees: vec![information], prior }
             }
             None => self.lifted(initial, states, &exogenous),
         }
@@ -91,10 +93,9 @@ impl Summing<'_> {
             instrument_exogenous: &exogenous,
             segments: [&[0]; LANES],
         };
-        let found = moments(&batch).swap_remove(0);
-        let scale = found.samples as f64;
-        let degrees =
-            found.matrices.into_iter().map(|m| m.into_iter().map(|x| x * scale).collect()).collect();
+        let sums = moments(&batch).swap_remove(0);
+        let scale = sums.samples as f64;
+        let degrees = sums.matrices.into_iter().map(|m| m.into_iter().map(|x| x * scale).collect()).collect();
         MomentSums { degrees, prior: Vec::new() }
     }
 
@@ -117,17 +118,17 @@ impl MomentSums {
             self.degrees = other.degrees.iter().map(|m| vec![0.0; m.len()]).collect();
             self.prior = other.prior.clone();
         }
-        for (own, other) in self.degrees.iter_mut().zip(&other.degrees) {
-            own.iter_mut().zip(other).for_each(|(a, b)| *a += times * b);
+        for (matrix, other) in self.degrees.iter_mut().zip(&other.degrees) {
+            matrix.iter_mut().zip(other).for_each(|(a, b)| *a += times * b);
         }
     }
 
     /// The sums with what the priors know.
     fn with_prior(&self) -> Vec<Vec<f64>> {
         let mut all = self.degrees.clone();
-        for own in &mut all {
-            let n = own.len().isqrt();
-            self.prior.iter().enumerate().for_each(|(i, known)| own[i * n + i] += known);
+        for matrix in &mut all {
+            let n = matrix.len().isqrt();
+            self.prior.iter().enumerate().for_each(|(i, known)| matrix[i * n + i] += known);
         }
         all
     }
@@ -152,7 +153,7 @@ impl MomentSums {
 
     /// tr(M⁻¹ M_other)/p over all degrees of freedom: the share of `other` in this sum, if it is part of it. With priors M has
     /// them, and p is tr(M⁻¹ M_own) of what was sailed alone. `None` where a direction is not excited.
-    pub(super) fn share_of(&self, other: &Self) -> Option<f64> {
+    fn share_of(&self, other: &Self) -> Option<f64> {
         if !self.log_det().is_finite() {
             return None;
         }
@@ -163,13 +164,13 @@ impl MomentSums {
     /// tr(M⁻¹ M_other) with the priors in M.
     fn trace_with(&self, other: &Self) -> Option<f64> {
         let all = self.with_prior();
-        let traces = all.iter().zip(&other.degrees).map(|(own, other)| {
-            let n = own.len().isqrt();
+        let traces = all.iter().zip(&other.degrees).map(|(matrix, other)| {
+            let n = matrix.len().isqrt();
             // Scaled as for the determinant: that leaves the trace as it is.
-            let size: Vec<f64> = (0..n).map(|i| own[i * n + i].abs().sqrt()).collect();
+            let size: Vec<f64> = (0..n).map(|i| matrix[i * n + i].abs().sqrt()).collect();
             let scaled =
                 |m: &[f64]| -> Vec<f64> { (0..n * n).map(|k| m[k] / (size[k / n] * size[k % n])).collect() };
-            let (mut a, mut solved) = (scaled(own), scaled(other));
+            let (mut a, mut solved) = (scaled(matrix), scaled(other));
             numerics::solve(n, &mut a, &mut solved)?;
             Some(solved.iter().step_by(n + 1).sum::<f64>())
         });
@@ -186,3 +187,82 @@ impl MomentSums {
 /// with forces for each number.
 const LEAST: f64 = -60.0;
 const LEAST_OF_FORCES: f64 = -10.0;
+
+/// The planned information of the maneuvers that are done, of that of all in the plan, by the D-criterion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Gathered {
+    /// Σ of the shares of what is done: 1 where all is, whatever priors know. Absent where the whole plan leaves a direction unexcited.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub share: Option<f64>,
+    /// exp((log|det| of what is done − that of the plan)/p): 0 until every direction is excited, 1 where all is done.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub efficiency: Option<f64>,
+    /// p.
+    pub dimension: u64,
+    /// Every maneuver of the plan.
+    pub maneuvers: Vec<GatheredManeuver>,
+}
+
+/// A maneuver of a plan.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GatheredManeuver {
+    /// Its name.
+    pub name: String,
+    /// Its uses in the plan.
+    pub planned: u64,
+    /// Those that are done.
+    pub done: u64,
+    /// tr(M⁻¹ M_q)/p of all its uses in the plan, with the information M of all maneuvers: what the D-criterion grows by, to
+    /// first order. With priors, which M then has, p is tr(M⁻¹ M_q) summed over the maneuvers. Absent as above.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub share: Option<f64>,
+}
+
+impl Brief {
+    /// The planned information of `done` uses of maneuvers, of that of the `planned` ones: each use adds the moments of its
+    /// piece, by the nominal model in still water.
+    ///
+    /// # Errors
+    /// A planned maneuver that the task or the dictionary lacks.
+    pub fn gathered(
+        &self,
+        planned: &BTreeMap<String, u64>,
+        done: &BTreeMap<String, u64>,
+    ) -> Result<Gathered, VoyageError> {
+        let (wanted, summing) = (self.wanted()?, self.summing()?);
+        let mut summed: Vec<(MomentSums, GatheredManeuver)> = Vec::new();
+        for (name, count) in planned {
+            let Some(super::Wanted { piece, .. }) = wanted.iter().find(|one| one.piece.maneuver == *name)
+            else {
+                let known = wanted.iter().map(|one| one.piece.maneuver.clone()).collect();
+                return Err(VoyageError::UnknownManeuver { name: name.clone(), known });
+            };
+            let done = done.get(name).copied().unwrap_or(0);
+            let maneuver = GatheredManeuver { name: name.clone(), planned: *count, done, share: None };
+            summed.push((summing.of_piece(piece), maneuver));
+        }
+        Ok(of_pieces(summed))
+    }
+}
+
+/// Of the moments of one use of each maneuver.
+fn of_pieces(mut gathered: Vec<(MomentSums, GatheredManeuver)>) -> Gathered {
+    let (mut all, mut so_far) = (MomentSums::default(), MomentSums::default());
+    for (moments, maneuver) in &gathered {
+        all.add(moments, maneuver.planned as f64);
+        so_far.add(moments, maneuver.done as f64);
+    }
+    for (moments, maneuver) in &mut gathered {
+        maneuver.share = all.share_of(moments).map(|share| share * maneuver.planned as f64);
+    }
+    let part = |one: &GatheredManeuver| Some(one.share? * one.done as f64 / one.planned.max(1) as f64);
+    let efficiency = libm::exp((so_far.log_det() - all.log_det()) / all.dimension() as f64);
+    Gathered {
+        share: gathered.iter().map(|(_, maneuver)| part(maneuver)).sum(),
+        efficiency: Some(efficiency).filter(|ratio| ratio.is_finite()),
+        dimension: all.dimension() as u64,
+        maneuvers: gathered.into_iter().map(|(_, maneuver)| maneuver).collect(),
+    }
+}

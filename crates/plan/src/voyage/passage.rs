@@ -1,10 +1,13 @@
 //! The passage of a plan, as on a bridge.
 
+use std::f64::consts::TAU;
+use std::ops::Range;
+
 use chart::Plane;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::tide::Tide;
+use crate::BASIC_MOVES;
 
 /// The voyage as a bridge plans it: courses from waypoint to waypoint. Straight moves on one course are one leg; a turn under
 /// way is a waypoint where its two courses cross.
@@ -97,4 +100,233 @@ impl Passage {
         };
         self.legs.iter().map(corridor).collect()
     }
+}
+
+/// A row of a tide table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TideRow {
+    /// Seconds since 1970, UTC.
+    pub at_s: f64,
+    /// Height of the water over the chart's datum \[m\].
+    pub level_m: f64,
+    /// North and east components of the stream \[m/s\].
+    pub stream_m_s: [f64; 2],
+}
+
+/// What the tide is at worst from the departure until the trial has to be over.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Tide {
+    /// When the trial has to be over, after its departure \[s\].
+    pub slot_s: f64,
+    /// Least height of the water over the chart's datum \[m\]: charted depths count with it.
+    pub level_m: f64,
+    /// Middle of the stream, north and east \[m/s\]: it joins the known current.
+    pub stream_m_s: [f64; 2],
+    /// Farthest that the stream is from its middle \[m/s\]: it joins the unknown current.
+    pub spread_m_s: f64,
+}
+
+/// North and east of a current of `speed_m_s` towards a compass direction \[m/s\].
+pub fn current_m_s(speed_m_s: f64, towards_deg: f64) -> [f64; 2] {
+    let (sin, cos) = libm::sincos(towards_deg.to_radians());
+    [speed_m_s * cos, speed_m_s * sin]
+}
+
+impl Tide {
+    /// The worst case of a table of ascending times, interpolated linearly, over `slot_s` from `departure_s`.
+    /// `None` where the table does not cover it.
+    pub fn worst(table: &[TideRow], departure_s: f64, slot_s: f64) -> Option<Self> {
+        let ends = [departure_s, departure_s + slot_s];
+        let inner = table.iter().filter(|row| ends[0] < row.at_s && row.at_s < ends[1]).copied();
+        let all: Vec<TideRow> = [at(table, ends[0])?, at(table, ends[1])?].into_iter().chain(inner).collect();
+        let level_m = all.iter().map(|row| row.level_m).fold(f64::INFINITY, f64::min);
+        let stream_m_s = [0, 1].map(|c: usize| {
+            let of = all.iter().map(|row| row.stream_m_s[c]);
+            0.5 * (of.clone().fold(f64::INFINITY, f64::min) + of.fold(f64::NEG_INFINITY, f64::max))
+        });
+        let off =
+            |row: &TideRow| libm::hypot(row.stream_m_s[0] - stream_m_s[0], row.stream_m_s[1] - stream_m_s[1]);
+        Some(Self { slot_s, level_m, stream_m_s, spread_m_s: all.iter().map(off).fold(0.0, f64::max) })
+    }
+}
+
+/// The table interpolated at a time within it.
+fn at(table: &[TideRow], at_s: f64) -> Option<TideRow> {
+    let later = table.iter().position(|row| row.at_s >= at_s)?;
+    let after = table[later];
+    if after.at_s == at_s {
+        return Some(after);
+    }
+    let before = table[later.checked_sub(1)?];
+    let part = (at_s - before.at_s) / (after.at_s - before.at_s);
+    let between = |a: f64, b: f64| a + part * (b - a);
+    Some(TideRow {
+        at_s,
+        level_m: between(before.level_m, after.level_m),
+        stream_m_s: [0, 1].map(|c: usize| between(before.stream_m_s[c], after.stream_m_s[c])),
+    })
+}
+
+// Sunrise and sunset, by the low-precision formulas of the Astronomical Almanac: to 0.01° from 1950 to 2050.
+
+/// Elevation of the sun's centre when its upper edge rises or sets in usual refraction \[deg\].
+const HORIZON_DEG: f64 = -0.833;
+/// 2000-01-01 12:00 \[s since 1970, UTC\].
+const J2000_S: f64 = 946_728_000.0;
+const DAY_S: f64 = 86_400.0;
+/// Steps towards noon, sunrise and sunset: each leaves about a hundredth of the error.
+const STEPS: u32 = 6;
+
+/// The daylight of the day whose noon is nearest to a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Daylight {
+    /// From sunrise to sunset \[s since 1970, UTC\].
+    Between([f64; 2]),
+    /// All day.
+    Always,
+    /// Never on this day.
+    Never,
+}
+
+impl Daylight {
+    /// At a longitude and latitude \[deg\], on the day of `at_s` \[s since 1970, UTC\].
+    pub fn of([lon_deg, lat_deg]: [f64; 2], at_s: f64) -> Self {
+        let lon = lon_deg.to_radians();
+        let when = |target: &dyn Fn(f64) -> f64, from_s: f64| {
+            (0..STEPS).fold(from_s, |at_s, _| {
+                let ahead = libm::remainder(hour_angle(lon, at_s) - target(at_s), TAU);
+                at_s - ahead / TAU * DAY_S
+            })
+        };
+        let noon_s = when(&|_| 0.0, at_s);
+        let cosine = |at_s: f64| {
+            let (declination, lat) = (sun(at_s)[0], lat_deg.to_radians());
+            let up = libm::sin(HORIZON_DEG.to_radians()) - libm::sin(lat) * libm::sin(declination);
+            up / (libm::cos(lat) * libm::cos(declination))
+        };
+        match cosine(noon_s) {
+            high if high >= 1.0 => Self::Never,
+            low if low <= -1.0 => Self::Always,
+            _ => {
+                let half = |at_s: f64| libm::acos(cosine(at_s).clamp(-1.0, 1.0));
+                Self::Between([when(&|at_s| -half(at_s), noon_s), when(&half, noon_s)])
+            }
+        }
+    }
+}
+
+/// The hour angle of the sun west of the meridian of `lon` \[rad\].
+fn hour_angle(lon: f64, at_s: f64) -> f64 {
+    let days = (at_s - J2000_S) / DAY_S;
+    let greenwich_deg = 280.460_618_37 + 360.985_647_366_29 * days;
+    libm::remainder(greenwich_deg.to_radians() + lon - sun(at_s)[1], TAU)
+}
+
+/// Declination and right ascension of the sun \[rad\].
+fn sun(at_s: f64) -> [f64; 2] {
+    let days = (at_s - J2000_S) / DAY_S;
+    let anomaly = (357.528 + 0.985_600_3 * days).to_radians();
+    let centre_deg = 1.915 * libm::sin(anomaly) + 0.020 * libm::sin(2.0 * anomaly);
+    let longitude = (280.460 + 0.985_647_4 * days + centre_deg).to_radians();
+    let obliquity = (23.439 - 4e-7 * days).to_radians();
+    let (sin, cos) = libm::sincos(longitude);
+    [libm::asin(libm::sin(obliquity) * sin), libm::atan2(libm::cos(obliquity) * sin, cos)]
+}
+
+/// Courses that differ by less are one \[rad\].
+const ONE_COURSE_RAD: f64 = 1e-6;
+
+/// A leg of the passage under construction; positions are north and east \[m\].
+pub struct Draft {
+    /// The move, or the maneuver.
+    pub what: String,
+    /// Whether it is an informative maneuver.
+    pub informative: bool,
+    /// Whether it may be extended.
+    pub straight: bool,
+    /// Steps of the plan on this leg, some of them in part, and those at its waypoint.
+    pub steps: Range<usize>,
+    /// The place where it begins.
+    pub from: [f64; 2],
+    /// The place where it ends.
+    pub to: [f64; 2],
+    /// Radius of the turn at its end, if it turns under way \[m\].
+    pub turn_radius_m: Option<f64>,
+    /// Samples of the nominal track.
+    pub samples: Range<usize>,
+    /// What is done at its end.
+    pub then: Vec<String>,
+    /// The sample at which the ship leaves its end.
+    pub leaves: usize,
+}
+
+/// The line between the waypoints of a leg, north and east \[m\].
+pub struct Line {
+    from: [f64; 2],
+    /// Sine and cosine of its course.
+    turned: (f64, f64),
+    /// Its length \[m\].
+    pub length_m: f64,
+}
+
+/// The move that goes straight ahead.
+pub const STRAIGHT: &str = BASIC_MOVES[0];
+
+/// Appends `next` to the legs in `all`, or extends the last leg by it if both go straight on one course.
+pub fn append_leg(all: &mut Vec<Draft>, next: Draft) {
+    let Some(last) = all.last_mut() else { return all.push(next) };
+    let turned = libm::remainder(next.course() - last.course(), std::f64::consts::TAU).abs();
+    let on = last.straight && next.straight && last.turn_radius_m.is_none() && last.then.is_empty();
+    if !on || turned > ONE_COURSE_RAD {
+        return all.push(next);
+    }
+    last.to = next.to;
+    last.steps.end = next.steps.end;
+    (last.samples.end, last.leaves) = (next.samples.end, next.leaves);
+    last.turn_radius_m = next.turn_radius_m;
+}
+
+impl Draft {
+    fn course(&self) -> f64 {
+        libm::atan2(self.to[1] - self.from[1], self.to[0] - self.from[0])
+    }
+
+    /// The line between its waypoints.
+    pub fn line(&self) -> Line {
+        Line::between(self.from, self.to)
+    }
+}
+
+impl Line {
+    /// The line between two places.
+    pub fn between(from: [f64; 2], to: [f64; 2]) -> Self {
+        let course = libm::atan2(to[1] - from[1], to[0] - from[0]);
+        Self { from, turned: libm::sincos(course), length_m: distance(from, to) }
+    }
+
+    /// North and east of the place with these coordinates along the line and to starboard of it.
+    pub fn place(&self, [along, across]: [f64; 2]) -> [f64; 2] {
+        let (sin, cos) = self.turned;
+        [self.from[0] + along * cos - across * sin, self.from[1] + along * sin + across * cos]
+    }
+
+    /// The coordinates along the line and to starboard of it.
+    pub fn along(&self, [north, east]: [f64; 2]) -> [f64; 2] {
+        let (sin, cos) = self.turned;
+        let [north, east] = [north - self.from[0], east - self.from[1]];
+        [north * cos + east * sin, east * cos - north * sin]
+    }
+
+    /// Distance from the line between the waypoints \[m\].
+    pub fn away(&self, place: [f64; 2]) -> f64 {
+        let [along, across] = self.along(place);
+        let beyond = along - along.clamp(0.0, self.length_m);
+        libm::hypot(beyond, across)
+    }
+}
+
+/// The distance of two places \[m\].
+pub(super) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    libm::hypot(a[0] - b[0], a[1] - b[1])
 }

@@ -5,9 +5,8 @@ use std::ops::Range;
 use chart::Dangers;
 use chart::route::{Route, Timestamp, Waypoint};
 
-use super::drafts::{Draft, Line, STRAIGHT, append_leg, distance};
-use super::passage::{NearestDanger, Passage, PassageLeg};
-use super::sailed_plan::SailedPlan;
+use super::passage::{Draft, Line, NearestDanger, Passage, PassageLeg, STRAIGHT, append_leg, distance};
+use super::sailing::SailedPlan;
 use crate::{Fix, Phase, Sample, Side};
 
 /// Waypoints that are nearer than this are one \[m\].
@@ -15,54 +14,40 @@ const ONE_PLACE_M: f64 = 1.0;
 /// Least distance of the positions of a track from which dangers are searched \[m\].
 const LOOKOUT_M: f64 = 5.0;
 
-/// What is done before the first leg, and the sample at which the ship leaves.
-#[derive(Default)]
-struct Before {
-    what: Vec<String>,
-    leaves: usize,
-}
-
 impl SailedPlan<'_> {
     /// The passage from waypoint to waypoint, as wide as the tracks of the check.
     pub fn passage(&self) -> Passage {
-        let mut before = Before::default();
-        let drafts = self.drafts(&mut before);
+        let (drafts, before, leaves) = self.drafts();
         let rate_hz = self.prepared.brief.vessel.sample_rate_hz;
         let start = self.solved.solution.steps.first().map_or([0.0; 2], |step| self.prepared.node(step.from));
         let (longitude_deg, latitude_deg) = self.geographic(start);
         let dangers = self.prepared.chart.dangers(self.prepared.brief.task.safety.transit_depth_m);
-        let mut legs: Vec<PassageLeg> =
-            drafts.iter().map(|draft| self.passage_leg(draft, &dangers)).collect();
+        let mut legs: Vec<PassageLeg> = drafts.iter().map(|one| self.passage_leg(one, &dangers)).collect();
         for ([port, starboard], leg) in self.widths(&drafts, &dangers).into_iter().zip(&mut legs) {
             (leg.xtd_port_m, leg.xtd_starboard_m) = (port, starboard);
         }
         let departure = self.prepared.brief.task.departure.and_then(|at| Timestamp::from_second(at).ok());
         let departure = departure.map(|at| at.to_string());
         let tide = self.prepared.brief.task.tide;
-        let leave_s = before.leaves as f64 / rate_hz;
-        Passage { departure, tide, longitude_deg, latitude_deg, before: before.what, leave_s, legs }
+        let leave_s = leaves as f64 / rate_hz;
+        Passage { departure, tide, longitude_deg, latitude_deg, before, leave_s, legs }
     }
 
     fn geographic(&self, [north, east]: [f64; 2]) -> (f64, f64) {
         self.prepared.chart.plane().to_geographic([east, north])
     }
 
-    /// The legs of the steps. Steps that end where they begin are listed at their waypoint: at the first one
-    /// in `before`.
-    fn drafts(&self, before: &mut Before) -> Vec<Draft> {
-        let mut all: Vec<Draft> = Vec::new();
-        let mut sample = 0;
+    /// The legs of the steps. Steps that end where they begin are listed at their waypoint: those at the first one beside the
+    /// legs, with the sample at which the ship leaves it.
+    fn drafts(&self) -> (Vec<Draft>, Vec<String>, usize) {
+        let (mut all, mut before, mut leaves, mut sample) = (Vec::<Draft>::new(), Vec::new(), 0, 0);
         for (k, step) in self.solved.solution.steps.iter().enumerate() {
             let samples = sample..sample + self.sailing.sailed.samples.iter().filter(|s| s.leg == k).count();
             sample = samples.end;
             let (from, to) = (self.prepared.node(step.from), self.prepared.node(step.to));
             let leg = &self.prepared.legs[self.sailing.legs[k]];
             let side = leg.leg.purpose.side();
-            let what = if side == Some(Side::Mirrored) {
-                format!("{} (mirrored)", leg.name)
-            } else {
-                leg.name.clone()
-            };
+            let what = leg.name.clone() + if side == Some(Side::Mirrored) { " (mirrored)" } else { "" };
             if distance(from, to) < ONE_PLACE_M {
                 // Deviations at a waypoint count for the leg that leads there.
                 match all.last_mut() {
@@ -70,10 +55,7 @@ impl SailedPlan<'_> {
                         last.then.push(what);
                         (last.steps.end, last.leaves) = (k + 1, samples.end);
                     }
-                    None => {
-                        before.what.push(what);
-                        before.leaves = samples.end;
-                    }
+                    None => (leaves, ()) = (samples.end, before.push(what)),
                 }
                 continue;
             }
@@ -109,16 +91,15 @@ impl SailedPlan<'_> {
                 None => append_leg(&mut all, straight(&what, from, to, samples)),
             }
         }
-        all
+        (all, before, leaves)
     }
 
     /// The intersection of the courses at both ends of a step, if it turns under way, and the turn's radius.
     fn corner(&self, k: usize) -> Option<([f64; 2], f64)> {
         let (grid, step) = (&self.prepared.grid, &self.solved.solution.steps[k]);
         let leg = &self.prepared.legs[self.sailing.legs[k]].leg;
-        let radius =
-            |phase: &Phase| if let Phase::Arc { radius_m, .. } = phase { Some(*radius_m) } else { None };
-        let radius_m = leg.phases.iter().find_map(radius)?;
+        let of = |phase: &Phase| if let Phase::Arc { radius_m, .. } = phase { Some(*radius_m) } else { None };
+        let radius_m = leg.phases.iter().find_map(of)?;
         let [a, b] = [leg.from, leg.to].map(|layer| grid.heading_rad(grid.level_and_mode(layer).0));
         let (from, to) = (self.prepared.node(step.from), self.prepared.node(step.to));
         let [north, east] = [to[0] - from[0], to[1] - from[1]];
@@ -166,18 +147,17 @@ impl SailedPlan<'_> {
     }
 
     fn passage_leg(&self, draft: &Draft, dangers: &Dangers) -> PassageLeg {
-        let ends = [draft.from, draft.to].map(|place| {
-            let (lon_deg, lat_deg) = self.geographic(place);
-            Waypoint { lon_deg, lat_deg, ..Waypoint::default() }
-        });
-        let (longitude_deg, latitude_deg) = (ends[1].lon_deg, ends[1].lat_deg);
-        let line = Route { waypoints: ends.into(), ..Route::default() };
+        let (longitude_deg, latitude_deg) = self.geographic(draft.to);
+        let line = self.route([draft.from, draft.to]);
         let rate_hz = self.prepared.brief.vessel.sample_rate_hz;
         let places = self.places(&draft.samples);
+        let bearing_deg = |between: [[f64; 2]; 2]| {
+            self.route(between.map(|[east, north]| [north, east])).course_deg(0).unwrap_or(0.0)
+        };
         let nearest = dangers.nearest(&places).map(|nearest| NearestDanger {
             what: nearest.called.to_string(),
             distance_m: nearest.distance_m,
-            bearing_deg: self.bearing_deg(nearest.between),
+            bearing_deg: bearing_deg(nearest.between),
         });
         let task = &self.prepared.brief.task;
         let least_depth_m = self.prepared.chart.least_depth_m(&places);
@@ -203,14 +183,13 @@ impl SailedPlan<'_> {
         }
     }
 
-    /// The true bearing of one place from another, both east and north \[m\].
-    fn bearing_deg(&self, places: [[f64; 2]; 2]) -> f64 {
+    /// From one place to another, both north and east \[m\].
+    fn route(&self, places: [[f64; 2]; 2]) -> Route {
         let waypoint = |place: [f64; 2]| {
-            let (lon_deg, lat_deg) = self.prepared.chart.plane().to_geographic(place);
+            let (lon_deg, lat_deg) = self.geographic(place);
             Waypoint { lon_deg, lat_deg, ..Waypoint::default() }
         };
-        let line = Route { waypoints: places.map(waypoint).into(), ..Route::default() };
-        line.course_deg(0).unwrap_or(0.0)
+        Route { waypoints: places.map(waypoint).into(), ..Route::default() }
     }
 
     /// East and north of the nominal track, thinned for the search for dangers.
@@ -230,10 +209,10 @@ impl SailedPlan<'_> {
     /// Mean speed along the nominal track.
     fn speed_m_s(&self, samples: &Range<usize>) -> f64 {
         let all = &self.sailing.sailed.samples;
-        let own = &all[samples.start..(samples.end + 1).min(all.len())];
+        let of_step = &all[samples.start..(samples.end + 1).min(all.len())];
         let place = |s: &Sample| [s.pose.x, s.pose.y];
-        let way: f64 = own.windows(2).map(|pair| distance(place(&pair[0]), place(&pair[1]))).sum();
-        let seconds = own.len().saturating_sub(1) as f64 / self.prepared.brief.vessel.sample_rate_hz;
+        let way: f64 = of_step.windows(2).map(|pair| distance(place(&pair[0]), place(&pair[1]))).sum();
+        let seconds = of_step.len().saturating_sub(1) as f64 / self.prepared.brief.vessel.sample_rate_hz;
         if seconds > 0.0 { way / seconds } else { 0.0 }
     }
 
@@ -262,7 +241,7 @@ impl SailedPlan<'_> {
                 .map(|k| line.place([line.length_m * k as f64 / steps as f64, aside]))
                 .map(|[north, east]| [east, north])
                 .collect();
-            let left_m = dangers.nearest(&places).map_or(f64::INFINITY, |own| own.distance_m) - half_m;
+            let left_m = dangers.nearest(&places).map_or(f64::INFINITY, |danger| danger.distance_m) - half_m;
             // Places between those that are tried are no farther from them than half a step.
             if left_m <= 0.5 * LOOKOUT_M {
                 break;
@@ -278,9 +257,9 @@ impl SailedPlan<'_> {
         let lines: Vec<Line> = drafts.iter().map(Draft::line).collect();
         for fix in fixes {
             let place = [fix.pose.x, fix.pose.y];
-            let own = drafts.iter().enumerate().filter(|(_, own)| own.steps.contains(&fix.leg));
-            let own = own.map(|(index, _)| index);
-            let nearest = own.min_by(|a, b| lines[*a].away(place).total_cmp(&lines[*b].away(place)));
+            let near = drafts.iter().enumerate().filter(|(_, draft)| draft.steps.contains(&fix.leg));
+            let indices = near.map(|(index, _)| index);
+            let nearest = indices.min_by(|a, b| lines[*a].away(place).total_cmp(&lines[*b].away(place)));
             let index = nearest.unwrap_or(0);
             if let Some(line) = lines.get(index) {
                 let across = line.along(place)[1];

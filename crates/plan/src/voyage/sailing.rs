@@ -1,19 +1,22 @@
 //! The plan in continuous space: simulated, checked against the chart, with its information.
 
-use crate::lattice::{Problem, Solution};
+use std::ops::Range;
+
 use refusal::Invalid;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use trial::Piece;
 
 use super::check::{Check, Checked};
-use super::check_run::Checking;
+use super::check_run::{Checking, Script};
 use super::clearance::Clearance;
-use super::error::VoyageError;
-use super::information::Information;
-use super::moves::Moves;
+use super::error::{Search, VoyageError};
+use super::moment_sums::{MomentSums, Summing};
 use super::prepared::Prepared;
-use super::script::Script;
-use super::search::Search;
-use super::solve::Solved;
+use super::solve::{Moves, Solved};
 use super::task::Slot;
+use crate::lattice::{Problem, Solution};
+use crate::leg::turned_back;
 use crate::{Fix, Sailed, SampledVessel};
 
 /// Most searches for a plan that passes its check.
@@ -58,14 +61,10 @@ impl Round {
     /// The counter-examples by leg, and the rest of the round. The waters are dropped, since they need most
     /// memory and can be computed again.
     fn ended(self) -> (Vec<(usize, SampledVessel)>, Last) {
-        let Self { number, solved: Solved { moves, problem, solution, .. }, sailing, counter_examples } =
-            self;
-        let counter_examples = counter_examples
-            .into_iter()
-            .take(MOST_COUNTER_EXAMPLES)
-            .map(|(step, who)| (sailing.legs[step], who))
-            .collect();
-        (counter_examples, Last { number, moves, problem, solution })
+        let Solved { moves, problem, solution, .. } = self.solved;
+        let kept = self.counter_examples.into_iter().take(MOST_COUNTER_EXAMPLES);
+        let by_leg = kept.map(|(step, who)| (self.sailing.legs[step], who)).collect();
+        (by_leg, Last { number: self.number, moves, problem, solution })
     }
 }
 
@@ -90,8 +89,8 @@ impl Prepared {
             // It stays in memory only if it may be returned.
             let last = keep_unsafe.then_some(last);
             let kept = last.as_ref().map_or(0, |last| self.last_bytes(&last.moves, &counter_examples));
-            let next_round =
-                self.again(counter_examples, (next, keep_unsafe), &clearance, &search.reserving(kept));
+            let search_left = search.reserving(kept);
+            let next_round = self.next_round(counter_examples, (next, keep_unsafe), &clearance, &search_left);
             round = match (next_round, last) {
                 (Ok(round), _) => round,
                 (Err(_), Some(last)) => return self.simulate_again(last, &clearance, search),
@@ -114,9 +113,8 @@ impl Prepared {
         Ok((solved, sailing))
     }
 
-    /// A round after the counter-examples `counter_examples`, by leg; if it has no plan, they are removed again if
-    /// `keep`.
-    fn again(
+    /// A round after `counter_examples`, by leg; if it has no plan, they are removed again if `keep`.
+    fn next_round(
         &mut self,
         counter_examples: Vec<(usize, SampledVessel)>,
         (number, keep): (u32, bool),
@@ -153,8 +151,7 @@ impl Prepared {
         (round, is_last): (u32, bool),
         search: &Search,
     ) -> Result<(Sailing, Vec<(usize, SampledVessel)>), VoyageError> {
-        let legs: Vec<usize> =
-            solved.solution.steps.iter().map(|step| solved.moves.leg_of_step(step)).collect();
+        let legs: Vec<usize> = solved.solution.steps.iter().map(|at| solved.moves.leg_of_step(at)).collect();
         let script = self.script(solved, &legs);
         let sailed = script.simulated(&self.brief.vessel.nominal, [0.0; 2])?;
         let left = self.within_check(&solved.moves, (round, sailed.samples.len()), search)?;
@@ -177,9 +174,7 @@ impl Prepared {
             speed_m_s: self.grid.modes[mode].speed_m_s,
         }
     }
-}
 
-impl Prepared {
     /// Refuses a trial that exceeds its slot, or that of its tide.
     ///
     /// # Errors
@@ -197,4 +192,104 @@ impl Prepared {
             "begin earlier, request fewer maneuvers, or minimise `seconds`",
         )))
     }
+}
+
+/// log|det| of the information, per the nominal model; none where a direction is not excited at all.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Information {
+    /// Promised by the counts: each use adds the moments of its piece.
+    pub predicted_log_det: Option<f64>,
+    /// Of the informative parts of the trajectory actually sailed.
+    pub realised_log_det: Option<f64>,
+    /// The same, with everything between them. None of a ship with forces: simulated without her autopilot for minutes, an
+    /// unstable one would seem to tell of her numbers without bound.
+    pub whole_log_det: Option<f64>,
+    /// exp((realised − predicted)/p).
+    pub efficiency: Option<f64>,
+    /// exp((predicted − optimum)/p) for the design's shares over the same time, where a design was given.
+    pub design_efficiency: Option<f64>,
+    /// p.
+    pub dimension: u64,
+}
+
+impl Prepared {
+    /// The information of `sailed`, against the prediction of its `legs`.
+    fn information_of_plan(&self, legs: &[usize], sailed: &Sailed) -> Result<Information, Invalid> {
+        let summing = self.brief.summing()?;
+        let predicted = self.promised(legs);
+        let mut realised = MomentSums::default();
+        let mut start = 0;
+        for part in sailed.samples.chunk_by(|a, b| a.leg == b.leg && a.informative == b.informative) {
+            let end = start + part.len();
+            if part[0].informative {
+                realised.add(&self.information_of(&summing, sailed, start..end), 1.0);
+            }
+            start = end;
+        }
+        let known = |x: f64| Some(x).filter(|x| x.is_finite());
+        let whole = || self.information_of(&summing, sailed, 0..sailed.samples.len()).log_det();
+        let (promise, information, p) = (predicted.log_det(), realised.log_det(), predicted.dimension());
+        Ok(Information {
+            predicted_log_det: known(promise),
+            realised_log_det: known(information),
+            whole_log_det: (!summing.is_of_forces()).then(whole).and_then(known),
+            efficiency: known(libm::exp((information - promise) / p as f64)),
+            design_efficiency: self.design_efficiency(&summing, legs, &predicted),
+            dimension: p as u64,
+        })
+    }
+
+    /// The pieces of the informative ones among `legs`.
+    fn pieces_of<'a>(&'a self, legs: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
+        legs.iter().filter_map(|leg| self.legs[*leg].leg.purpose.piece())
+    }
+
+    fn promised(&self, legs: &[usize]) -> MomentSums {
+        let mut promised = MomentSums::default();
+        self.pieces_of(legs).for_each(|piece| promised.add(&self.information[piece], 1.0));
+        promised
+    }
+
+    /// The information of a segment; of a ship with forces as she moves through the water, which the known current only carries.
+    fn information_of(&self, summing: &Summing, sailed: &Sailed, range: Range<usize>) -> MomentSums {
+        let sample = &sailed.samples[range.clone()];
+        let inputs: Vec<f64> = sample.iter().flat_map(|s| s.inputs.iter().copied()).collect();
+        let after = sailed.samples.get(range.end).map(|s| s.state);
+        let after = after.or(sailed.ends.last().map(|(_, state)| *state)).unwrap_or_default();
+        let mut states: Vec<f64> = sample.iter().map(|s| s.state).chain([after]).flatten().collect();
+        if summing.is_of_forces() {
+            let [along, across] =
+                turned_back(self.brief.task.known_current_m_s, sample.first().map_or(0.0, |s| s.pose.psi));
+            (states[0], states[1]) = (states[0] - along, states[1] - across);
+        }
+        summing.of(&inputs, &states)
+    }
+
+    /// The counts compared with the design's shares over the same time in maneuvers.
+    fn design_efficiency(&self, summing: &Summing, legs: &[usize], counted: &MomentSums) -> Option<f64> {
+        let (design, vessel) = (self.brief.design.as_ref()?, &self.brief.vessel);
+        let samples: f64 = self.pieces_of(legs).map(|piece| self.pieces[piece].samples as f64).sum();
+        let mut best = MomentSums::default();
+        for run in &self.brief.dictionary {
+            let share = design.share.get(&run.segments[0].maneuver).copied().unwrap_or(0.0);
+            if share > 0.0 {
+                let of_piece = summing.of_piece(&Piece::whole(vessel, run));
+                best.add(&of_piece, share * samples / run.samples() as f64);
+            }
+        }
+        let efficiency = libm::exp((counted.log_det() - best.log_det()) / counted.dimension() as f64);
+        efficiency.is_finite().then_some(efficiency)
+    }
+}
+
+/// A trial with its plan and the simulation of it.
+#[derive(Clone, Copy, Debug)]
+pub struct SailedPlan<'a> {
+    /// Chart, lattice and moves.
+    pub prepared: &'a Prepared,
+    /// The cheapest walk.
+    pub solved: &'a Solved,
+    /// The simulated plan.
+    pub sailing: &'a Sailing,
 }

@@ -1,18 +1,21 @@
 //! The lattice problem of a trial, and its solution.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::lattice::{Lattice, MoveId, NoPlan, Poll, Pose, Problem, Reason, Solution};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-use super::error::VoyageError;
-use super::front::FrontPoint;
-use super::moves::Moves;
-use super::off_nominal::parameters_in_words;
+use super::error::{Search, VoyageError, parameters_in_words, reason_in_words};
+use super::moment_sums::MomentSums;
 use super::prepared::Prepared;
-use super::search::{Search, in_words};
-use super::settled_legs::SettledLeg;
-use super::task::Secondary;
-use super::waters::Waters;
+use super::settled_legs::{SettledLeg, Wanted};
+use super::task::{CostRule, Primary, Secondary};
+use super::waters::{CLEARANCE_CLASSES, Waters};
+use crate::lattice::{
+    Action, Cost, Lattice, Move, MoveId, NoPlan, Poll, Pose, Problem, Reason, Solution, Step,
+};
+use crate::{Leg, Purpose};
 
 /// The nodes around one, the nearest first.
 const AROUND: [[isize; 2]; 8] = [[1, 0], [0, 1], [-1, 0], [0, -1], [1, 1], [-1, 1], [-1, -1], [1, -1]];
@@ -64,9 +67,9 @@ impl Prepared {
         let mut goal = self.goal(&task.goal, start)?;
         self.check_water(waters, "start", start)?;
         if let crate::lattice::Goal::Poses(poses) = &mut goal {
-            poses
-                .iter_mut()
-                .try_for_each(|pose| self.clear_goal(waters, *pose).map(|clear| *pose = clear))?;
+            for pose in poses {
+                *pose = self.clear_goal(waters, *pose)?;
+            }
         }
         let lattice = Lattice { nx: self.grid.nx, ny: self.grid.ny, layers: self.grid.layers() };
         let by_class = task.cost.secondary == Secondary::Clearance;
@@ -100,12 +103,12 @@ impl Prepared {
             return None;
         }
         let all = self.legs.iter().filter_map(|leg| Some((&leg.name, leg.farthest.as_ref()?)));
-        let (name, own) = all.max_by(|a, b| a.1.distance_m.total_cmp(&b.1.distance_m))?;
-        let words = parameters_in_words(&self.brief.vessel, &own.parameters);
+        let (name, farthest) = all.max_by(|a, b| a.1.distance_m.total_cmp(&b.1.distance_m))?;
+        let words = parameters_in_words(&self.brief.vessel, &farthest.parameters);
         Some(format!(
             "`{name}` has room for vessels that end it {:.0} m from the nominal one ({words}): lower \
              `{}`, or run it in shorter pieces (`piece_s`)",
-            own.distance_m,
+            farthest.distance_m,
             self.brief.task.safety.key()
         ))
     }
@@ -115,12 +118,12 @@ impl Prepared {
         let mode = |layer: usize| self.grid.level_and_mode(layer).1;
         let mut said: Vec<(&str, usize)> = Vec::new();
         let mut text = String::new();
-        for dropped in self.dropped.iter().filter(|own| own.side.is_none()) {
-            let own = (dropped.name.as_str(), mode(dropped.from));
-            let is_offered = |leg: &Arc<SettledLeg>| (leg.name.as_str(), mode(leg.leg.from)) == own;
-            if !said.contains(&own) && !self.legs.iter().any(is_offered) {
-                said.push(own);
-                let (name, from, why) = (&dropped.name, &self.grid.modes[own.1].name, &dropped.why);
+        for dropped in self.dropped.iter().filter(|dropped| dropped.side.is_none()) {
+            let move_of = (dropped.name.as_str(), mode(dropped.from));
+            let is_offered = |leg: &Arc<SettledLeg>| (leg.name.as_str(), mode(leg.leg.from)) == move_of;
+            if !said.contains(&move_of) && !self.legs.iter().any(is_offered) {
+                said.push(move_of);
+                let (name, from, why) = (&dropped.name, &self.grid.modes[move_of.1].name, &dropped.why);
                 text += &format!("; no `{name}` from `{from}` settles: {why}");
             }
         }
@@ -135,18 +138,16 @@ impl Prepared {
         let said = pairs.filter_map(|(slow, fast)| {
             let way_m = (fast.speed_m_s.powi(2) - slow.speed_m_s.powi(2)) / (2.0 * acceleration_m_s2);
             let (slow, fast) = (&slow.name, &fast.name);
-            (way_m > longest_m).then(|| {
-                format!(
-                    "; between `{slow}` and `{fast}` she takes {way_m:.0} m (`handling.acceleration_m_s2`)"
-                )
-            })
+            let key = "handling.acceleration_m_s2";
+            (way_m > longest_m)
+                .then(|| format!("; between `{slow}` and `{fast}` she takes {way_m:.0} m (`{key}`)"))
         });
         said.collect()
     }
 
     /// Why there is no plan, and the most informative feasible counts.
     fn infeasible(&self, reason: &Reason, front: &[FrontPoint]) -> String {
-        let mut text = in_words(reason, |pose| self.words(pose), self.grid.cell_m);
+        let mut text = reason_in_words(reason, |pose| self.words(pose), self.grid.cell_m);
         if !self.brief.task.speed_limits.is_empty() {
             text += "; legs faster than a [[speed_limit]] count as without room in it";
         }
@@ -157,9 +158,141 @@ impl Prepared {
             Some(point) => {
                 let counts: Vec<String> =
                     point.counts.iter().map(|(name, n)| format!("{name} × {n}")).collect();
-                let counts = counts.join(", ");
-                format!("{text}; the most informative counts that can be sailed are {counts}")
+                let all = counts.join(", ");
+                format!("{text}; the most informative counts that can be sailed are {all}")
             }
         }
     }
+}
+
+/// Counts with what they cost and tell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FrontPoint {
+    /// Uses of every maneuver.
+    pub counts: BTreeMap<String, u64>,
+    /// Cost of the best plan with them.
+    pub cost: f64,
+    /// Time in informative legs \[s\].
+    pub informative_s: f64,
+    /// log|det| of their information.
+    pub log_det: f64,
+}
+
+impl Prepared {
+    /// Counts that no others beat in both cost and information, cheapest first; empty if the search is not
+    /// exhaustive. A known `plan` beats all that are dearer, since more uses never carry less information.
+    pub(super) fn front(
+        &self,
+        problem: &Problem,
+        plan: Option<&Solution>,
+        moves: &Moves,
+        search: &Search,
+    ) -> Vec<FrontPoint> {
+        let order = self.pieces_in_order(moves);
+        let all = search.affordable(problem, plan).into_iter().map(|counts| self.front_point(&order, counts));
+        let mut points: Vec<FrontPoint> = all.filter(|p| p.log_det.is_finite()).collect();
+        let time = |p: &FrontPoint| match self.brief.task.cost.primary {
+            Primary::BasicMoves => p.informative_s,
+            Primary::Seconds => 0.0,
+        };
+        points.sort_by(|a, b| {
+            a.cost.total_cmp(&b.cost).then(b.log_det.total_cmp(&a.log_det)).then(time(a).total_cmp(&time(b)))
+        });
+        let mut best = f64::NEG_INFINITY;
+        points.retain(|p| {
+            let before = best;
+            best = best.max(p.log_det);
+            p.log_det > before
+        });
+        points
+    }
+
+    /// The piece of every informative action, in the order of the lattice's counts.
+    fn pieces_in_order(&self, moves: &Moves) -> Vec<usize> {
+        let informative = moves.actions.iter().filter(|a| a.required > 0);
+        let piece = |name: &String| self.wanted.iter().position(|w| w.piece.maneuver == *name);
+        informative.filter_map(|action| piece(&action.name)).collect()
+    }
+
+    fn front_point(&self, order: &[usize], (uses, cost): (Vec<u32>, f64)) -> FrontPoint {
+        let mut information = MomentSums::default();
+        let mut counts = BTreeMap::new();
+        let mut informative_s = 0.0;
+        for (piece, count) in order.iter().zip(&uses) {
+            information.add(&self.information[*piece], f64::from(*count));
+            counts.insert(self.wanted[*piece].piece.maneuver.clone(), u64::from(*count));
+            informative_s += f64::from(*count) * self.shortest_leg_s(*piece);
+        }
+        FrontPoint { counts, cost, informative_s, log_det: information.log_det() }
+    }
+
+    /// Time of the shortest leg that uses a piece \[s\].
+    pub(super) fn shortest_leg_s(&self, one: usize) -> f64 {
+        let uses = |purpose: &Purpose| matches!(purpose, Purpose::Informative { piece, .. } if *piece == one);
+        let legs = self.legs.iter().filter(|leg| uses(&leg.leg.purpose));
+        legs.map(|leg| leg.seconds(self.brief.vessel.sample_rate_hz)).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The lattice's actions, and the legs of their moves.
+#[derive(Clone, Debug)]
+pub struct Moves {
+    /// The actions.
+    pub actions: Vec<Action>,
+    /// Per action and move: index of the leg, and its clearance class.
+    pub(super) legs: Vec<Vec<(usize, usize)>>,
+}
+
+impl Moves {
+    /// Groups legs by name; costs follow `rule`.
+    pub(super) fn new(legs: &[Arc<SettledLeg>], wanted: &[Wanted], rule: &CostRule, rate_hz: f64) -> Self {
+        let mut moves = Self { actions: Vec::new(), legs: Vec::new() };
+        let classes = if rule.secondary == Secondary::Clearance { CLEARANCE_CLASSES } else { 1 };
+        for (index, leg) in legs.iter().enumerate() {
+            let action = moves.action(leg, wanted);
+            // The time of a maneuver that reacts differs by vessel: the cost bounds it.
+            let reacts = leg.leg.purpose.piece().is_some_and(|piece| wanted[piece].piece.helm.is_some());
+            let seconds = if reacts { leg.longest as f64 / rate_hz } else { leg.seconds(rate_hz) };
+            for class in 0..classes {
+                let cost = cost(leg, rule, class, seconds);
+                let Leg { from, di, dj, to, .. } = leg.leg;
+                moves.actions[action].moves.push(Move { from, di, dj, to, cost });
+                moves.legs[action].push((index, class));
+            }
+        }
+        moves
+    }
+
+    fn action(&mut self, leg: &SettledLeg, wanted: &[Wanted]) -> usize {
+        if let Some(known) = self.actions.iter().position(|a| a.name == leg.name) {
+            return known;
+        }
+        let required = leg.leg.purpose.piece().map_or(0, |piece| wanted[piece].count);
+        self.actions.push(Action { name: leg.name.clone(), required, moves: Vec::new() });
+        self.legs.push(Vec::new());
+        self.actions.len() - 1
+    }
+
+    /// The leg of a step.
+    pub(super) fn leg_of_step(&self, step: &Step) -> usize {
+        let moves = self.actions[step.action].moves.iter().enumerate();
+        let alike = moves.filter(|(_, m)| m.from == step.from.layer);
+        let index = alike.map(|(index, _)| index).nth(step.variant).unwrap_or(0);
+        self.legs[step.action][index].0
+    }
+}
+
+fn cost(leg: &SettledLeg, rule: &CostRule, class: usize, seconds: f64) -> Cost {
+    let primary = match rule.primary {
+        Primary::BasicMoves => f64::from(u8::from(!leg.is_informative())),
+        Primary::Seconds => seconds,
+    };
+    let secondary = match rule.secondary {
+        Secondary::Seconds if rule.primary == Primary::Seconds => 0.0,
+        Secondary::Seconds => seconds,
+        Secondary::Turns => f64::from(u8::from(leg.name.starts_with("turn-"))),
+        Secondary::Clearance => class as f64,
+    };
+    Cost { primary, secondary }
 }

@@ -1,15 +1,17 @@
 //! The task of a trial on a chart.
 
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
 use chart::Layer;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use ship::engine::{Changes, Helm, Measurement, Run};
+use ship::engine::{Changes, Helm, Measurement, Run, Streams};
 use ship::model::Vessel;
 
-use super::tide::Tide;
-use crate::{Approach, DerivedHandling, Deviations, Handling, Mode, Sensors};
+use super::passage::Tide;
+use crate::sampled_vessel::Doubt;
+use crate::{Approach, DerivedHandling, Deviations, Handling, Mode, SampledVessel, Sensors};
 
 /// The inputs of planning a voyage.
 #[derive(Clone, Debug)]
@@ -106,8 +108,8 @@ impl Task {
         self.safety.transit_depth_m -= tide.level_m;
         self.safety.trial_depth_m -= tide.level_m;
         self.safety.unknown_current_m_s += tide.spread_m_s;
-        for (own, stream) in self.known_current_m_s.iter_mut().zip(tide.stream_m_s) {
-            *own += stream;
+        for (current, stream) in self.known_current_m_s.iter_mut().zip(tide.stream_m_s) {
+            *current += stream;
         }
         self.tide = Some(tide);
         self
@@ -218,8 +220,7 @@ pub struct Safety {
     /// Instead of that: so many standard errors of the covariance of a `model.json`, jointly; for the `vessel.toml` of a
     /// ship with forces so many standard deviations of the priors of her numbers, jointly.
     pub standard_errors: Option<f64>,
-    /// Simulations of the finished plan with such currents and vessels; by default as many as
-    /// `aground_probability` needs.
+    /// Simulations of the finished plan with such currents and vessels; by default as many as `aground_probability` needs.
     pub runs: Option<u32>,
     /// Without effect, for files that have it: every run has a vessel of its own.
     pub vessels: Option<u32>,
@@ -257,8 +258,7 @@ pub struct ManeuverUse {
     pub name: String,
     /// Number of uses; by default from the design's share.
     pub count: Option<u32>,
-    /// Length of one piece, cut to whole periods if the maneuver is periodic; by default the whole maneuver
-    /// \[s\].
+    /// Length of one piece, cut to whole periods if the maneuver is periodic; by default the whole maneuver \[s\].
     pub piece_s: Option<f64>,
 }
 
@@ -323,4 +323,64 @@ pub enum Secondary {
     Turns,
     /// Nearness to obstacles at the nodes.
     Clearance,
+}
+
+/// Number of sampled vessels on every leg, besides the nominal vessel on its node.
+const SAMPLED: u32 = 32;
+/// Resolution of the draws.
+const STEPS: u32 = 1 << 20;
+
+impl Brief {
+    /// The vessels and currents that legs and plans have to hold for.
+    pub(crate) fn doubt(&self) -> Doubt<'_> {
+        let (nominal, current_m_s) = (&self.vessel.nominal, self.task.safety.unknown_current_m_s);
+        Doubt { nominal, deviations: &self.task.deviations, current_m_s }
+    }
+
+    /// The sampled vessels of every leg: parameters uniform within the stated error, currents of any direction, offsets from
+    /// anywhere that legs may end. Half of them begin at the edge of the tolerance, in the strongest current.
+    pub(super) fn sampled_vessels(&self) -> Vec<SampledVessel> {
+        (0..SAMPLED).map(|run| self.sampled_vessel(run)).collect()
+    }
+
+    fn sampled_vessel(&self, run: u32) -> SampledVessel {
+        let drawn = Streams::new(self.seed, "rehearsal").choices(run, 0, STEPS, 9);
+        let part = |i: usize| (f64::from(drawn[i]) + 0.5) / f64::from(STEPS);
+        let extreme = run.is_multiple_of(2);
+        let size = |i: usize| if extreme { 1.0 } else { part(i) };
+        // From -1 to 1.
+        let offset = |i: usize| if extreme { (2.0 * part(i) - 1.0).signum() } else { 2.0 * part(i) - 1.0 };
+        let (towards, away) = (libm::sincos(TAU * part(0)), libm::sincos(TAU * part(1)));
+        let tolerance = self.task.approach.tolerance.begun();
+        let current = self.task.safety.unknown_current_m_s * size(2);
+        let distance = tolerance.distance_m * size(3).sqrt();
+        let most = [tolerance.surge_m_s, tolerance.sway_m_s, tolerance.yaw_rate_rad_s];
+        SampledVessel {
+            parameters: self.drawn("parameter-error", run),
+            current_m_s: [current * towards.1, current * towards.0],
+            off: [distance * away.1, distance * away.0, tolerance.heading_rad * offset(4)],
+            motion: [0, 1, 2].map(|d: usize| most[d] * offset(5 + d)),
+        }
+    }
+
+    /// Parameters of run `run`: uniform within the stated errors of the nominal ones.
+    pub(super) fn drawn(&self, purpose: &str, run: u32) -> Vec<f64> {
+        let (streams, count) = (Streams::new(self.seed, purpose), self.vessel.nominal.len());
+        let drawn = streams.choices(run, 0, STEPS, count);
+        let uniform: Vec<f64> =
+            drawn.iter().map(|draw| 2.0 * (f64::from(*draw) + 0.5) / f64::from(STEPS) - 1.0).collect();
+        let mut normal = vec![0.0; count];
+        streams.normals(run, 1, &mut normal);
+        let deviations = &self.task.deviations;
+        deviations.parameters(&self.vessel.nominal, &deviations.drawn(&uniform, &normal))
+    }
+
+    /// A constant current of run `run`, north and east: any direction, any strength up to the bound.
+    pub(super) fn current(&self, purpose: &str, run: u32) -> [f64; 2] {
+        let drawn = Streams::new(self.seed, purpose).choices(run, 0, STEPS, 2);
+        let part = |i: usize| (f64::from(drawn[i]) + 0.5) / f64::from(STEPS);
+        let (sin, cos) = libm::sincos(TAU * part(0));
+        let speed = self.task.safety.unknown_current_m_s * part(1);
+        [speed * cos, speed * sin]
+    }
 }

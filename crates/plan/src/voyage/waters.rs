@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::lattice::Pose;
-use chart::{Class, Distances, Footprint, Mask, Obstacles, Polygon, Raster};
+use chart::{Causes, Class, Closing, Distances, Footprint, Mask, Obstacles, Polygon, Raster};
 use rayon::prelude::*;
 use refusal::Invalid;
 
@@ -11,6 +10,7 @@ use super::error::VoyageError;
 use super::prepared::Prepared;
 use super::settled_legs::SettledLeg;
 use super::task::Secondary;
+use crate::lattice::Pose;
 
 /// Number of classes of nearness to obstacles, which cost 0, 1, 2, 3.
 pub(super) const CLEARANCE_CLASSES: usize = 4;
@@ -65,7 +65,7 @@ impl Waters {
     }
 
     /// Whether a place, east and north \[m\], is in the area.
-    pub(super) fn holds(&self, place: [f64; 2]) -> bool {
+    fn holds(&self, place: [f64; 2]) -> bool {
         let is_open = |area: &Mask| {
             let raster = self.obstacles[0].raster();
             raster.cell_at(place).is_some_and(|(col, row)| !area.closed()[row * raster.nx + col])
@@ -95,12 +95,10 @@ impl Waters {
 
     /// Obstacles of informative maneuvers, with the widest margin.
     pub fn deepest(&self, legs: &[Arc<SettledLeg>]) -> &Obstacles {
-        let blocked = |index: &usize| {
-            self.obstacles[self.layer_of_leg[*index]].blocked().iter().filter(|b| **b).count()
-        };
+        let of = |index: usize| &self.obstacles[self.layer_of_leg[index]];
+        let blocked = |index: &usize| of(*index).blocked().iter().filter(|blocked| **blocked).count();
         let informative = (0..legs.len()).filter(|index| legs[*index].is_informative());
-        let widest = informative.max_by_key(blocked).unwrap_or(0);
-        &self.obstacles[self.layer_of_leg[widest]]
+        of(informative.max_by_key(blocked).unwrap_or(0))
     }
 
     /// The clearance class of a node: 0 far from obstacles, 3 near.
@@ -117,18 +115,15 @@ fn nodes(nx: usize, ny: usize) -> impl Iterator<Item = (usize, usize)> {
 impl Prepared {
     /// The obstacles of every leg.
     pub(super) fn waters(&self, keep_going: &(dyn Fn() -> bool + Sync)) -> Result<Waters, VoyageError> {
-        let in_time =
-            || if keep_going() { Ok(()) } else { Err(VoyageError::OutOfTime("the layout of the chart")) };
+        let in_time = || keep_going().then_some(()).ok_or(VoyageError::OutOfTime("the layout of the chart"));
         let (task, grid) = (&self.brief.task, &self.grid);
         let raster = task.raster(grid);
         let (kinds, layer_of_leg) = self.obstacle_kinds();
-        let obstacles: Vec<_> = kinds
-            .par_iter()
-            .map(|(depth, margin, maneuvers)| {
-                let new = if *maneuvers { Obstacles::new } else { Obstacles::in_transit };
-                in_time().and_then(|()| Ok(new(&self.chart, raster, *depth, *margin)?))
-            })
-            .collect();
+        let of_kind = |(depth, margin, maneuvers): &(f64, f64, bool)| {
+            let new = if *maneuvers { Obstacles::new } else { Obstacles::in_transit };
+            in_time().and_then(|()| Ok(new(&self.chart, raster, *depth, *margin)?))
+        };
+        let obstacles: Vec<_> = kinds.par_iter().map(of_kind).collect();
         let obstacles: Vec<Obstacles> = obstacles.into_iter().collect::<Result<_, VoyageError>>()?;
         let node_distance_m = match task.cost.secondary {
             Secondary::Clearance => self.node_distances_m(raster, keep_going)?,
@@ -154,14 +149,13 @@ impl Prepared {
         })
     }
 
-    /// The speed limits that the nominal vessel exceeds on a leg: at either end, or by more than the
-    /// tolerance on the way.
-    fn exceeded(&self, settled_leg: &SettledLeg) -> Vec<usize> {
+    /// The speed limits that the nominal vessel exceeds on a leg: at either end, or by more than the tolerance on the way.
+    fn exceeded(&self, settled: &SettledLeg) -> Vec<usize> {
         let task = &self.brief.task;
         let mode_m_s = |layer: usize| self.grid.modes[self.grid.level_and_mode(layer).1].speed_m_s;
-        let speeds_m_s = settled_leg.sailed.samples.iter().map(|s| libm::hypot(s.state[0], s.state[1]));
+        let speeds_m_s = settled.sailed.samples.iter().map(|s| libm::hypot(s.state[0], s.state[1]));
         let way_m_s = speeds_m_s.fold(0.0, f64::max) - task.approach.tolerance.surge_m_s;
-        let fastest_m_s = mode_m_s(settled_leg.leg.from).max(mode_m_s(settled_leg.leg.to)).max(way_m_s);
+        let fastest_m_s = mode_m_s(settled.leg.from).max(mode_m_s(settled.leg.to)).max(way_m_s);
         let limits = task.speed_limits.iter().enumerate();
         limits.filter(|(_, limit)| fastest_m_s > limit.max_speed_m_s).map(|(index, _)| index).collect()
     }
@@ -169,13 +163,13 @@ impl Prepared {
     /// Distance of every node to the nearest obstacle, as far as it determines a class \[m\].
     fn node_distances_m(
         &self,
-        raster: Raster,
+        cells: Raster,
         keep_going: &dyn Fn() -> bool,
     ) -> Result<Vec<f64>, VoyageError> {
         let (grid, safety) = (&self.grid, &self.brief.task.safety);
         let farthest_m = CLEARANCE_CLASSES as f64 * grid.cell_m;
         let limits = [safety.transit_depth_m, farthest_m];
-        let obstacles = Distances::in_transit(&self.chart, raster, limits, keep_going)?
+        let obstacles = Distances::in_transit(&self.chart, cells, limits, keep_going)?
             .ok_or(VoyageError::OutOfTime("the layout of the chart"))?;
         let node = |k: usize| {
             let at = grid.pose(k % grid.nx, k / grid.nx, 0);
@@ -184,17 +178,16 @@ impl Prepared {
         Ok((0..grid.nx * grid.ny).map(node).collect())
     }
 
-    /// The distinct depths and margins of legs, and whether transit-only areas count; and the one that each
-    /// leg uses.
+    /// The distinct depths and margins of legs, and whether transit-only areas count; and the one that each leg uses.
     pub(super) fn obstacle_kinds(&self) -> (Vec<(f64, f64, bool)>, Vec<usize>) {
         let safety = &self.brief.task.safety;
         let mut kinds: Vec<(f64, f64, bool)> = Vec::new();
-        let kind_of = |settled_leg: &SettledLeg| match settled_leg.is_informative() {
+        let kind_of = |leg: &SettledLeg| match leg.is_informative() {
             true => (safety.trial_depth_m, safety.margin_m, self.chart.has_transit_only()),
             false => (safety.transit_depth_m, safety.margin_m, false),
         };
-        let of_leg = |own: &Arc<SettledLeg>| {
-            let kind = kind_of(own);
+        let of_leg = |leg: &Arc<SettledLeg>| {
+            let kind = kind_of(leg);
             kinds.iter().position(|k| *k == kind).unwrap_or_else(|| {
                 kinds.push(kind);
                 kinds.len() - 1
@@ -232,17 +225,66 @@ impl Prepared {
                 format!("no node of the lattice is clear: {by}")
             }
         };
-        let own = grid.pose(pose.i, pose.j, level);
-        let gap = waters.obstacles[layer].distance_m(own.y, own.x);
+        let at = grid.pose(pose.i, pose.j, level);
+        let gap = waters.obstacles[layer].distance_m(at.y, at.x);
         let dangers = self.chart.dangers(task.safety.transit_depth_m);
-        let nearest = dangers.nearest(&[[own.y, own.x]]);
+        let nearest = dangers.nearest(&[[at.y, at.x]]);
         let named = nearest.map_or_else(String::new, |nearest| format!(" ({})", nearest.called));
         let near = match waters.is_in_area(&hull, pose.i, pose.j) {
             true => format!("{gap:.0} m from an obstacle{named}"),
             false => "where the hull reaches out of `area`".to_owned(),
         };
-        let found = format!("{}, {near}", self.words(pose));
+        let place = format!("{}, {near}", self.words(pose));
         let expected = format!("the hull in `area`, at least {} m clear of obstacles", task.safety.margin_m);
-        Err(VoyageError::NoAnswer(Invalid::new(format!("`{what}`"), found, expected, remedy)))
+        Err(VoyageError::NoAnswer(Invalid::new(format!("`{what}`"), place, expected, remedy)))
     }
+}
+
+/// Nodes that are looked at, evenly spread, and kinds of dangers that are named.
+const NODES: usize = 400;
+const NAMED: usize = 3;
+
+impl Prepared {
+    /// What closes the nodes for a ship in transit, in words. `room_m` is the clearance of a node, without the hull.
+    fn closed_by(&self, waters: &Waters, room_m: impl Fn([f64; 2]) -> f64) -> String {
+        let (grid, task) = (&self.grid, &self.brief.task);
+        let place = |k: usize| {
+            let at = grid.pose(k % grid.nx, k / grid.nx, 0);
+            [at.y, at.x]
+        };
+        let all = grid.nx * grid.ny;
+        let places: Vec<[f64; 2]> = (0..all).step_by(all.div_ceil(NODES)).map(place).collect();
+        let percent = |closed: usize| 100.0 * closed as f64 / places.len() as f64;
+        let reach_m = task.hull.outline().iter().map(|[x, y]| libm::hypot(*x, *y)).fold(0.0, f64::max);
+        let dangers = self.chart.dangers(task.safety.transit_depth_m);
+        let closing = dangers.closing(&places, task.safety.margin_m + reach_m);
+        let mut said: Vec<String> =
+            closing.iter().take(NAMED).map(|cause| words(cause, percent(cause.places))).collect();
+        if closing.len() > NAMED {
+            said.push(format!("{} more kinds", closing.len() - NAMED));
+        }
+        let outside = places.iter().filter(|place| !waters.holds(**place)).count();
+        if outside > 0 {
+            said.push(format!("{:.0} % by the edge (`area`)", percent(outside)));
+        }
+        let clearest_m = places.iter().map(|place| room_m(*place)).fold(0.0, f64::max);
+        if clearest_m > 0.0 {
+            said.push(format!("{clearest_m:.0} m clear at most (`safety.margin_m`)"));
+        }
+        said.join(", ")
+    }
+}
+
+/// A kind of dangers, how many nodes it closes, and what would open them.
+fn words(closing: &Closing, percent: f64) -> String {
+    let name = closing.called.name.as_ref().map_or_else(String::new, |name| format!(" {name}"));
+    let deepest = closing.called.depth_m.map_or_else(String::new, |depth| format!(" of at most {depth} m"));
+    let rule = closing.rule().map(|class| format!("`rules = {{ {class} = \"ignore\" }}`"));
+    let keys = match closing.cause {
+        Causes::SHOAL => Some("`safety.transit_depth_m`".to_owned()).into_iter().chain(rule).collect(),
+        Causes::UNCHARTED => vec!["`uncharted`".to_owned()],
+        _ => rule.into_iter().collect::<Vec<_>>(),
+    };
+    let keys = if keys.is_empty() { String::new() } else { format!(" ({})", keys.join(" or ")) };
+    format!("{percent:.0} % by {}{name}{deepest}{keys}", closing.called.what)
 }

@@ -8,15 +8,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::check_run::{Checking, Run, Vessel};
-use super::error::VoyageError;
-use super::off_nominal::{in_words, numbers, percent_off};
-use super::places::compass_deg;
-use super::search::Search;
-use crate::deviations::{Candidate, Doubt, goal_value, goals};
+use super::check_run::{CheckedRun, Checking, Vessel};
+use super::clearance::compass_deg;
+use super::error::{Search, VoyageError, in_words, numbers, parameters_in_words, percent_off};
+use super::prepared::Prepared;
+use crate::sampled_vessel::{Candidate, Doubt, goal_value, goals};
 use crate::{SampledVessel, Used};
 
 /// How many of the worst vessels by either quantity have their neighbours tried, and how often.
@@ -73,7 +73,7 @@ pub struct WorstVessel {
 
 /// The runs of a search.
 pub(super) struct Searched {
-    runs: Vec<(Candidate, Run)>,
+    runs: Vec<(Candidate, CheckedRun)>,
 }
 
 /// A quantity of a leg that is made as bad as possible.
@@ -91,15 +91,6 @@ enum What {
     Used,
 }
 
-/// The noise of the vessels that are simulated together.
-#[derive(Clone, Copy, PartialEq)]
-enum Noises {
-    /// The same for all: they are compared, and differ in their parameters and currents alone.
-    Shared,
-    /// One of each.
-    Own,
-}
-
 /// The worst run for a leg.
 #[derive(Clone, Copy)]
 struct Worst {
@@ -111,7 +102,7 @@ struct Worst {
 
 impl Target {
     /// The greater, the worse; `None` of a leg that began beyond its tolerance, since another one is the cause.
-    fn badness(self, run: &Run) -> Option<f64> {
+    fn badness(self, run: &CheckedRun) -> Option<f64> {
         let Self { step, what } = self;
         run.began_well(step).then(|| match what {
             What::Nearness => -run.clearances_m[step],
@@ -120,7 +111,7 @@ impl Target {
     }
 
     /// The same where the search compares runs: distances are interpolated between cells.
-    fn compared(self, run: &Run) -> Option<f64> {
+    fn compared(self, run: &CheckedRun) -> Option<f64> {
         match self.what {
             What::Nearness => run.began_well(self.step).then(|| -run.between_cells_m[self.step]),
             What::Used => self.badness(run),
@@ -130,30 +121,27 @@ impl Target {
 
 impl Checking<'_> {
     /// Searches the worst vessels. A search that finds counter-examples ends there, except in the last round.
-    ///
-    /// # Errors
-    /// A simulation that diverges; no time.
     pub(super) fn worst(&self, search: &Search) -> Result<Searched, VoyageError> {
         let doubt = self.prepared().brief.doubt();
-        let mut found = Searched { runs: Vec::new() };
+        let mut searched = Searched { runs: Vec::new() };
         if doubt.is_none() {
-            return Ok(found);
+            return Ok(searched);
         }
         let axes = doubt.axes();
         let count = axes.len();
-        found.add(self, &doubt, (axes, Noises::Shared), search)?;
-        let extremes = [found.nearest(self, &doubt, count), found.farthest(self, &doubt, count)].concat();
-        found.add(self, &doubt, (extremes, Noises::Own), search)?;
+        searched.add(self, &doubt, (axes, true), search)?;
+        let outer = [searched.nearest(self, &doubt, count), searched.farthest(self, &doubt, count)].concat();
+        searched.add(self, &doubt, (outer, false), search)?;
         for _ in 0..SWEEPS {
-            if !self.is_last && found.fails(self) {
+            if !self.is_last && searched.fails(self) {
                 break;
             }
-            let neighbours = found.followed(self).flat_map(|who| doubt.neighbours(who)).collect();
-            if !found.add(self, &doubt, (neighbours, Noises::Own), search)? {
+            let neighbours = searched.followed(self).flat_map(|who| doubt.neighbours(who)).collect();
+            if !searched.add(self, &doubt, (neighbours, false), search)? {
                 break;
             }
         }
-        Ok(found)
+        Ok(searched)
     }
 
     fn targets(&self) -> impl Iterator<Item = Target> {
@@ -163,12 +151,13 @@ impl Checking<'_> {
 }
 
 impl Searched {
-    /// Simulates those of `candidates` that are new; returns whether there are any.
+    /// Simulates those of `candidates` that are new; returns whether there are any. Where they are `compared`, all have the same
+    /// noise, and differ in their parameters and currents alone.
     fn add(
         &mut self,
         checking: &Checking,
         doubt: &Doubt,
-        (candidates, noises): (Vec<Candidate>, Noises),
+        (candidates, compared): (Vec<Candidate>, bool),
         search: &Search,
     ) -> Result<bool, VoyageError> {
         let mut known: BTreeSet<Vec<u64>> = self.runs.iter().map(|(who, _)| key(who)).collect();
@@ -177,7 +166,7 @@ impl Searched {
             parameters: doubt.parameters(who),
             unknown_m_s: doubt.current(who),
             is_drawn: false,
-            noise: if noises == Noises::Shared { 0 } else { number },
+            noise: if compared { 0 } else { number },
             is_searched: true,
         };
         let runs = checking.all(new.iter().zip(self.runs.len() as u32..).map(vessel).collect(), search)?;
@@ -188,7 +177,7 @@ impl Searched {
 
     /// The corners where legs come nearest to a danger, by the first `axes` runs.
     fn nearest(&self, checking: &Checking, doubt: &Doubt, axes: usize) -> Vec<Candidate> {
-        let value = |target: Target, run: &Run| target.compared(run).unwrap_or(0.0);
+        let value = |target: Target, run: &CheckedRun| target.compared(run).unwrap_or(0.0);
         let corner = |target: Target| {
             let values: Vec<f64> = self.runs[..axes].iter().map(|(_, run)| value(target, run)).collect();
             doubt.extreme(&values)
@@ -199,13 +188,13 @@ impl Searched {
     /// The corners where legs end farthest off by one of their quantities: the worst one of each leg, and the worst of all.
     fn farthest(&self, checking: &Checking, doubt: &Doubt, axes: usize) -> Vec<Candidate> {
         let corner = |off: &[[f64; 6]], goal: &[f64; 6]| {
-            let values: Vec<f64> = off.iter().map(|own| goal_value(goal, own)).collect();
+            let values: Vec<f64> = off.iter().map(|end| goal_value(goal, end)).collect();
             let who = doubt.extreme(&values);
             (doubt.predicted(&values, &who), who)
         };
         let (goals, mut corners) = (goals(), Vec::new());
         for step in 0..checking.legs.len() {
-            let off = |run: &Run| run.began_well(step).then(|| checking.off(step, run.ends[step]));
+            let off = |run: &CheckedRun| run.began_well(step).then(|| checking.off(step, run.ends[step]));
             let off: Vec<_> = self.runs[..axes].iter().map(|(_, run)| off(run).unwrap_or_default()).collect();
             corners.extend(goals.iter().map(|goal| (step, corner(&off, goal))));
         }
@@ -217,25 +206,24 @@ impl Searched {
     }
 
     /// The worst candidate of a target.
-    fn worst(&self, target: Target, badness: fn(Target, &Run) -> Option<f64>) -> Option<Worst> {
-        let own = |(index, (_, run)): (usize, &(Candidate, Run))| {
+    fn worst(&self, target: Target, badness: fn(Target, &CheckedRun) -> Option<f64>) -> Option<Worst> {
+        let measured = |(index, (_, run)): (usize, &(Candidate, CheckedRun))| {
             badness(target, run).map(|badness| Worst { badness, index, step: target.step })
         };
         // The first of equals.
         self.runs
             .iter()
             .enumerate()
-            .filter_map(own)
-            .reduce(|best, own| if own.badness > best.badness { own } else { best })
+            .filter_map(measured)
+            .reduce(|best, other| if other.badness > best.badness { other } else { best })
     }
 
     /// The candidates that are the worst for any leg, the very worst of either quantity.
     fn followed(&self, checking: &Checking) -> impl Iterator<Item = &Candidate> {
         let mut indices = Vec::new();
         for what in [What::Nearness, What::Used] {
-            let own = checking.targets().filter(|target| target.what == what);
-            let mut worst: Vec<Worst> =
-                own.filter_map(|target| self.worst(target, Target::compared)).collect();
+            let targets = checking.targets().filter(|target| target.what == what);
+            let mut worst: Vec<Worst> = targets.filter_map(|one| self.worst(one, Target::compared)).collect();
             worst.sort_by(|a, b| b.badness.total_cmp(&a.badness));
             let mut some: Vec<usize> = Vec::new();
             for Worst { index, .. } in worst {
@@ -280,7 +268,8 @@ impl Searched {
     pub(super) fn summary(&self, checking: &Checking) -> Option<WorstVessels> {
         let (near, far) = (self.worst_of(checking, What::Nearness)?, self.worst_of(checking, What::Used)?);
         let margin_m = checking.prepared().brief.task.safety.margin_m;
-        let count = |is: &dyn Fn(&Run) -> bool| self.runs.iter().filter(|(_, run)| is(run)).count() as u64;
+        let count =
+            |is: &dyn Fn(&CheckedRun) -> bool| self.runs.iter().filter(|(_, run)| is(run)).count() as u64;
         Some(WorstVessels {
             searched: self.runs.len() as u64,
             aground: count(&|run| run.passage.clearance_m <= 0.0),
@@ -296,9 +285,9 @@ impl Searched {
 
     /// The worst of all legs.
     fn worst_of(&self, checking: &Checking, what: What) -> Option<Worst> {
-        let own = checking.targets().filter(|target| target.what == what);
-        let all = own.filter_map(|target| self.worst(target, Target::badness));
-        all.reduce(|best, own| if own.badness > best.badness { own } else { best })
+        let targets = checking.targets().filter(|target| target.what == what);
+        let all = targets.filter_map(|target| self.worst(target, Target::badness));
+        all.reduce(|best, other| if other.badness > best.badness { other } else { best })
     }
 
     fn named(&self, checking: &Checking, Worst { index, step, .. }: Worst) -> WorstVessel {
@@ -319,7 +308,7 @@ impl Searched {
 
 /// A candidate's numbers, to tell it from others.
 fn key(who: &Candidate) -> Vec<u64> {
-    who.at.iter().chain(&who.current).map(|own| (own + 0.0).to_bits()).collect()
+    who.at.iter().chain(&who.current).map(|x| (x + 0.0).to_bits()).collect()
 }
 
 impl WorstVessel {
@@ -373,3 +362,62 @@ impl WorstVessels {
         faults
     }
 }
+
+/// For how many response times a vessel is steered.
+const RESPONSES: f64 = 10.0;
+
+impl Prepared {
+    /// Refuses errors within which a vessel does not come to hold its course and speed in some mode: the vessels at
+    /// either end of a parameter, and the worst corner by these.
+    pub(super) fn check_steered(&self) -> Result<(), Invalid> {
+        let doubt = self.brief.doubt();
+        if doubt.deviations.is_none() {
+            return Ok(());
+        }
+        for mode in 0..self.grid.modes.len() {
+            let layer = self.grid.layer(0, mode);
+            let mut tried: Vec<(f64, Candidate)> = Vec::new();
+            for who in doubt.axes() {
+                tried.push((self.held(layer, &who)?.part(), who));
+            }
+            let parts: Vec<f64> = tried.iter().map(|(part, _)| part.min(LOST)).collect();
+            let corner = doubt.extreme(&parts);
+            tried.push((self.held(layer, &corner)?.part(), corner));
+            if let Some((_, who)) = tried.iter().find(|(part, _)| *part > 1.0) {
+                return Err(self.cannot_be_steered(mode, who, self.held(layer, who)?));
+            }
+        }
+        Ok(())
+    }
+
+    /// The used part of the tolerance of a settled motion, after being steered along a line for a while.
+    fn held(&self, layer: usize, who: &Candidate) -> Result<Used, Invalid> {
+        let (doubt, repertoire) = (self.brief.doubt(), self.repertoire());
+        let (level, mode) = self.grid.level_and_mode(layer);
+        let (heading, speed) = (self.grid.heading_rad(level), self.grid.modes[mode].speed_m_s);
+        let mut underway = repertoire.underway(layer, Some(&doubt.on_node(who)), None)?;
+        underway.hold(heading, speed, RESPONSES * repertoire.handling.response_s)?;
+        let tolerance = repertoire.approach.tolerance;
+        let [u, v, r] = underway.ship.state;
+        Ok(if [u, v, r].iter().all(|x| x.is_finite()) {
+            tolerance.used_in_motion([u, v, r], speed)
+        } else {
+            Used::Lost
+        })
+    }
+
+    fn cannot_be_steered(&self, mode: usize, who: &Candidate, used: Used) -> Invalid {
+        let doubt = self.brief.doubt();
+        let words = parameters_in_words(&self.brief.vessel, &doubt.parameters(who));
+        let (mode, s) = (&self.grid.modes[mode].name, RESPONSES * self.brief.task.handling.response_s);
+        Invalid::new(
+            format!("`{}`", self.brief.task.safety.key()),
+            format!("a vessel with {words} that cannot be steered: in mode `{mode}` after {s:.0} s {used}"),
+            "errors within which every vessel holds its course and speed",
+            "lower it, or leave the mode out",
+        )
+    }
+}
+
+/// Parts of a tolerance beyond this are all the same.
+const LOST: f64 = 1e6;

@@ -1,17 +1,21 @@
 //! What errors the estimate of an experiment foretells, from the information of the whole sequence.
 
-use estimation::parameter_error;
+use std::collections::BTreeMap;
+
+use design::Candidates;
 use estimation::pooled::{Covariance, Uncertain};
+use estimation::{output_information, parameter_error};
+use numerics::lanes::interleave;
 use numerics::statistics::median;
-use numerics::{scaled_inverse, times};
+use numerics::{LANES, scaled_inverse, times};
+use regression::{Batch, MeanRemoval, Noise, middle, moments};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use ship::engine::Streams;
+use ship::engine::{Streams, check_diverged, simulate_one};
 use ship::model::Source;
 
-use super::Arranging;
-use super::whole::Information;
-use crate::moments::Estimated;
+use super::{Arranging, generated_limits};
+use crate::moments::{Estimated, Expected, ForcesPrediction, OutputErrorMoments, leading};
 
 /// Errors that estimates of many trials of the same experiment have: medians over estimates drawn from their predicted
 /// distribution, to first order in their errors. Where the true parameters are known, priors pull every estimate the same way.
@@ -35,39 +39,38 @@ impl Arranging<'_> {
     pub(super) fn foretold(&self, initial: [f64; 3], exogenous: &[f64]) -> Option<Foretold> {
         let Estimated::OutputError { current } = self.estimated else { return None };
         // Not of what is left out of the information.
-        self.moments.disturbances.as_ref().filter(|own| !own.lasting_current_left_out)?;
+        self.moments.disturbances.as_ref().filter(|expected| !expected.lasting_current_left_out)?;
         let model = self.moments.output_error.as_ref()?;
         let (g, rows, n) = (model.g.as_deref().unwrap_or_default(), &model.rows, model.rows.len());
         let samples = exogenous.len() / self.vessel.model.exogenous().max(1);
         let theta = self.ordered(&model.parameters)?;
-        let place = |name: &String| self.vessel.model.parameter_names().position(|own| own == name);
+        let place = |name: &String| self.vessel.model.parameter_names().position(|other| other == name);
         let places: Vec<Option<usize>> = rows.iter().map(place).collect();
-        let Information { information, mut middle } = self.informed(initial, exogenous, current)?;
+        let Information { information, mut meat } = self.informed(initial, exogenous, current)?;
         let inverse = scaled_inverse(n, &information)?;
         let mut center = theta.clone();
         if let Some(prior) = self.moments.prior.as_ref().filter(|_| model.simulated_with == Source::Value) {
             // The ship is known: what priors say of her is off by as much as it is, in every trial.
             let mut known = vec![0.0; n * n];
             prior.add_to(&mut known, rows, samples as f64);
-            middle.iter_mut().zip(&known).for_each(|(own, known)| *own -= known);
+            meat.iter_mut().zip(&known).for_each(|(entry, known)| *entry -= known);
             let off = |place: &Option<usize>| place.map_or(0.0, |i| self.vessel.nominal[i] - theta[i]);
             let pulled = times(&inverse, &times(&known, &places.iter().map(off).collect::<Vec<_>>()));
-            places.iter().zip(pulled).for_each(|(place, own)| {
-                if let Some(i) = *place {
-                    center[i] += own;
-                }
-            });
+            places
+                .iter()
+                .zip(pulled)
+                .filter_map(|(place, pull)| Some(((*place)?, pull)))
+                .for_each(|(i, pull)| center[i] += pull);
         }
-        let entries = numerics::congruence(n, &inverse, &middle);
+        let entries = numerics::congruence(n, &inverse, &meat);
         let entries = entries.into_iter().map(|entry| entry / samples as f64).collect();
         let covariance = Covariance { joint: true, names: rows.clone(), entries, parts: None };
         let estimates = Uncertain::new(self.vessel, center, &covariance)?;
         let streams = Streams::new(DRAWS.1, "foretold");
         let errors = (0..DRAWS.0).map(|draw| {
             let drawn = estimates.drawn(&streams, draw);
-            let off: Vec<f64> =
-                places.iter().map(|place| place.map_or(0.0, |i| drawn[i] - theta[i])).collect();
-            let square: f64 = times(g, &off).iter().zip(&off).map(|(own, off)| own * off).sum();
+            let off: Vec<f64> = places.iter().map(|at| at.map_or(0.0, |i| drawn[i] - theta[i])).collect();
+            let square: f64 = times(g, &off).iter().zip(&off).map(|(slope, off)| slope * off).sum();
             (parameter_error(&drawn, &theta), square.max(0.0).sqrt())
         });
         let (parameters, simulations): (Vec<f64>, Vec<f64>) = errors.unzip();
@@ -76,5 +79,131 @@ impl Arranging<'_> {
             simulation_error: model.g.as_ref().and(median(simulations)),
             draws: DRAWS.0,
         })
+    }
+}
+
+/// F and the meat of an estimate's covariance, n × n, per sample, with what is known before.
+pub(super) struct Information {
+    pub information: Vec<f64>,
+    pub meat: Vec<f64>,
+}
+
+/// Penalty in the criterion's value for exceeding a limit by 100 %.
+const PENALTY: f64 = 20.0;
+
+impl Arranging<'_> {
+    /// Values of up to [`LANES`] runs of equal length.
+    pub(super) fn group(&self, runs: &[([f64; 3], Vec<f64>)]) -> Vec<f64> {
+        let model = &self.vessel.model;
+        let exogenous: Vec<Vec<f64>> = runs.iter().map(|(_, inputs)| model.undisturbed(inputs)).collect();
+        let penalty = |i: usize| {
+            let Some(limits) = generated_limits(self.generator) else { return 0.0 };
+            let states = simulate_one(model, self.generator.parameters(), runs[i].0, &exogenous[i]);
+            let exceeded = limits.exceeded(model, &states, &runs[i].1, self.vessel.sample_rate_hz);
+            exceeded.map_or(0.0, |e| PENALTY * (e.found / e.allowed - 1.0))
+        };
+        let values = match self.estimated {
+            Estimated::Iv(removal) => self.instrumental(runs, &exogenous, removal),
+            Estimated::OutputError { current } => {
+                (0..runs.len()).map(|i| self.output_error(runs[i].0, &exogenous[i], current)).collect()
+            }
+        };
+        let judged = |(i, value): (usize, Option<f64>)| value.map_or(f64::NEG_INFINITY, |v| v - penalty(i));
+        values.into_iter().enumerate().map(judged).collect()
+    }
+
+    fn noise(&self) -> Option<Noise> {
+        self.moments.disturbances.as_ref().map(Expected::noise)
+    }
+
+    /// θ in the model's order.
+    fn ordered(&self, by_name: &BTreeMap<String, f64>) -> Option<Vec<f64>> {
+        self.vessel.model.parameter_names().map(|name| by_name.get(name).copied()).collect()
+    }
+
+    fn output_error(&self, initial: [f64; 3], exogenous: &[f64], current: bool) -> Option<f64> {
+        let Information { information, meat } = self.informed(initial, exogenous, current)?;
+        self.judge(vec![information.len().isqrt()], &information, Some(&meat))
+    }
+
+    /// What an output-error estimate of the experiment knows, per sample.
+    fn informed(&self, initial: [f64; 3], exogenous: &[f64], current: bool) -> Option<Information> {
+        let noise = self.noise()?;
+        let theta = self.ordered(&self.moments.output_error.as_ref()?.parameters)?;
+        let noise = if current { noise } else { Noise { current: 0.0, ..noise } };
+        let samples = exogenous.len() / self.vessel.model.exogenous().max(1);
+        let mut sums = if self.vessel.model.forces.is_some() {
+            let prediction = ForcesPrediction::with(self.vessel, theta, noise).ok()?;
+            let OutputErrorMoments { f, p, .. } = prediction.of_experiment(initial, exogenous)?;
+            let meat = p.map_or_else(|| f.clone(), |p| f.iter().zip(&p).map(|(f, p)| f + p).collect());
+            Information { information: f, meat }
+        } else {
+            let predicted = output_information(&self.vessel.model, &theta, initial, exogenous, &noise)?;
+            Information { meat: predicted.middle(), information: predicted.information }
+        };
+        if let Some(prior) = &self.moments.prior {
+            // Priors count once for the experiment.
+            let rows = &self.moments.output_error.as_ref()?.rows;
+            prior.add_to(&mut sums.information, rows, samples as f64);
+            prior.add_to(&mut sums.meat, rows, samples as f64);
+        }
+        Some(sums)
+    }
+
+    fn instrumental(
+        &self,
+        runs: &[([f64; 3], Vec<f64>)],
+        exogenous: &[Vec<f64>],
+        removal: MeanRemoval,
+    ) -> Vec<Option<f64>> {
+        let model = &self.vessel.model;
+        let theta = match &self.moments.disturbances {
+            Some(expected) => self.ordered(&expected.parameters),
+            None => Some(self.generator.parameters().to_vec()),
+        };
+        let Some(theta) = theta else { return vec![None; runs.len()] };
+        let simulated = |theta: &[f64]| -> Vec<Vec<f64>> {
+            let run = |i: usize| simulate_one(model, theta, runs[i].0, &exogenous[i]);
+            (0..runs.len()).map(run).collect()
+        };
+        let (truth, nominal) = (simulated(&theta), simulated(&self.vessel.nominal));
+        let lanes = |rows: &[Vec<f64>]| interleave(&rows.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        let (measured, instrument_states, inputs) = (lanes(&truth), lanes(&nominal), lanes(exogenous));
+        let batch = Batch {
+            model,
+            measured: &measured,
+            instrument_states: &instrument_states,
+            exogenous: &inputs,
+            instrument_exogenous: &inputs,
+            segments: [&[0]; LANES],
+        };
+        let information = moments(&batch);
+        let middles = self.noise().map(|noise| middle(&batch, &theta, &noise));
+        let sizes: Vec<usize> = model.degrees.iter().map(|d| d.terms.len() + 1).collect();
+        let kept: Vec<usize> =
+            sizes.iter().map(|n| if removal == MeanRemoval::Complete { *n } else { n - 1 }).collect();
+        let of = |i: usize| {
+            let finite = |states: &[f64]| check_diverged(states.iter().copied()).is_none();
+            if !(finite(&truth[i]) && finite(&nominal[i])) {
+                return None;
+            }
+            let cut = |matrices: &[Vec<f64>]| -> Vec<f64> {
+                let all = matrices.iter().zip(&sizes).zip(&kept);
+                all.flat_map(|((matrix, n), kept)| leading(matrix, *n, *kept)).collect()
+            };
+            let meat = middles.as_ref().map(|m| cut(&m[i]));
+            self.judge(kept.clone(), &cut(&information[i].matrices), meat.as_deref())
+        };
+        (0..runs.len()).map(of).collect()
+    }
+
+    /// The criterion of one experiment.
+    fn judge(&self, dimensions: Vec<usize>, information: &[f64], meat: Option<&[f64]>) -> Option<f64> {
+        let one = |entries: &[f64]| {
+            let mut candidates = Candidates::new(dimensions.clone());
+            candidates.push(entries).ok().map(|()| candidates)
+        };
+        let (information, meat) = (one(information)?, meat.and_then(one));
+        self.criterion.of_experiment(self.dictionary, &information, meat.as_ref())
     }
 }

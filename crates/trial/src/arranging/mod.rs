@@ -1,17 +1,21 @@
 //! The order and lengths of a design's maneuvers, evaluated with the state carried over between them.
 
 mod foretold;
-mod search;
-mod whole;
+
+use std::collections::BTreeMap;
 
 use design::{Criterion, Dictionary};
 use maneuver::{Exceeded, Generator, Limits};
+use numerics::LANES;
+use rayon::prelude::*;
+use refusal::Invalid;
+use ship::engine::{Streams, simulate_one};
 use ship::model::Vessel;
 
+use crate::campaign::{Parts, Plan, shared_out};
 use crate::moments::{Estimated, Moments};
 
 pub use foretold::Foretold;
-pub use search::merged;
 
 /// The data for evaluating a sequence of maneuvers.
 pub struct Arranging<'a> {
@@ -64,4 +68,199 @@ pub enum Kept {
 /// The limits of generated maneuvers, if any.
 pub(crate) fn generated_limits(generator: &Generator) -> Option<&Limits> {
     (0..generator.maneuvers().len()).rev().find_map(|q| generator.limits(q))
+}
+
+/// Neighbours that are evaluated in one round, and most rounds of the search.
+const SEARCHED: (usize, usize) = (48, 90);
+/// Of a ship with forces, of which one sequence takes ten times as long.
+const SEARCHED_OF_FORCES: (usize, usize) = (16, 24);
+/// Rounds without a better neighbour before steps are reduced.
+const PATIENCE: usize = 3;
+/// Most maneuvers that may be added, by sensitivity.
+const JOINING: usize = 12;
+/// Shortest piece of a maneuver, as a share of its own length: a crew gives no orders for seconds.
+const LEAST: f64 = 0.15;
+
+impl Arranging<'_> {
+    /// The best sequence that a local search finds from the dictionary's order: segments trade samples,
+    /// change places, or make room for others. Tables are played whole, so they trade no samples; no piece of another maneuver is
+    /// shorter than 15 % of it. `shares` of the maneuvers, with their `sensitivities`.
+    ///
+    /// # Errors
+    /// A generator without the dictionary's maneuvers; a shortest piece that is longer than one of them; a motion that the model
+    /// cannot hold; samples that whole plays of tables do not fill, or that do not tell every parameter.
+    pub fn search(&self, shares: &[f64], sensitivities: &[f64], samples: usize) -> Result<Arranged, Invalid> {
+        let places = self.places()?;
+        let mut of_all = vec![0.0; self.generator.maneuvers().len()];
+        places.iter().zip(shares).for_each(|(place, share)| of_all[*place] = *share);
+        let least = self.least(&places)?;
+        let mut now = self.settled(shared_out(&of_all, self.generator.tables(), samples)?, &least);
+        let mut order: Vec<usize> = (0..places.len()).collect();
+        order.sort_by(|a, b| sensitivities[*b].total_cmp(&sensitivities[*a]).then(a.cmp(b)));
+        let joining: Vec<usize> = order.into_iter().take(JOINING).map(|q| places[q]).collect();
+        let mut parts = Parts::default();
+        let start = self.values(std::slice::from_ref(&now), &mut parts)?[0];
+        let (mut value, mut step, mut idle, mut tried) = (start, samples / 8, 0, 1);
+        for round in 0..self.searched().1 {
+            let neighbours = self.neighbours(&now, (&joining, &least), step, round as u32);
+            let values = self.values(&neighbours, &mut parts)?;
+            tried += values.len();
+            let best = (0..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b]));
+            match best.filter(|best| values[*best] > value + 1e-9 * value.abs().max(1.0)) {
+                Some(best) => (now, value, idle) = (neighbours[best].clone(), values[best], 0),
+                None => idle += 1,
+            }
+            if idle == PATIENCE {
+                (step, idle) = (step / 2, 0);
+                if step < 2 {
+                    break;
+                }
+            }
+        }
+        if !value.is_finite() {
+            let seconds = samples as f64 / self.vessel.sample_rate_hz;
+            let value = format!("no sequence of {seconds} s that tells every parameter");
+            let remedy = "lengthen the trial, fix parameters, or leave it out";
+            return Err(Invalid::new("--arrange", value, "one", remedy));
+        }
+        let gain = libm::exp((value - start) / self.criterion.degree()) - 1.0;
+        let (initial, inputs) = parts.joined(&now);
+        let foretold = self.foretold(initial, &self.vessel.model.undisturbed(&inputs));
+        let limits = self.kept(&(initial, inputs));
+        let name = |(q, n): &(usize, usize)| (self.generator.maneuvers()[*q].name.clone(), *n);
+        Ok(Arranged { parts: now.iter().map(name).collect(), value, gain, tried, limits, foretold })
+    }
+
+    /// Neighbours of a round, and rounds.
+    fn searched(&self) -> (usize, usize) {
+        if self.vessel.model.forces.is_some() { SEARCHED_OF_FORCES } else { SEARCHED }
+    }
+
+    /// Whether the motion from `initial` under `inputs` keeps the limits.
+    fn kept(&self, (initial, inputs): &([f64; 3], Vec<f64>)) -> Kept {
+        let Some(limits) = generated_limits(self.generator) else { return Kept::Unlimited };
+        let model = &self.vessel.model;
+        let states = simulate_one(model, self.generator.parameters(), *initial, &model.undisturbed(inputs));
+        limits.exceeded(model, &states, inputs, self.vessel.sample_rate_hz).map_or(Kept::Within, Kept::Beyond)
+    }
+
+    /// The generator's index of every maneuver of the dictionary.
+    fn places(&self) -> Result<Vec<usize>, Invalid> {
+        let known: BTreeMap<&str, usize> =
+            self.generator.maneuvers().iter().enumerate().map(|(i, m)| (m.name.as_str(), i)).collect();
+        let place = |name: &String| {
+            known.get(name.as_str()).copied().ok_or_else(|| {
+                let remedy = "name the dictionary that the moments were made with";
+                Invalid::new("maneuvers", format!("no `{name}`"), "the maneuvers of the moments", remedy)
+            })
+        };
+        self.dictionary.maneuvers.iter().map(place).collect()
+    }
+
+    /// Plans at a distance of one to three moves.
+    fn neighbours(
+        &self,
+        now: &Plan,
+        (joining, least): (&[usize], &BTreeMap<usize, usize>),
+        step: usize,
+        round: u32,
+    ) -> Vec<Plan> {
+        let streams = Streams::new(self.seed, "sequence");
+        let neighbours = self.searched().0;
+        let mut bits = streams.choices(round, 0, u32::MAX, 16 * neighbours).into_iter();
+        let mut draw = move |below: usize| bits.next().unwrap_or(0) as usize % below.max(1);
+        let neighbour = |_| {
+            let mut plan = now.clone();
+            for _ in 0..1 + draw(3) {
+                let (from, to) = (draw(plan.len()), draw(plan.len()));
+                match draw(5) {
+                    0 => plan.swap(from, to),
+                    1 => {
+                        let part = plan.remove(from);
+                        plan.insert(to.min(plan.len()), part);
+                    }
+                    2 => {
+                        let new = joining[draw(joining.len())];
+                        let taken = plan[from].1.min(step.max(4).max(least[&new]));
+                        plan[from].1 -= taken;
+                        plan.insert(to, (new, taken));
+                    }
+                    _ => {
+                        let taken = plan[from].1.min(1 + draw(step));
+                        plan[from].1 -= taken;
+                        plan[to].1 += taken;
+                    }
+                }
+            }
+            let plan = self.settled(plan, least);
+            if self.is_whole(&plan) { plan } else { now.clone() }
+        };
+        (0..neighbours).map(neighbour).collect()
+    }
+
+    /// Whether every table is played at its own length.
+    fn is_whole(&self, plan: &Plan) -> bool {
+        let tables = self.generator.tables();
+        plan.iter().all(|(q, n)| tables.get(q).is_none_or(|table| table.samples == *n))
+    }
+
+    /// Least samples of a piece of each of the maneuvers at `places`.
+    fn least(&self, places: &[usize]) -> Result<BTreeMap<usize, usize>, Invalid> {
+        let rate_hz = self.vessel.sample_rate_hz;
+        let least = |&q: &usize| {
+            let samples = self.generator.samples(q)?;
+            let asked = self.minimal_s.map_or(0, |s| (s * rate_hz).ceil() as usize);
+            if asked > samples && !self.generator.tables().contains_key(&q) {
+                let value = format!("{} s", self.minimal_s.unwrap_or_default());
+                let (whole_s, name) = (samples as f64 / rate_hz, &self.generator.maneuvers()[q].name);
+                let expected = format!("no more than the {whole_s} s of `{name}`");
+                return Err(Invalid::new("--minimal-s", value, expected, "lower it"));
+            }
+            Ok((q, asked.max((LEAST * samples as f64).ceil() as usize)))
+        };
+        places.iter().map(least).collect()
+    }
+
+    /// `plan` without parts of no samples, its neighbours of the same maneuver merged, except tables, and pieces that are too short
+    /// lengthened or given to the longest of the others.
+    fn settled(&self, plan: Plan, least: &BTreeMap<usize, usize>) -> Plan {
+        let is_table = |q: usize| self.generator.tables().contains_key(&q);
+        let mut plan = merged(plan, is_table);
+        let too_short = |plan: &Plan| plan.iter().position(|(q, n)| !is_table(*q) && *n < least[q]);
+        while let Some(short) = too_short(&plan) {
+            let spare = |i: &usize| plan[*i].1.saturating_sub(least[&plan[*i].0]);
+            let others = (0..plan.len()).filter(|i| *i != short && !is_table(plan[*i].0));
+            let Some(longest) = others.max_by_key(spare) else { break };
+            let missing = least[&plan[short].0] - plan[short].1;
+            if missing <= plan[short].1.min(spare(&longest)) {
+                plan[longest].1 -= missing;
+                plan[short].1 += missing;
+            } else {
+                plan[longest].1 += plan[short].1;
+                plan.remove(short);
+            }
+            plan = merged(plan, is_table);
+        }
+        plan
+    }
+
+    /// The criterion's value of every plan; minus infinity where it is undefined.
+    fn values(&self, plans: &[Plan], parts: &mut Parts) -> Result<Vec<f64>, Invalid> {
+        plans.iter().try_for_each(|plan| parts.make(self.generator, plan))?;
+        let runs: Vec<([f64; 3], Vec<f64>)> = plans.iter().map(|plan| parts.joined(plan)).collect();
+        let groups: Vec<Vec<f64>> = runs.par_chunks(LANES).map(|group| self.group(group)).collect();
+        Ok(groups.into_iter().flatten().collect())
+    }
+}
+
+/// Removes parts of no samples from `plan` and merges neighbours of the same maneuver unless it is played `whole`.
+pub fn merged(plan: Plan, whole: impl Fn(usize) -> bool) -> Plan {
+    let mut out: Plan = Vec::with_capacity(plan.len());
+    for (maneuver, samples) in plan.into_iter().filter(|(_, n)| *n > 0) {
+        match out.last_mut().filter(|(last, _)| *last == maneuver && !whole(maneuver)) {
+            Some(last) => last.1 += samples,
+            None => out.push((maneuver, samples)),
+        }
+    }
+    out
 }

@@ -1,3 +1,5 @@
+use std::collections::BTreeMap;
+use std::fmt;
 use std::ops::Range;
 
 use maneuver::{Aim, Exceeded, Executed, Generator, Kept, Reacting, Realized, WRONG_SIGN};
@@ -9,9 +11,7 @@ use ship::engine::{
 use ship::model::{DegreeOfFreedom, Source, Vessel};
 
 use super::Refusal;
-use super::own_loop::OwnLoop;
-use super::sea::SimulatedRun;
-use super::tally::{BEYOND_LOGS, Tally};
+use super::sea::{OwnLoop, SimulatedRun};
 
 /// Maneuvers that are judged together.
 const AT_ONCE: usize = 64;
@@ -70,8 +70,7 @@ impl<'a> Maneuvers<'a> {
         })
     }
 
-    /// Simulates maneuvers `indices`, each from its own initial state, except generated ones that exceed
-    /// their limits.
+    /// Simulates maneuvers `indices`, each from its own initial state, except generated ones that exceed their limits.
     ///
     /// # Errors
     /// A maneuver of zero samples or that the model cannot hold; a simulation that diverges.
@@ -79,7 +78,9 @@ impl<'a> Maneuvers<'a> {
         let (mut runs, mut tally) = (Vec::with_capacity(indices.len()), Tally::default());
         for index in indices {
             if let Some(run) = self.one(index, &mut tally)? {
-                tally.simulated(run.run.samples(), self.generator.limits(index).is_some());
+                tally.maneuvers += 1;
+                tally.samples += run.run.samples();
+                tally.kept += usize::from(self.generator.limits(index).is_some());
                 runs.push(run);
             }
         }
@@ -94,8 +95,8 @@ impl<'a> Maneuvers<'a> {
         let one = |index: usize| {
             let run = self.one(index, &mut Tally::default())?;
             let aims = run.map_or(Vec::new(), |run| self.generator.reached(index, &run.states));
-            let seconds = self.generator.samples(index).map_err(Refusal::Dictionary)? as f64;
-            let seconds = seconds / self.vessel.sample_rate_hz;
+            let samples = self.generator.samples(index).map_err(Refusal::Dictionary)? as f64;
+            let seconds = samples / self.vessel.sample_rate_hz;
             Ok(Reached { maneuver: self.generator.maneuvers()[index].name.clone(), seconds, aims })
         };
         // All, then the first refusal in order: one that a race chose would differ from run to run.
@@ -112,19 +113,19 @@ impl<'a> Maneuvers<'a> {
     pub fn divided(&self) -> Result<Option<Divided>, Refusal> {
         let Some(none) = Divided::new(&self.vessel.model) else { return Ok(None) };
         let some = |first: usize| {
-            let mut found = none.clone();
+            let mut of_run = none.clone();
             for index in first..self.count().min(first + AT_ONCE) {
                 if let Some(run) = self.one(index, &mut Tally::default())? {
-                    found.add(&self.vessel.model, &self.parameters, &run.run.exogenous, &run.states);
+                    of_run.add(&self.vessel.model, &self.parameters, &run.run.exogenous, &run.states);
                 }
             }
-            Ok(found)
+            Ok(of_run)
         };
         let starts: Vec<usize> = (0..self.count()).step_by(AT_ONCE).collect();
         let all: Vec<_> = starts.into_par_iter().map(some).collect();
         let mut sum = none.clone();
-        for found in all {
-            sum.merge(&found?);
+        for of_run in all {
+            sum.merge(&of_run?);
         }
         sum.add_range(self.vessel, &self.parameters);
         Ok(Some(sum))
@@ -152,8 +153,7 @@ impl<'a> Maneuvers<'a> {
                         let own_loop = OwnLoop::new(self.vessel, initial, &[(helm.clone(), samples)]);
                         let ran = simulate_command(model, &self.parameters, initial, samples, rate_hz, &helm);
                         (exogenous, commands) = (ran.exogenous, ran.commands);
-                        instruments =
-                            own_loop.map(|own| own.instruments(model, &exogenous)).unwrap_or_default();
+                        instruments = own_loop.map_or_else(Vec::new, |it| it.instruments(model, &exogenous));
                         ran.states
                     }
                 };
@@ -216,14 +216,14 @@ impl Reached {
     pub fn missed(&self) -> Option<Invalid> {
         let aim = self.aims.iter().find(|aim| !aim.is_met)?;
         let thing = format!("maneuver `{}`, {}", self.maneuver, aim.what);
-        let [found, expected] = [aim.reached, aim.wanted].map(|value| aim.value(value));
+        let [reached, expected] = [aim.reached, aim.wanted].map(|value| aim.value(value));
         if aim.is_turned_away() {
-            let found = format!("{} to the other side in {} s", aim.value(-aim.reached), self.seconds);
-            return Some(Invalid::new(thing, found, expected, WRONG_SIGN));
+            let value = format!("{} to the other side in {} s", aim.value(-aim.reached), self.seconds);
+            return Some(Invalid::new(thing, value, expected, WRONG_SIGN));
         }
         Some(Invalid::new(
             thing,
-            format!("{found} in {} s", self.seconds),
+            format!("{reached} in {} s", self.seconds),
             expected,
             "lengthen it, change what is commanded or the model that its inputs come from, hold a motion with `executed = \
              \"feedback\"`, or allow it with --allow-unreached",
@@ -282,20 +282,133 @@ pub fn judge(vessel: &Vessel, generator: &Generator, index: usize) -> Result<Jud
 }
 
 /// A generated maneuver that leaves the known range of motion of the model.
-fn left_out(vessel: &Vessel, (d, found): (usize, f64)) -> Exceeded {
+fn left_out(vessel: &Vessel, (d, reached): (usize, f64)) -> Exceeded {
     let [low, high] = vessel.motion.map_or([0.0; 2], |ranges| ranges[d]);
     let limit = format!("{} {BEYOND_LOGS}", DegreeOfFreedom::ALL[d].state());
-    Exceeded { limit, allowed: 0.0, found: (low - found).max(found - high) }
+    Exceeded { limit, allowed: 0.0, found: (low - reached).max(reached - high) }
 }
 
 /// The refusal of a hand-written one.
-fn refused(vessel: &Vessel, name: &str, (d, found): (usize, f64)) -> Invalid {
+fn refused(vessel: &Vessel, name: &str, (d, reached): (usize, f64)) -> Invalid {
     let [low, high] = vessel.motion.map_or([0.0; 2], |ranges| ranges[d]);
     let degree = DegreeOfFreedom::ALL[d];
     Invalid::new(
         format!("maneuver `{name}`"),
-        format!("{} = {found:.4} {}", degree.state(), degree.unit()),
+        format!("{} = {reached:.4} {}", degree.state(), degree.unit()),
         format!("{low:.4} to {high:.4}, about what the logs of the model cover"),
         "request less, or allow it with --beyond-range",
     )
+}
+
+/// Name of the one reason for leaving out a maneuver that is not a limit.
+const UNSTEADY: &str = "no steady inputs";
+/// Suffix of the reason that a maneuver leaves the motion in the logs of its model, after `u`, `v` or `r`.
+const BEYOND_LOGS: &str = "beyond the model's logs";
+
+/// How many maneuvers were simulated, and how many were left out for which reason.
+#[derive(Clone, Debug, Default)]
+pub struct Tally {
+    /// Number of maneuvers.
+    pub maneuvers: usize,
+    /// Their samples.
+    pub samples: usize,
+    /// How many of them are generated.
+    pub kept: usize,
+    /// Generated maneuvers that were left out, by the limit that they exceed most.
+    pub left_out: BTreeMap<String, LeftOut>,
+}
+
+/// Maneuvers left out for one reason.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LeftOut {
+    /// Their number.
+    pub count: usize,
+    /// The limit.
+    pub allowed: f64,
+    /// The smallest of their values.
+    pub nearest: f64,
+}
+
+impl Tally {
+    fn exceeds(&mut self, Exceeded { limit, allowed, found }: &Exceeded) {
+        self.leave_out(limit, LeftOut { count: 1, allowed: *allowed, nearest: *found });
+    }
+
+    fn unsteady(&mut self) {
+        self.leave_out(UNSTEADY, LeftOut { count: 1, ..LeftOut::default() });
+    }
+
+    fn leave_out(&mut self, name: &str, about: LeftOut) {
+        let known = self.left_out.entry(name.to_owned()).or_insert(LeftOut { count: 0, ..about });
+        known.count += about.count;
+        known.nearest = known.nearest.min(about.nearest);
+    }
+
+    /// Adds the counts for other maneuvers.
+    pub fn merge(&mut self, other: &Self) {
+        self.maneuvers += other.maneuvers;
+        self.samples += other.samples;
+        self.kept += other.kept;
+        other.left_out.iter().for_each(|(name, about)| self.leave_out(name, *about));
+    }
+
+    /// Refuses limits that no generated maneuver keeps: names the one that most exceed, and the least excess.
+    ///
+    /// # Errors
+    /// Generated maneuvers that are all left out.
+    pub fn check(&self) -> Result<(), Invalid> {
+        if self.kept > 0 || self.left_out.is_empty() {
+            return Ok(());
+        }
+        let all = self.all_left_out();
+        let tightest = self.left_out.iter().max_by(|a, b| a.1.count.cmp(&b.1.count).then(b.0.cmp(a.0)));
+        let (name, left) = tightest.map_or(("", LeftOut::default()), |(name, about)| (name.as_str(), *about));
+        if name == UNSTEADY {
+            return Err(Invalid::new(
+                "`generate`",
+                format!("no candidate of {all} that inputs hold steady"),
+                "at least one",
+                "give `speed_m_s` and limits that the vessel can reach, or other `kinds`",
+            ));
+        }
+        if name.ends_with(BEYOND_LOGS) {
+            return Err(Invalid::new(
+                "`generate`",
+                format!(
+                    "{} of {all} candidates with {name} most, the nearest by {:.4}",
+                    left.count, left.nearest
+                ),
+                "at least one within the motion in the logs of the model",
+                "request speeds and yaw rates as in the logs, or allow more with --beyond-range",
+            ));
+        }
+        Err(Invalid::new(
+            format!("`generate.limits.{name}`"),
+            format!(
+                "{}, which is the tightest: {} of {all} candidates exceed it most, the nearest reaches {:.4}, and none \
+                 keeps all limits",
+                left.allowed, left.count, left.nearest
+            ),
+            "limits that at least one candidate keeps",
+            format!("raise `{name}`, or draw more `candidates`"),
+        ))
+    }
+
+    fn all_left_out(&self) -> usize {
+        self.left_out.values().map(|left_out| left_out.count).sum()
+    }
+}
+
+impl fmt::Display for Tally {
+    /// `12 maneuvers, 960 samples; 8 of 20 generated left out: 5 by u_m_s, …`.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{} maneuvers, {} samples", self.maneuvers, self.samples)?;
+        let out = self.all_left_out();
+        if out == 0 {
+            return Ok(());
+        }
+        let reasons: Vec<String> =
+            self.left_out.iter().map(|(name, l)| format!("{} by {name}", l.count)).collect();
+        write!(f, "; {out} of {} generated left out: {}", out + self.kept, reasons.join(", "))
+    }
 }

@@ -10,12 +10,9 @@ use ship::engine::{Helm, Segment, Streams, refuse_endless};
 use ship::model::Vessel;
 
 use super::Refusal;
-use super::designed::{Designed, Parts, too_short};
-use super::own_loop::OwnLoop;
-use super::plays::{Plan, drawable, left_out};
-use super::practice::{not_sailed, practice};
-use super::sea::{Group, Sea, SimulatedRun, States, Wanted};
-use super::together::{Experiment, Together};
+use super::designed::{Designed, Parts, Plan, drawable, left_out, too_short};
+use super::sea::{Group, OwnLoop, Sea, SimulatedRun, States, Wanted};
+use super::together::{Experiment, Together, not_sailed, practice};
 
 /// Channel of the random stream that draws a random design's maneuvers.
 const MANEUVER_CHANNEL: u32 = 100;
@@ -93,9 +90,9 @@ impl Doing {
             design: design.name,
             streams: &design.streams,
             runs: &self.numbers,
-            initial: self.experiments.iter().map(|own| own.initial).collect(),
-            exogenous: self.experiments.iter().map(|own| own.exogenous.as_slice()).collect(),
-            helms: self.experiments.iter().filter_map(|own| own.helm.clone()).collect(),
+            initial: self.experiments.iter().map(|experiment| experiment.initial).collect(),
+            exogenous: self.experiments.iter().map(|experiment| experiment.exogenous.as_slice()).collect(),
+            helms: self.experiments.iter().filter_map(|experiment| experiment.helm.clone()).collect(),
         }
     }
 }
@@ -172,15 +169,9 @@ impl<'a> Campaign<'a> {
         for plan in designs.iter().flat_map(|d| d.occurring(settings.realizations)) {
             parts.make(generator, &plan).map_err(Refusal::Dictionary)?;
         }
-        let realizations = settings.realizations;
-        let reacting = generator.reacting();
-        let prepared =
-            Self { sea, samples, realizations, designs, parts, names, statements, reacting }.prepared();
-        Ok(if settings.random_segments.is_some() {
-            prepared.practised(generator, settings.seed)
-        } else {
-            prepared
-        })
+        let (realizations, reacting) = (settings.realizations, generator.reacting());
+        let all = Self { sea, samples, realizations, designs, parts, names, statements, reacting }.prepared();
+        Ok(if settings.random_segments.is_some() { all.practised(generator, settings.seed) } else { all })
     }
 
     /// Adds today's practice, or says why it is left out.
@@ -295,11 +286,8 @@ impl<'a> Campaign<'a> {
             let (design, first) = (i / groups, i % groups * LANES);
             self.simulate(design, first..self.realizations().min(first + LANES), Wanted::Truth)
         };
-        let found: Vec<_> = (0..self.designs.len() * groups).into_par_iter().map(group).collect();
-        found.into_iter().try_fold(Vec::with_capacity(self.runs()), |mut all, runs| {
-            all.extend(runs?);
-            Ok(all)
-        })
+        let all: Vec<_> = (0..self.designs.len() * groups).into_par_iter().map(group).collect();
+        Ok(all.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
     }
 
     /// Simulates some runs of one design, with what is `wanted` of them.
@@ -361,11 +349,11 @@ impl<'a> Campaign<'a> {
 
     fn doing(&self, design: &Design, runs: Range<usize>) -> Doing {
         let numbers: Vec<u32> = runs.map(|run| run as u32).collect();
-        let own = |run: &u32| match &design.all {
+        let experiment = |run: &u32| match &design.all {
             Some(all) => Arc::clone(all),
             None => Arc::new(self.experiment(&self.parts, &design.plan(*run))),
         };
-        Doing { experiments: numbers.iter().map(own).collect(), numbers }
+        Doing { experiments: numbers.iter().map(experiment).collect(), numbers }
     }
 
     fn segments(&self, plan: &[(usize, usize)]) -> Vec<Segment> {

@@ -1,13 +1,14 @@
+use std::ops::Range;
+
 use numerics::lanes::{buffer, by_lane, interleave, lane, lane_of};
 use numerics::{LANES, Lane, Wide};
 use refusal::Invalid;
 use ship::engine::{
     Current, Disturbances, Diverged, Driven, Driving, Helm, Recording, Run, Streams, Wind, diverged_lanes,
-    simulate_commanded, simulate_disturbed,
+    simulate_command, simulate_commanded, simulate_disturbed,
 };
-use ship::model::{Source, Vessel};
-
-use super::Refusal;
+use ship::model::{Model, Source, Vessel};
+use thiserror::Error;
 
 /// The true vessel and its disturbances. Simulates up to [`LANES`] runs in lanes.
 pub struct Sea<'a> {
@@ -29,8 +30,7 @@ pub struct Group<'a> {
     pub initial: Vec<[f64; 3]>,
     /// Exogenous inputs of each, N × exogenous, row-major; N is the same for all.
     pub exogenous: Vec<&'a [f64]>,
-    /// The commands of each, if they depend on the ship's motion. Then the above are those of an undisturbed
-    /// ship.
+    /// The commands of each, if they depend on the ship's motion. Then the above are those of an undisturbed ship.
     pub helms: Vec<Helm>,
 }
 
@@ -105,9 +105,6 @@ impl<'a> Sea<'a> {
     }
 
     /// Simulates groups of runs of one length, with what is `wanted` of them.
-    ///
-    /// # Errors
-    /// See [`Self::simulate`].
     pub(super) fn simulate_groups<const G: usize>(
         &self,
         groups: [&Group; G],
@@ -128,9 +125,9 @@ impl<'a> Sea<'a> {
 
     /// Buffers for the states of a group.
     fn states(&self, group: &Group, wanted: Wanted) -> States {
-        let own = || buffer(3 * (self.samples(group) + 1));
-        let truth = if wanted >= Wanted::Truth { own() } else { Vec::new() };
-        States { truth, measured: own(), exogenous: Vec::new(), commands: Vec::new() }
+        let states = || buffer(3 * (self.samples(group) + 1));
+        let truth = if wanted >= Wanted::Truth { states() } else { Vec::new() };
+        States { truth, measured: states(), exogenous: Vec::new(), commands: Vec::new() }
     }
 
     /// A group's recording, in the buffers of its states.
@@ -178,7 +175,7 @@ impl<'a> Sea<'a> {
             .each_mut()
             .map(|(group, States { truth, measured, .. })| self.recording(group, truth, measured));
         let start = groups.map(Group::start);
-        let initial = [0, 1, 2].map(|d: usize| Wide(start.map(|own| own[d])));
+        let initial = [0, 1, 2].map(|d: usize| Wide(start.map(|state| state[d])));
         let beyond = simulate_disturbed(model, &self.truth, initial, driven, recordings);
         let mut exogenous = exogenous.into_iter();
         let states =
@@ -186,8 +183,7 @@ impl<'a> Sea<'a> {
         (states, beyond)
     }
 
-    /// The part at fault if the run in `lane` diverges: the disturbances, if it does not diverge without
-    /// them.
+    /// The part at fault if the run in `lane` diverges: the disturbances, if it does not diverge without them.
     fn at_fault(&self, group: &Group, lane: usize, at: Diverged) -> Refusal {
         let still = Disturbances { current: Current::None, ..self.disturbances };
         let bounded = |disturbances, wind| {
@@ -200,15 +196,13 @@ impl<'a> Sea<'a> {
             return Refusal::Vessel(at.invalid(format!("model in {run}"), self.vessel.sample_rate_hz));
         }
         let windy = self.wind.is_some() && bounded(self.disturbances, None);
-        let (key, expected) = match windy {
-            true => ("[wind]", "a wind in which the motion stays bounded, as it does without wind"),
-            false => (
-                "`current.std_m_s`",
-                "a current in which the motion stays bounded, as it does in still water",
-            ),
+        let key = if windy { "[wind]" } else { "`current.std_m_s`" };
+        let expected = match windy {
+            true => "a wind in which the motion stays bounded, as it does without wind",
+            false => "a current in which the motion stays bounded, as it does in still water",
         };
-        let found = format!("{run}, which diverges in it at sample {}", at.sample);
-        Refusal::Sea(Invalid::new(key, found, expected, "lower it"))
+        let thing = format!("{run}, which diverges in it at sample {}", at.sample);
+        Refusal::Sea(Invalid::new(key, thing, expected, "lower it"))
     }
 
     fn samples(&self, group: &Group) -> usize {
@@ -224,10 +218,88 @@ impl Group<'_> {
     /// The common inputs of all runs, if there are any.
     fn shared(&self) -> Option<&[f64]> {
         let first = *self.exogenous.first()?;
-        self.exogenous.iter().all(|exogenou| std::ptr::eq(*exogenou, first)).then_some(first)
+        self.exogenous.iter().all(|inputs| std::ptr::eq(*inputs, first)).then_some(first)
     }
 
     fn start(&self) -> [Lane; 3] {
         [0, 1, 2].map(|d: usize| lane(self.runs.len(), |run| self.initial[run][d]))
+    }
+}
+
+/// Why a trial cannot be simulated, by the part at fault.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum Refusal {
+    /// The vessel: a parameter without a true value, a motion that diverges.
+    #[error("vessel: {0}")]
+    Vessel(Invalid),
+    /// The dictionary: a motion that the model cannot hold, limits that no maneuver keeps.
+    #[error("dictionary: {0}")]
+    Dictionary(Invalid),
+    /// The campaign's numbers.
+    #[error("campaign: {0}")]
+    Campaign(Invalid),
+    /// The current or the wind, if the vessel diverges only in these.
+    #[error("sea: {0}")]
+    Sea(Invalid),
+    /// The design's shares or order.
+    #[error("design: {0}")]
+    Design(Invalid),
+    /// The design has a maneuver that the dictionary does not have.
+    #[error("design: found maneuver `{name}`, which the dictionary does not have")]
+    UnknownManeuver {
+        /// Its name.
+        name: String,
+        /// Whether it is in the design's order, or else in its shares.
+        ordered: bool,
+    },
+    /// The design's order is for an experiment of another length.
+    #[error("design: found an order of {ordered} samples, expected {samples}")]
+    OtherLength {
+        /// Samples of the order.
+        ordered: usize,
+        /// Samples of a run.
+        samples: usize,
+    },
+}
+
+/// The inputs of the nominal ship under the controllers of an experiment, in still water: the instruments of tracked motions. There
+/// recorded inputs follow all that the controller saw.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OwnLoop {
+    /// N × exogenous, row-major.
+    exogenous: Vec<f64>,
+    /// The samples at which motions are tracked. Inputs that change when a heading is reached are instruments as they are: the
+    /// nominal ship would reach it at another time.
+    tracked: Vec<Range<usize>>,
+}
+
+impl OwnLoop {
+    /// Of `parts`, each for so many samples, from `initial`; `None` where none of them tracks a motion.
+    pub fn new(vessel: &Vessel, initial: [f64; 3], parts: &[(Helm, usize)]) -> Option<Self> {
+        let mut end = 0;
+        let mut range = |(helm, samples): &(Helm, usize)| {
+            end += samples;
+            helm.tracks().then_some(end - samples..end)
+        };
+        let tracked: Vec<Range<usize>> = parts.iter().filter_map(&mut range).collect();
+        if tracked.is_empty() {
+            return None;
+        }
+        let (model, rate_hz) = (&vessel.model, vessel.sample_rate_hz);
+        let helm = Helm::sequence(parts.to_vec());
+        let run = simulate_command(model, &vessel.nominal, initial, end, rate_hz, &helm);
+        Some(Self { exogenous: run.exogenous, tracked })
+    }
+
+    /// What instruments are simulated with in a run with these `recorded` inputs and measured disturbances, N × exogenous.
+    pub fn instruments(&self, model: &Model, recorded: &[f64]) -> Vec<f64> {
+        let (width, inputs) = (model.exogenous(), model.inputs);
+        let mut rows = recorded.to_vec();
+        for k in self.tracked.iter().cloned().flatten() {
+            let row = &mut rows[width * k..width * (k + 1)];
+            row[..inputs].copy_from_slice(&self.exogenous[width * k..][..inputs]);
+            model.complete(row);
+        }
+        rows
     }
 }

@@ -1,12 +1,14 @@
 use std::sync::Arc;
 
+use design::apportion;
+use maneuver::Generator;
 use numerics::lanes::{interleave, lane, lane_of, recycle};
 use numerics::{LANES, Lane};
-use ship::engine::{Helm, Run, Segment, SideBySide};
-use ship::model::Model;
+use ship::engine::{Helm, Run, Segment, SideBySide, check_diverged, simulate_command, simulate_one};
+use ship::model::{Model, Source, Vessel};
 
-use super::own_loop::OwnLoop;
-use super::sea::{SimulatedRun, States};
+use super::designed::{Parts, Plan, Tables};
+use super::sea::{OwnLoop, SimulatedRun, States};
 
 /// The planned content of a run, without disturbances.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,14 +54,13 @@ impl Together<'_> {
 
     /// First samples of the segments of each.
     pub fn starts(&self) -> Vec<Vec<usize>> {
-        let own =
-            |experiment: &Arc<Experiment>| experiment.segments.iter().map(|segment| segment.start).collect();
-        self.experiments.iter().map(own).collect()
+        let of_run = |one: &Arc<Experiment>| one.segments.iter().map(|segment| segment.start).collect();
+        self.experiments.iter().map(of_run).collect()
     }
 
     /// The runs in the form that estimators take.
     pub fn side_by_side(self) -> SideBySide {
-        let rows = || self.experiments.iter().map(|own| own.exogenous.as_slice()).collect::<Vec<_>>();
+        let rows = || self.experiments.iter().map(|one| one.exogenous.as_slice()).collect::<Vec<_>>();
         let instrument_exogenous = self.instrument_exogenous();
         let known = self.states.exogenous;
         SideBySide {
@@ -75,13 +76,13 @@ impl Together<'_> {
 
     /// What instruments are simulated with, N × exogenous; empty where that are the recorded inputs of all runs.
     fn instrument_exogenous(&self) -> Vec<Lane> {
-        if self.experiments.iter().all(|own| own.own_loop.is_none()) {
+        if self.experiments.iter().all(|experiment| experiment.own_loop.is_none()) {
             return Vec::new();
         }
-        let rows = |(lane, own): (usize, &Arc<Experiment>)| {
+        let rows = |(lane, experiment): (usize, &Arc<Experiment>)| {
             let recorded = lane_of(&self.states.exogenous, lane);
-            match &own.own_loop {
-                Some(own) => own.instruments(self.model, &recorded),
+            match &experiment.own_loop {
+                Some(own_loop) => own_loop.instruments(self.model, &recorded),
                 None => recorded,
             }
         };
@@ -102,8 +103,8 @@ impl Together<'_> {
             None => exogenous.clone(),
             Some(_) => lane_of(&self.states.exogenous, lane),
         };
-        let instruments =
-            own_loop.as_ref().map(|own| own.instruments(self.model, &exogenous)).unwrap_or_default();
+        let of_loop = |own_loop: &OwnLoop| own_loop.instruments(self.model, &exogenous);
+        let instruments = own_loop.as_ref().map(of_loop).unwrap_or_default();
         let run = Run {
             design: self.design.to_owned(),
             run: self.number(lane),
@@ -115,4 +116,71 @@ impl Together<'_> {
         };
         SimulatedRun { run, states, commands: lane_of(&self.states.commands, lane) }
     }
+}
+
+/// Experiments of `samples` samples of today's practice, with their parts; or why there are none, for users.
+///
+/// A round has the maneuvers that are written by hand, in the dictionary's order and at their own lengths. Rounds are repeated and the
+/// last one is cut; a round longer than the experiment is shortened, all its maneuvers alike. Tables of inputs are played whole or left
+/// out.
+pub(super) fn practice(generator: &Generator, samples: usize) -> Result<(Plan, Parts), String> {
+    let written = 0..generator.written();
+    if written.len() < 2 {
+        let has = generator.maneuvers()[written]
+            .first()
+            .map_or("none".to_owned(), |maneuver| format!("only `{}`", maneuver.name));
+        return Err(format!("they take two hand-written maneuvers or more, and the dictionary has {has}"));
+    }
+    let lengths = written.into_iter().map(|q| generator.samples(q).map(|n| (q, n)));
+    let round: Plan = lengths.collect::<Result<_, _>>().map_err(|e| e.to_string())?;
+    let plan = repeated(&round, generator.tables(), samples)
+        .ok_or("whole plays of the dictionary's tables do not fill them")?;
+    let mut parts = Parts::default();
+    parts.make(generator, &plan).map_err(|e| e.to_string())?;
+    Ok((plan, parts))
+}
+
+/// `round` in turn in `samples` samples; `None` if tables leave samples that nothing fills.
+fn repeated(round: &[(usize, usize)], tables: &Tables, samples: usize) -> Option<Plan> {
+    let length = |round: &[(usize, usize)]| round.iter().map(|(_, n)| n).sum::<usize>();
+    let is_cut = |(q, _): &&(usize, usize)| !tables.contains_key(q);
+    if length(round) > samples {
+        let round: Plan = round.iter().filter(is_cut).copied().collect();
+        let whole = length(&round);
+        if whole > samples {
+            let shares: Vec<f64> = round.iter().map(|(_, n)| *n as f64 / whole as f64).collect();
+            let counts = apportion(&shares, samples as u64).into_iter().map(|n| n as usize);
+            return Some(round.iter().map(|(q, _)| *q).zip(counts).filter(|(_, n)| *n > 0).collect());
+        }
+    }
+    let (mut plan, mut rest) = (Plan::new(), samples);
+    while rest > 0 {
+        let before = rest;
+        for (q, n) in round {
+            let taken = if *n > rest && tables.contains_key(q) { 0 } else { rest.min(*n) };
+            plan.extend((taken > 0).then_some((*q, taken)));
+            rest -= taken;
+        }
+        if rest == before {
+            return None;
+        }
+    }
+    Some(plan)
+}
+
+/// Why the undisturbed ship cannot sail `experiment`, for users: the maneuver in which she diverges.
+pub(super) fn not_sailed(vessel: &Vessel, experiment: &Experiment) -> Option<String> {
+    let (model, rate_hz) = (&vessel.model, vessel.sample_rate_hz);
+    let truth = vessel.parameters(Source::Value).ok()?;
+    let states = match &experiment.helm {
+        None => simulate_one(model, &truth, experiment.initial, &experiment.exogenous),
+        Some(helm) => {
+            let samples = experiment.exogenous.len() / model.exogenous().max(1);
+            simulate_command(model, &truth, experiment.initial, samples, rate_hz, helm).states
+        }
+    };
+    let at = check_diverged(states.into_iter())?;
+    let segment = experiment.segments.iter().rev().find(|segment| segment.start < at.sample.max(1))?;
+    let after_s = at.sample as f64 / rate_hz;
+    Some(format!("the ship diverges in maneuver `{}`, {after_s:.1} s after their start", segment.maneuver))
 }

@@ -2,9 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use design::{Candidates, CriterionName, Dictionary};
+use design::{
+    Bounds, Candidates, Criterion, CriterionName, Dictionary, NoDesign, Norm, Options, Rivals,
+    WeightedFigure, solve_within,
+};
 use refusal::Invalid;
 use regression::MeanRemoval;
+use ship::engine::Streams;
 use ship::model::Source;
 
 use super::{DegreeMoments, Moments, OutputErrorMoments};
@@ -24,18 +28,12 @@ pub enum Estimated {
 impl Estimated {
     /// The criterion of a D-optimal design for it.
     pub fn d_optimal(self) -> CriterionName {
-        match self {
-            Self::Iv(_) => CriterionName::DHessian,
-            Self::OutputError { .. } => CriterionName::D,
-        }
+        if matches!(self, Self::Iv(_)) { CriterionName::DHessian } else { CriterionName::D }
     }
 
     /// Whether intercepts are among the unknowns.
     fn has_intercepts(self) -> bool {
-        match self {
-            Self::Iv(removal) => removal == MeanRemoval::Complete,
-            Self::OutputError { .. } => true,
-        }
+        matches!(self, Self::Iv(MeanRemoval::Complete) | Self::OutputError { .. })
     }
 }
 
@@ -43,14 +41,11 @@ impl Moments {
     /// One candidate per maneuver: its additive matrices for the estimate.
     ///
     /// # Errors
-    /// Moments that are not complete, finite and of one shape, duplicate maneuvers, no moments for the
-    /// estimator.
+    /// Moments that are not complete, finite and of one shape, duplicate maneuvers, no moments for the estimator.
     pub fn dictionary(&self, estimated: Estimated) -> Result<Dictionary, Invalid> {
         self.check_structure()?;
         let information = match estimated {
-            Estimated::Iv(removal) => {
-                self.blocks(removal, |degree, _, n| Ok(reduced(&degree.m, n, removal)))?
-            }
+            Estimated::Iv(removal) => self.blocks(removal, |one, _, n| Ok(reduced(&one.m, n, removal)))?,
             Estimated::OutputError { .. } => self.whole(|o| Ok(o.f.clone()))?,
         };
         Ok(Dictionary {
@@ -62,8 +57,7 @@ impl Moments {
         })
     }
 
-    /// The middle matrices of the candidates of [`Moments::dictionary`], the meat of their sandwich
-    /// covariances.
+    /// The middle matrices of the candidates of [`Moments::dictionary`], the meat of their sandwich covariances.
     ///
     /// # Errors
     /// Moments without middle matrices, or with some that are not covariances.
@@ -84,13 +78,13 @@ impl Moments {
                 Some(b) => Ok(centred(b, &degree.m, n, removal)),
             }),
             Estimated::OutputError { current } => self.whole(|o| {
-                let own = o.e.as_ref().unwrap_or(&o.f);
+                let measurement = o.e.as_ref().unwrap_or(&o.f);
                 match (&o.p, current) {
-                    (Some(p), true) if p.len() == own.len() => {
-                        Ok(own.iter().zip(p).map(|(e, p)| e + p).collect())
+                    (Some(p), true) if p.len() == measurement.len() => {
+                        Ok(measurement.iter().zip(p).map(|(e, p)| e + p).collect())
                     }
                     (Some(_), true) => Err("a `P` of another size than `F`".into()),
-                    _ => Ok(own.clone()),
+                    _ => Ok(measurement.clone()),
                 }
             }),
         }
@@ -128,9 +122,9 @@ impl Moments {
         };
         let square = |name: &String| match values.get(name) {
             Some(theta) if *theta != 0.0 && theta.is_finite() => Ok(theta * theta),
-            found => Err(Invalid::new(
+            value => Err(Invalid::new(
                 format!("parameter `{name}`"),
-                found.map_or("no value".into(), |v| format!("{v}")),
+                value.map_or("no value".into(), |v| format!("{v}")),
                 "a value other than 0 that its error can be relative to",
                 remedy,
             )),
@@ -146,7 +140,7 @@ impl Moments {
         let n: usize = self.degrees.iter().map(|d| d.regressors.len()).sum();
         let mut candidates = Candidates::new(vec![n]);
         for maneuver in &self.maneuvers {
-            let Some(own) = &maneuver.output_error else {
+            let Some(error_moments) = &maneuver.output_error else {
                 return Err(Invalid::new(
                     format!("moments of `{}`", maneuver.name),
                     "no `output_error`",
@@ -154,7 +148,7 @@ impl Moments {
                     "run `moments` again with --campaign and --estimator output-error",
                 ));
             };
-            let entries = of(own).map_err(|found| malformed(&maneuver.name, &found))?;
+            let entries = of(error_moments).map_err(|what| malformed(&maneuver.name, &what))?;
             if !is_covariance(&entries, n) {
                 return Err(malformed(&maneuver.name, "an `F`, `E` or `P` that is no covariance"));
             }
@@ -163,8 +157,7 @@ impl Moments {
         Ok(candidates)
     }
 
-    /// A block per degree of freedom and maneuver: `entries_of` its moments, its name and its lifted
-    /// parameters.
+    /// A block per degree of freedom and maneuver: `entries_of` its moments, its name and its lifted parameters.
     fn blocks(
         &self,
         removal: MeanRemoval,
@@ -176,20 +169,17 @@ impl Moments {
         let mut candidates = Candidates::new(lifted.iter().map(kept).collect());
         for maneuver in &self.maneuvers {
             if maneuver.degrees.len() != lifted.len() {
-                return Err(malformed(
-                    &maneuver.name,
-                    &format!("{} degrees of freedom", maneuver.degrees.len()),
-                ));
+                let degrees = format!("{} degrees of freedom", maneuver.degrees.len());
+                return Err(malformed(&maneuver.name, &degrees));
             }
             let mut entries = Vec::with_capacity(candidates.size());
-            for ((own, degree), n) in maneuver.degrees.iter().zip(&self.degrees).zip(&lifted) {
-                if own.m.len() != n * n {
-                    let found = format!("{} entries in {}", own.m.len(), degree.name);
-                    return Err(malformed(&maneuver.name, &found));
+            for ((moments, degree), n) in maneuver.degrees.iter().zip(&self.degrees).zip(&lifted) {
+                if moments.m.len() != n * n {
+                    let value = format!("{} entries in {}", moments.m.len(), degree.name);
+                    return Err(malformed(&maneuver.name, &value));
                 }
-                entries.extend(
-                    entries_of(own, &degree.name, *n).map_err(|found| malformed(&maneuver.name, &found))?,
-                );
+                let of_degree = entries_of(moments, &degree.name, *n);
+                entries.extend(of_degree.map_err(|what| malformed(&maneuver.name, &what))?);
             }
             candidates.push(&entries).map_err(|e| malformed(&maneuver.name, &e.to_string()))?;
         }
@@ -218,9 +208,9 @@ impl Moments {
             let (regressors, parameters) = (degree.regressors.len(), degree.parameters.len());
             let intercepts = usize::from(!self.is_of_forces());
             if parameters == 0 || regressors != parameters + intercepts {
-                let found = format!("{regressors} regressors and {parameters} parameters");
+                let value = format!("{regressors} regressors and {parameters} parameters");
                 let thing = format!("`data.degrees` {}", degree.name);
-                return refuse(thing, &found, "one regressor more than parameters");
+                return refuse(thing, &value, "one regressor more than parameters");
             }
         }
         if self.maneuvers.is_empty() {
@@ -271,12 +261,12 @@ fn centred(b: &[f64], m: &[f64], lifted: usize, removal: MeanRemoval) -> Vec<f64
     let mean = |i: usize| m[p * lifted + i];
     match removal {
         MeanRemoval::Complete => b.to_vec(),
-        MeanRemoval::Batch => (0..p * p)
-            .map(|k| (k / p, k % p))
-            .map(|(i, j)| {
+        MeanRemoval::Batch => {
+            let of = |(i, j): (usize, usize)| {
                 entry(i, j) - mean(i) * entry(p, j) - entry(i, p) * mean(j) + mean(i) * entry(p, p) * mean(j)
-            })
-            .collect(),
+            };
+            (0..p * p).map(|k| of((k / p, k % p))).collect()
+        }
         MeanRemoval::None => leading(b, lifted, p),
     }
 }
@@ -287,12 +277,98 @@ fn is_covariance(b: &[f64], n: usize) -> bool {
         return false;
     }
     let size = |i: usize, j: usize| (b[i * n + i].max(0.0) * b[j * n + j].max(0.0)).sqrt();
-    let pairs = (0..n * n).map(|k| (k / n, k % n));
-    b.iter().all(|x| x.is_finite())
-        && pairs.into_iter().all(|(i, j)| {
-            let (one, other) = (b[i * n + j], b[j * n + i]);
-            b[i * n + i] >= 0.0
-                && one.abs() <= size(i, j) * (1.0 + 1e-9)
-                && (one - other).abs() <= 1e-9 * size(i, j)
-        })
+    let is_valid = |k: usize| {
+        let (i, j) = (k / n, k % n);
+        let (one, other, size) = (b[k], b[j * n + i], size(i, j));
+        b[i * n + i] >= 0.0 && one.abs() <= size * (1.0 + 1e-9) && (one - other).abs() <= 1e-9 * size
+    };
+    b.iter().all(|x| x.is_finite()) && (0..n * n).all(is_valid)
+}
+
+/// A criterion and what it is of.
+#[derive(Clone, Debug)]
+pub struct CriterionOf<'a> {
+    /// Its name.
+    pub name: CriterionName,
+    /// The estimate.
+    pub estimated: Estimated,
+    /// The parameters that errors are relative to.
+    pub relative_to: Source,
+    /// The figures of [`CriterionName::Figures`], and the parameters, not 0, that these were differentiated at.
+    pub figures: (&'a [WeightedFigure], &'a [f64]),
+}
+
+/// Why moments have no criterion.
+#[derive(Clone, Debug, thiserror::Error, PartialEq)]
+pub enum NoCriterion {
+    /// What the moments lack.
+    #[error("{0}")]
+    Moments(Invalid),
+    /// A covariance that is not defined.
+    #[error(transparent)]
+    Design(#[from] NoDesign),
+}
+
+impl From<Invalid> for NoCriterion {
+    fn from(invalid: Invalid) -> Self {
+        Self::Moments(invalid)
+    }
+}
+
+impl Moments {
+    /// The criterion over the maneuvers of `dictionary`, and B_q of these where it is one of the covariance.
+    ///
+    /// # Errors
+    /// Moments without what the criterion is computed from; a singular covariance.
+    pub fn criterion(
+        &self,
+        dictionary: &Dictionary,
+        of: &CriterionOf,
+    ) -> Result<(Criterion, Option<Candidates>), NoCriterion> {
+        if of.name == CriterionName::DHessian {
+            return Ok((Criterion::Information(dictionary.information.clone()), None));
+        }
+        // Checked before the meat: its refusals name the parameter.
+        let weights = match of.name {
+            CriterionName::ARelative => self.squares(of.relative_to)?.iter().map(|s| 1.0 / s).collect(),
+            _ => vec![1.0; dictionary.parameters()],
+        };
+        let meat = self.middle(of.estimated)?;
+        let criterion = match of.name {
+            CriterionName::V => Criterion::of_free_runs(dictionary, &meat, self.free_run_weights()?),
+            CriterionName::Figures => Criterion::of_figures(dictionary, &meat, of.figures.0, of.figures.1),
+            CriterionName::D => Criterion::of_covariance(dictionary, &meat, weights, Norm::LogDet),
+            _ => Criterion::of_covariance(dictionary, &meat, weights, Norm::Trace),
+        };
+        Ok((criterion?, Some(meat)))
+    }
+}
+
+/// Random designs for the median.
+const RANDOM: u32 = 400;
+/// Segments of a random design, as in the paper.
+const SEGMENTS: u32 = 5;
+
+impl Moments {
+    /// The designs for comparison: the shares of the paper's criterion, and random designs of equally long
+    /// segments, each any maneuver.
+    pub fn rivals(&self, removal: MeanRemoval, seed: u64) -> Rivals {
+        let streams = Streams::new(seed, "random designs");
+        let count = self.maneuvers.len();
+        let random = |run: u32| {
+            let mut shares = vec![0.0; count];
+            for q in streams.choices(run, 0, count as u32, SEGMENTS as usize) {
+                shares[q as usize] += 1.0 / f64::from(SEGMENTS);
+            }
+            shares
+        };
+        let options = Options { random_starts: 0, tolerance: 1e-8, ..Options::default() };
+        let known = self.dictionary(Estimated::Iv(removal)).ok();
+        let design = known.and_then(|all| solve_within(&all.information, &Bounds::default(), &options).ok());
+        Rivals {
+            paper: design.map(|design| design.shares),
+            random: (0..RANDOM).map(random).collect(),
+            random_segments: SEGMENTS,
+        }
+    }
 }

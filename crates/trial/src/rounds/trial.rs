@@ -9,10 +9,8 @@ use regression::Noise;
 use ship::engine::{Run, Streams, check_diverged, refuse_endless, simulate_one};
 use ship::model::{Source, Vessel};
 
-use super::growing_run::GrowingRun;
-use super::knowledge::Knowledge;
-use super::planner::{Planner, SoFar};
-use super::row::{Arm, Outcome, Row, Shared};
+use super::planner::{GrowingRun, Knowledge, Planner, SoFar};
+use super::{Arm, Outcome, Row, Shared};
 use crate::campaign::{
     Group, Parts, Plan, Refusal, Sea, drawable, even_lengths, random_segments, shared_out,
 };
@@ -36,7 +34,7 @@ pub struct Trial<'a> {
 }
 
 /// A realization before its trial.
-struct Start {
+struct DrawnShip {
     number: u32,
     crude: Vec<f64>,
     /// The design from the crude model, for the one-shot trial and the first round.
@@ -44,12 +42,12 @@ struct Start {
 }
 
 /// The estimates of realizations; `None` where the nominal model diverges.
-type Found = Vec<Option<RunEstimate>>;
+type Estimates = Vec<Option<RunEstimate>>;
 
 /// A realization in the trial of an arm.
 struct Realization<'a> {
     arm: Arm,
-    start: &'a Start,
+    start: &'a DrawnShip,
     /// Parameters of the planning model.
     known: Vec<f64>,
     /// Shares of the latest plan.
@@ -62,9 +60,8 @@ struct Realization<'a> {
 }
 
 impl<'a> Trial<'a> {
-    /// `noise`: the levels that designs and expected errors are predicted from; `estimators`: the estimator
-    /// of the runs; `ends`: samples by the end of every round; `random_segments`: segments of a random
-    /// experiment.
+    /// `noise`: the levels that designs and expected errors are predicted from; `estimators`: the estimator of the runs;
+    /// `ends`: samples by the end of every round; `random_segments`: segments of a random experiment.
     ///
     /// # Errors
     /// A vessel without true parameters that errors can be relative to; maneuvers that the model cannot hold,
@@ -114,8 +111,7 @@ impl<'a> Trial<'a> {
 
     /// A statement about maneuvers with tables of inputs, if there are any.
     pub fn statement(&self) -> Option<String> {
-        let names: Vec<&str> =
-            self.generator.tables().values().map(|table| table.maneuver.as_str()).collect();
+        let names: Vec<&str> = self.generator.tables().values().map(|one| one.maneuver.as_str()).collect();
         (!names.is_empty()).then(|| {
             format!(
                 "tables of inputs ({}) are played whole: their shares of a round are rounded to plays, and random trials go \
@@ -130,7 +126,7 @@ impl<'a> Trial<'a> {
     /// # Errors
     /// A maneuver that the model cannot hold; a true vessel that diverges; a run too short for its unknowns.
     pub fn realizations(&self, numbers: std::ops::Range<u32>) -> Result<Vec<Row>, Refusal> {
-        let starts: Vec<Start> = numbers.map(|number| self.start(number)).collect();
+        let starts: Vec<DrawnShip> = numbers.map(|number| self.start(number)).collect();
         let begin = |arm| starts.iter().map(move |start| self.begin(arm, start)).collect();
         let mut arms: Vec<Vec<Realization>> = Arm::ALL.into_iter().map(begin).collect();
         let mut rows = Vec::with_capacity(starts.len() * Arm::ALL.len() * self.ends.len());
@@ -143,67 +139,61 @@ impl<'a> Trial<'a> {
         Ok(rows)
     }
 
-    fn start(&self, number: u32) -> Start {
+    fn start(&self, number: u32) -> DrawnShip {
         let crude = self.knowledge.crude(number);
         let sizes = self.knowledge.sizes(&crude);
         let shares = self.planner.shares(&crude, &sizes, None, self.ends[0]);
-        Start { number, crude, shares }
+        DrawnShip { number, crude, shares }
     }
 
-    fn begin<'s>(&self, arm: Arm, start: &'s Start) -> Realization<'s> {
+    fn begin<'s>(&self, arm: Arm, start: &'s DrawnShip) -> Realization<'s> {
         let known = if arm == Arm::Informed { self.truth.clone() } else { start.crude.clone() };
         let run = GrowingRun::default();
         Realization { arm, start, known, shares: Vec::new(), run, recorded: None, latest: None }
     }
 
     /// A round of all arms: plan, run, estimate, learn.
-    fn round(
-        &self,
-        round: usize,
-        arms: &mut [Vec<Realization>],
-        parts: &mut Parts,
-    ) -> Result<Vec<Row>, Refusal> {
-        let samples = self.ends[round];
+    fn round(&self, n: usize, arms: &mut [Vec<Realization>], parts: &mut Parts) -> Result<Vec<Row>, Refusal> {
+        let samples = self.ends[n];
         let information = self.information(&arms[Arm::Sequential as usize]);
         let information = information.iter().map(Option::as_ref).chain(std::iter::repeat(None));
         let each = arms.iter_mut().flatten().zip(information);
-        let shared =
-            each.map(|(realization, information)| self.extend(realization, information, parts, samples));
+        let shared = each.map(|(trial, information)| self.extend(trial, information, parts, samples));
         let shared: Vec<Shared> = shared.collect::<Result<_, _>>()?;
         let expected = self.expected(&arms[Arm::OneShot as usize]);
-        self.sail(round, arms)?;
-        let found = self.estimated(round, arms)?;
-        let row = |((realization, found), shared): ((&mut Realization, Option<RunEstimate>), _)| {
-            let estimate = found.as_ref().and_then(|found| found.estimate.as_ref());
+        self.sail(n, arms)?;
+        let estimates = self.estimated(n, arms)?;
+        let row = |((realization, run), shared): ((&mut Realization, Option<RunEstimate>), _)| {
+            let estimate = run.as_ref().and_then(|run| run.estimate.as_ref());
             let predicted = estimate.map(|(t, errors)| self.learn(realization, t, errors));
             realization.latest = estimate.map(|(theta, _)| theta.clone()).or(realization.latest.take());
             Row {
                 arm: realization.arm,
                 realization: realization.start.number,
-                round: round as u32,
+                round: n as u32,
                 samples,
                 shared,
-                outcome: found.as_ref().map_or(Outcome::Diverged, |found| found.status.into()),
+                outcome: run.as_ref().map_or(Outcome::Diverged, |run| run.status.into()),
                 parameter_error: estimate.map(|(t, _)| parameter_error(t, &self.truth)),
                 predicted_error: predicted.filter(|error| !error.is_nan()),
                 expected_error: None,
             }
         };
-        let mut rows: Vec<Row> = arms.iter_mut().flatten().zip(found).zip(shared).map(row).collect();
+        let mut rows: Vec<Row> = arms.iter_mut().flatten().zip(estimates).zip(shared).map(row).collect();
         let one_shot = rows.iter_mut().filter(|row| row.arm == Arm::OneShot);
         one_shot.zip(expected).for_each(|(row, expected)| row.expected_error = expected);
         Ok(rows)
     }
 
     /// The estimates at the end of a round, arm by arm.
-    fn estimated(&self, round: usize, arms: &[Vec<Realization>]) -> Result<Found, Refusal> {
-        let own = Arm::ALL.into_iter().filter(|arm| !repeats(round, *arm));
-        let mut found = self.found(round, own.map(|arm| arms[arm as usize].as_slice()))?.into_iter();
-        let mut all: Vec<Found> = Vec::with_capacity(arms.len());
+    fn estimated(&self, round: usize, arms: &[Vec<Realization>]) -> Result<Estimates, Refusal> {
+        let new = Arm::ALL.into_iter().filter(|arm| !repeats(round, *arm));
+        let mut fresh = self.estimates_of(round, new.map(|arm| arms[arm as usize].as_slice()))?.into_iter();
+        let mut all: Vec<Estimates> = Vec::with_capacity(arms.len());
         for (arm, realizations) in Arm::ALL.into_iter().zip(arms) {
             all.push(match repeats(round, arm) {
                 true => all[Arm::Sequential as usize].clone(),
-                false => found.by_ref().take(realizations.len()).collect(),
+                false => fresh.by_ref().take(realizations.len()).collect(),
             });
         }
         Ok(all.into_iter().flatten().collect())
@@ -300,8 +290,8 @@ impl<'a> Trial<'a> {
     /// The errors after the runs that crude models predict, by which one-shot trials are sized.
     fn expected(&self, one_shot: &[Realization]) -> Vec<Option<f64>> {
         let expected = |(realization, information): (&Realization, Option<OutputInformation>)| {
-            let (sizes, samples) =
-                (self.knowledge.sizes(&realization.known), realization.run.samples(self.sea.vessel()));
+            let samples = realization.run.samples(self.sea.vessel());
+            let sizes = self.knowledge.sizes(&realization.known);
             let errors = self.planner.standard_errors(&information?, &sizes, samples)?;
             Some(self.knowledge.relative(&errors, &realization.known))
         };
@@ -310,16 +300,16 @@ impl<'a> Trial<'a> {
 
     /// Simulates the runs of `arms` in lanes. All arms have the same disturbances in a realization.
     fn sail(&self, round: usize, arms: &mut [Vec<Realization>]) -> Result<(), Refusal> {
-        let own = Arm::ALL.into_iter().zip(arms).filter(|(arm, _)| !repeats(round, *arm));
-        own.flat_map(|(_, all)| all.chunks_mut(LANES)).try_for_each(|group| self.measure(group))
+        let active = Arm::ALL.into_iter().zip(arms).filter(|(arm, _)| !repeats(round, *arm));
+        active.flat_map(|(_, all)| all.chunks_mut(LANES)).try_for_each(|group| self.measure(group))
     }
 
     /// Estimates from the runs of `arms`, arm by arm; `None` where the nominal model diverges.
-    fn found<'r>(
+    fn estimates_of<'r>(
         &self,
         round: usize,
         arms: impl Iterator<Item = &'r [Realization<'r>]>,
-    ) -> Result<Found, Refusal> {
+    ) -> Result<Estimates, Refusal> {
         let (mut kept, mut near, mut bounded) = (Vec::new(), Vec::new(), Vec::new());
         for realization in arms.flatten() {
             let run = realization.recorded.as_ref().filter(|run| self.bounded(run));
@@ -331,8 +321,8 @@ impl<'a> Trial<'a> {
         }
         // After the first round the search starts from the previous estimates.
         let near = (round > 0).then_some(near.as_slice());
-        let mut found = self.estimators.estimates_from(&kept, near).map_err(refused)?.into_iter();
-        Ok(bounded.into_iter().map(|b| b.then(|| found.next()).flatten()).collect())
+        let mut estimates = self.estimators.estimates_from(&kept, near).map_err(refused)?.into_iter();
+        Ok(bounded.into_iter().map(|b| b.then(|| estimates.next()).flatten()).collect())
     }
 
     /// Runs up to [`LANES`] realizations of an arm.
@@ -424,6 +414,6 @@ fn tables_alone() -> Invalid {
 }
 
 fn unexcited() -> Invalid {
-    let (found, expected) = ("maneuvers that do not excite every parameter", "a dictionary that does");
-    Invalid::new("maneuvers", found, expected, "add a maneuver; see `design`")
+    let (which, expected) = ("maneuvers that do not excite every parameter", "a dictionary that does");
+    Invalid::new("maneuvers", which, expected, "add a maneuver; see `design`")
 }

@@ -1,17 +1,14 @@
-use std::borrow::Cow;
-
-use super::bands::{Banded, Bands, Inside, Known};
-use super::correlations::{ErrorCorrelations, error_correlations};
-use super::covered::{Counter, Outside};
-use super::simulated::{Contestant, Ship, Simulated, Trajectory};
-use super::spread::{Spread, Spreads};
-use super::standing::{ComparedModel, Difference};
-use super::validity::{Magnitudes, Validity};
-use super::verdict::{differences, verdict};
-use crate::crossval::CrossError;
-use estimation::pooled::{Covered, deviations};
+use estimation::pooled::{Covered, deviations, lies_above};
+use numerics::statistics::paired_median;
+use refusal::listed;
 use regression::pooled::{Part, PooledRuns};
 use ship::engine::RunView;
+use ship::model::DegreeOfFreedom;
+
+use super::bands::{Banded, Bands, Counter, EstimatedErrors, Inside, Outside, Spread, Spreads};
+use super::simulated::{ComparedModel, Contestant, Difference, Ship, Simulated, Standing, Trajectory};
+use super::validity::{ErrorCorrelations, Magnitudes, Validity, error_correlations};
+use crate::crossval::CrossError;
 
 /// Options of a comparison.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +16,7 @@ pub struct CompareOptions<'a> {
     /// Length of the windows in samples; `None`: whole runs.
     pub window: Option<usize>,
     /// The estimated errors of the first model: none, its own, or one for each of the models that are averaged.
-    pub known: &'a [Known<'a>],
+    pub known: &'a [EstimatedErrors<'a>],
     /// The ranges that the first model was fitted on; of several, the first one with the most channels.
     pub covered: &'a [Covered],
     /// The magnitudes of the motions that it was fitted to, if known.
@@ -49,8 +46,7 @@ pub struct Compared {
     pub outside: Vec<Outside>,
     /// Correlations of the first model's errors with themselves and with inputs.
     pub correlations: Vec<ErrorCorrelations>,
-    /// Stretches in which the ship moves less or more than in any that the model was fitted to; `None` if that is not
-    /// known.
+    /// Stretches in which the ship moves less or more than in any that the model was fitted to; `None` if that is not known.
     pub validity: Option<Validity>,
     /// The verdict and remarks, in words.
     pub statements: Vec<String>,
@@ -92,31 +88,30 @@ pub fn compare(
     };
     let std = deviations(windows().map(|w| w.measured.as_slice()));
     let held = runs.are_inputs_held();
-    let mut models: Vec<Simulated> =
-        contestants.iter().map(|one| Simulated::of(one, &sources, held)).collect();
+    let mut models: Vec<Simulated> = contestants.iter().map(|it| Simulated::of(it, &sources, held)).collect();
     models.push(Simulated::mean(&sources));
     let mut looked = Looked::new(first, options, held);
     looked.at(&sources, &models[0]);
     let compared: Vec<ComparedModel> = models.iter().map(|one| one.compared(&sources, std)).collect();
     let differences = differences(&compared, &models, std);
-    let (bands, outside) = (looked.bands(), looked.counter.outside());
+    let shares = looked.inside.shares().or_else(|| looked.spreads.as_ref()?.together.shares());
+    let (bands, outside) = (shares.map(Bands::of), looked.counter.outside());
     let spread = looked.spreads.as_ref().and_then(Spreads::spread);
+    let inside = (bands.as_ref(), spread.as_ref());
     let whole = runs.windows(None);
     let validity = options.magnitudes.and_then(|known| {
         let parts = || whole.iter().flat_map(|(_, parts)| parts);
         let rows: Vec<_> = parts().map(|part| first.widest().map(|ship| ship.exogenous(part))).collect();
-        Validity::of(known, parts().zip(&rows).map(viewed), options.rate_hz)
+        let views = parts().zip(&rows).map(|(part, rows)| {
+            rows.as_ref().map_or(part.view(), |exogenous| RunView { exogenous, ..part.view() })
+        });
+        Validity::of(known, views, options.rate_hz)
     });
     Ok(Compared {
         windows: windows().count() as u64,
         samples: windows().map(|w| w.samples() as u64).sum(),
         std,
-        statements: verdict(
-            &compared,
-            &differences,
-            (validity.as_ref(), &outside),
-            (bands.as_ref(), spread.as_ref()),
-        ),
+        statements: verdict(&compared, &differences, (validity.as_ref(), &outside), inside),
         models: compared,
         differences,
         bands,
@@ -126,14 +121,6 @@ pub fn compare(
         validity,
         trace: looked.trace,
     })
-}
-
-/// A part with these rows of inputs and measured disturbances, where there are any.
-fn viewed<'a>((part, rows): (&'a Part, &'a Option<Cow<'a, [f64]>>)) -> RunView<'a> {
-    match rows {
-        Some(exogenous) => RunView { exogenous, ..part.view() },
-        None => part.view(),
-    }
 }
 
 /// The first model sample by sample.
@@ -167,19 +154,14 @@ impl<'a> Looked<'a> {
         }
     }
 
-    /// Shares of the samples inside the bands.
-    fn bands(&self) -> Option<Bands> {
-        self.inside.shares().map(Bands::of).or_else(|| self.spreads.as_ref()?.bands())
-    }
-
-    /// Half-widths of the bands over `window`, where its simulation is `found`; `None` if they are not known.
+    /// Half-widths of the bands over `window`, with its simulation; `None` if they are not known.
     fn halves(&mut self, window: &Part, Trajectory { states, spread }: &Trajectory) -> Option<Vec<[f64; 3]>> {
-        let of_spread = self.spreads.as_mut().and_then(|own| own.add(window, states, spread));
+        let of_spread = self.spreads.as_mut().and_then(|spreads| spreads.add(window, states, spread));
         let each: Option<Vec<_>> =
-            self.banded.iter().map(|own| own.halves(window, self.are_inputs_held)).collect();
+            self.banded.iter().map(|banded| banded.halves(window, self.are_inputs_held)).collect();
         let each = each.filter(|each| !each.is_empty());
         let mean = each.map(|each| {
-            let of = |k: usize, d: usize| each.iter().map(|own| own[k][d]).sum::<f64>() / each.len() as f64;
+            let of = |k: usize, d: usize| each.iter().map(|band| band[k][d]).sum::<f64>() / each.len() as f64;
             (0..=window.samples()).map(|k| [0, 1, 2].map(|d| of(k, d))).collect::<Vec<[f64; 3]>>()
         });
         if let Some(halves) = &mean {
@@ -188,12 +170,12 @@ impl<'a> Looked<'a> {
         mean.or(of_spread)
     }
 
-    fn at(&mut self, sources: &[(String, Vec<Part>)], found: &Simulated) {
-        for ((source, windows), found) in sources.iter().zip(&found.windows) {
-            for (i, (window, found)) in windows.iter().zip(found).enumerate() {
-                let Some(found) = found else { continue };
-                let bands = self.halves(window, found);
-                let states = &found.states;
+    fn at(&mut self, sources: &[(String, Vec<Part>)], simulated: &Simulated) {
+        for ((source, windows), trajectories) in sources.iter().zip(&simulated.windows) {
+            for (i, (window, trajectory)) in windows.iter().zip(trajectories).enumerate() {
+                let Some(trajectory) = trajectory else { continue };
+                let bands = self.halves(window, trajectory);
+                let states = &trajectory.states;
                 if let Some(ship) = &self.widest {
                     self.counter.add(&ship.exogenous(window), states);
                 }
@@ -209,4 +191,81 @@ impl<'a> Looked<'a> {
             }
         }
     }
+}
+
+/// With fewer recordings than this, windows are compared: the interval of a median would have no two ends.
+const FEW: usize = 6;
+
+/// The first of `compared` against the others by their error norms: recording by recording, or window by window.
+fn differences(compared: &[ComparedModel], models: &[Simulated], std: [f64; 3]) -> Vec<Difference> {
+    let by_window = compared.first().is_none_or(|first| first.recordings.len() < FEW);
+    let norms = |i: usize| match by_window {
+        true => models[i].sums.iter().flatten().map(|sum| sum.errors(std, std).error_norm).collect(),
+        false => compared[i].recordings.iter().map(|one| one.errors.error_norm).collect::<Vec<_>>(),
+    };
+    let first = norms(0);
+    let difference = |i: usize| {
+        let pairs = first.iter().zip(norms(i)).map(|(error, other)| [*error, other]);
+        let [low, median, high] = paired_median(pairs)?;
+        let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+        let (name, place, pairs) = (compared[i].name, compared[i].place, first.len() as u64);
+        Some(Difference { name, place, pairs, median: finite(median), interval: [low, high].map(finite) })
+    };
+    (1..compared.len()).filter_map(difference).collect()
+}
+
+/// The verdict on the first of `compared`, then remarks.
+fn verdict(
+    compared: &[ComparedModel],
+    differences: &[Difference],
+    (validity, outside): (Option<&Validity>, &[Outside]),
+    (bands, spread): (Option<&Bands>, Option<&Spread>),
+) -> Vec<String> {
+    let mut out: Vec<String> = compared.first().map(headline).into_iter().collect();
+    out.extend(differences.iter().map(against));
+    out.extend(validity.and_then(Validity::statement));
+    out.extend(outside.iter().map(Outside::statement));
+    out.extend(spread.map(Spread::statement));
+    out.extend(bands.map(|b| {
+        let [u, v, r] = [b.inside_u, b.inside_v, b.inside_r].map(|share| 100.0 * share);
+        format!("inside the 95 % bands: u {u:.1} %, v {v:.1} %, r {r:.1} % of the samples")
+    }));
+    out
+}
+
+/// Useless if it diverges or is no better than the mean of the data.
+fn headline(model: &ComparedModel) -> String {
+    let errors = &model.errors;
+    if errors.diverged > 0 {
+        return format!("useless: {} of {} windows diverge", errors.diverged, errors.windows);
+    }
+    let degrees = || DegreeOfFreedom::ALL.into_iter().zip(errors.fits());
+    let fits = degrees().map(fit).collect::<Vec<_>>().join(", ");
+    let worse = degrees().filter(|(_, fit)| fit.is_some_and(|fit| fit <= 0.0));
+    let worse: Vec<String> = worse.map(|(d, _)| d.name().to_owned()).collect();
+    match worse.is_empty() {
+        true => format!("fit {fits}"),
+        false => format!("useless in {}: no better than the mean of the data (fit {fits})", listed(&worse)),
+    }
+}
+
+fn fit((d, fit): (DegreeOfFreedom, Option<f64>)) -> String {
+    fit.map_or_else(|| format!("{} does not vary", d.state()), |fit| format!("{} {fit:.1} %", d.state()))
+}
+
+fn against(difference: &Difference) -> String {
+    let Difference { name, place, pairs, median, interval } = difference;
+    let verdict = match interval {
+        [Some(low), _] if *low > 0.0 => "better than",
+        [_, Some(high)] if *high < 0.0 => "worse than",
+        _ => "not told apart from",
+    };
+    let than = match name {
+        Standing::LeastSquares => "least squares".to_owned(),
+        Standing::Other => "the other model".to_owned(),
+        Standing::Averaged => format!("model {} of the average alone", place.unwrap_or_default()),
+        Standing::Mean | Standing::Model | Standing::Average => "the mean of the data".to_owned(),
+    };
+    let lies = lies_above(*median, *interval, *pairs, "pairs");
+    format!("{verdict} {than}: {lies}")
 }

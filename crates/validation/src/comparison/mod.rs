@@ -5,23 +5,15 @@
 
 mod bands;
 mod compare;
-mod correlations;
-mod covered;
-mod errors;
 mod simulated;
-mod spread;
-mod standing;
 mod validity;
-mod verdict;
 
-pub use bands::{Bands, Known};
+pub use bands::{Bands, Counter, EstimatedErrors, Outside, Spread};
 pub use compare::{CompareOptions, Compared, Traced, compare};
-pub use correlations::{
-    ErrorCorrelations, ErrorKind, InputCorrelations, autocorrelations, cross_correlations,
+pub use simulated::{
+    ComparedErrors, ComparedModel, ComparedRecording, Contestant, Difference, Ship, Standing,
 };
-pub use covered::{Counter, Outside};
-pub use errors::{ComparedErrors, ComparedRecording};
-pub use simulated::{Contestant, Ship};
-pub use spread::Spread;
-pub use standing::{ComparedModel, Difference, Standing};
-pub use validity::{Magnitudes, STRETCH_S, Unlike, Validity};
+pub use validity::{
+    ErrorCorrelations, ErrorKind, InputCorrelations, Magnitudes, STRETCH_S, Unlike, Validity,
+    autocorrelations, cross_correlations,
+};

@@ -1,6 +1,5 @@
 //! Figures of merit of standard maneuvers over many runs, or of a model with uncertain parameters.
 
-mod slopes;
 mod summary;
 
 use std::collections::BTreeMap;
@@ -12,8 +11,7 @@ use refusal::Invalid;
 use ship::engine::{Run, Streams, check_runaway, simulate_command};
 use ship::model::Vessel;
 
-pub use slopes::FigureSlopes;
-pub use summary::{FigureMerit, ManeuverMerit, ShipTrack};
+pub use summary::{FigureMerit, FigureSlopes, ManeuverMerit, ShipTrack};
 
 /// The figures of one maneuver in one run.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,9 +37,8 @@ pub enum Unsimulated {
 
 impl From<Unsimulated> for Invalid {
     fn from(unsimulated: Unsimulated) -> Self {
-        match unsimulated {
-            Unsimulated::Unheld(invalid) | Unsimulated::Diverged(invalid) => invalid,
-        }
+        let (Unsimulated::Unheld(invalid) | Unsimulated::Diverged(invalid)) = unsimulated;
+        invalid
     }
 }
 
@@ -80,12 +77,15 @@ impl Gathered {
 }
 
 /// Refuses figures of which one is no number.
-fn all_finite(found: Found) -> Result<Found, Invalid> {
-    match found.figures.iter().find(|figure| !figure.value.is_finite()) {
-        None => Ok(found),
-        Some(own) => {
-            Err(Invalid::new(own.what, own.value.to_string(), "a number", "run it longer, or with more helm"))
-        }
+fn all_finite(sailed: Found) -> Result<Found, Invalid> {
+    match sailed.figures.iter().find(|figure| !figure.value.is_finite()) {
+        None => Ok(sailed),
+        Some(figure) => Err(Invalid::new(
+            figure.what,
+            figure.value.to_string(),
+            "a number",
+            "run it longer, or with more helm",
+        )),
     }
 }
 
@@ -103,15 +103,12 @@ impl<'a> Merit<'a> {
     /// # Errors
     /// A dictionary without standard maneuvers.
     pub fn new(vessel: &'a Vessel, generator: Option<&'a Generator>, length_m: f64) -> Result<Self, Invalid> {
-        let all = generator.map_or(&[][..], |own| own.maneuvers());
-        let standard = all.iter().enumerate().filter_map(|(i, own)| Some((i, own, own.kind.standard()?)));
-        let blank = |(i, own, standard): (usize, &maneuver::ManeuverSpec, Standard)| Gathered {
-            index: Some(i),
-            name: own.name.clone(),
-            kind: standard.name().to_owned(),
-            ..Gathered::default()
+        let all = generator.map_or(&[][..], |generator| generator.maneuvers());
+        let standard = |(index, one): (usize, &maneuver::ManeuverSpec)| {
+            let (name, kind) = (one.name.clone(), one.kind.standard()?.name().to_owned());
+            Some(Gathered { index: Some(index), name, kind, ..Gathered::default() })
         };
-        let gathered: Vec<Gathered> = standard.map(blank).collect();
+        let gathered: Vec<Gathered> = all.iter().enumerate().filter_map(standard).collect();
         if generator.is_some() && gathered.is_empty() {
             return Err(Invalid::new(
                 "[[maneuver]]",
@@ -130,8 +127,8 @@ impl<'a> Merit<'a> {
         let width = vessel.model.exogenous();
         let ends = run.segments.iter().skip(1).map(|next| next.start).chain([run.samples()]);
         for (segment, end) in run.segments.iter().zip(ends) {
-            let place =
-                self.gathered.iter().position(|own| own.index.is_some() && own.name == segment.maneuver);
+            let is_it = |one: &Gathered| one.index.is_some() && one.name == segment.maneuver;
+            let place = self.gathered.iter().position(is_it);
             if self.generator.is_some() && place.is_none() {
                 continue;
             }
@@ -148,25 +145,20 @@ impl<'a> Merit<'a> {
             };
             let record = if is_logged { record.logged(lead) } else { record };
             let standard = place.and_then(|place| self.standard(place));
-            let found = figures(standard, &record, &self.hull);
-            let place = place.unwrap_or_else(|| self.recognised(&segment.maneuver, found.as_ref().ok()));
-            self.note(place, &run.design, run.run, &record, found);
+            let sailed = figures(standard, &record, &self.hull);
+            let place = place.unwrap_or_else(|| self.recognised(&segment.maneuver, sailed.as_ref().ok()));
+            self.note(place, &run.design, run.run, &record, sailed);
         }
     }
 
     /// The place of what a log called `name` was found to be.
-    fn recognised(&mut self, name: &str, found: Option<&Found>) -> usize {
-        let (kind, sailed) = found.map_or(("", ""), |own| (own.kind, own.sailed.as_str()));
-        let is_it = |gathered: &Gathered| {
-            gathered.sailed == sailed
-                && gathered
-                    .name
-                    .strip_prefix(name)
-                    .is_some_and(|rest| rest.is_empty() || rest.starts_with(": "))
-        };
+    fn recognised(&mut self, name: &str, maneuver: Option<&Found>) -> usize {
+        let (kind, sailed) = maneuver.map_or(("", ""), |sailed| (sailed.kind, sailed.sailed.as_str()));
+        let is_rest = |rest: &str| rest.is_empty() || rest.starts_with(": ");
+        let is_it = |one: &Gathered| one.sailed == sailed && one.name.strip_prefix(name).is_some_and(is_rest);
         self.gathered.iter().position(is_it).unwrap_or_else(|| {
             // The same name may stand for different maneuvers.
-            let is_known = self.gathered.iter().any(|own| own.name == name);
+            let is_known = self.gathered.iter().any(|gathered| gathered.name == name);
             let name = if is_known { format!("{name}: {sailed}") } else { name.to_owned() };
             let (kind, sailed) = (kind.to_owned(), sailed.to_owned());
             self.gathered.push(Gathered { name, kind, sailed, ..Gathered::default() });
@@ -189,8 +181,8 @@ impl<'a> Merit<'a> {
     fn simulate_one(&mut self, place: usize, parameters: &[f64], run: i32) -> Result<(), Unsimulated> {
         let Some((generator, index)) = self.generator.zip(self.gathered[place].index) else { return Ok(()) };
         let (standard, record) = undisturbed(self.hull.vessel, generator, index, parameters)?;
-        let found = figures(Some(standard), &record, &self.hull);
-        self.note(place, "model", run, &record, found);
+        let sailed = figures(Some(standard), &record, &self.hull);
+        self.note(place, "model", run, &record, sailed);
         Ok(())
     }
 
@@ -209,27 +201,27 @@ impl<'a> Merit<'a> {
         }
     }
 
-    fn note(&mut self, place: usize, design: &str, run: i32, record: &Record, found: Result<Found, Invalid>) {
-        let own = &mut self.gathered[place];
-        match found.and_then(all_finite) {
-            Ok(found) => {
-                self.rows.extend(found.figures.iter().map(|figure| MeritRow {
+    fn note(&mut self, place: usize, design: &str, run: i32, record: &Record, merit: Result<Found, Invalid>) {
+        let gathered = &mut self.gathered[place];
+        match merit.and_then(all_finite) {
+            Ok(sailed) => {
+                self.rows.extend(sailed.figures.iter().map(|figure| MeritRow {
                     design: design.to_owned(),
                     run,
-                    maneuver: own.name.clone(),
+                    maneuver: gathered.name.clone(),
                     figure: figure.clone(),
                 }));
-                for remark in found.remarks {
+                for remark in sailed.remarks {
                     let words = remark.chars().filter(|c| !c.is_numeric()).collect();
-                    own.remarks.entry(words).or_insert((0, remark)).0 += 1;
+                    gathered.remarks.entry(words).or_insert((0, remark)).0 += 1;
                 }
-                if !record.is_held && own.sailed.is_empty() {
-                    own.sailed = found.sailed;
+                if !record.is_held && gathered.sailed.is_empty() {
+                    gathered.sailed = sailed.sailed;
                 }
-                own.track.get_or_insert_with(|| ShipTrack::of(record, self.hull.length_m));
-                own.figures.push(found.figures);
+                gathered.track.get_or_insert_with(|| ShipTrack::of(record, self.hull.length_m));
+                gathered.figures.push(sailed.figures);
             }
-            Err(invalid) => own.lacks(invalid),
+            Err(invalid) => gathered.lacks(invalid),
         }
     }
 
@@ -244,10 +236,10 @@ impl<'a> Merit<'a> {
     /// # Errors
     /// Maneuvers that have no figures in any run; no maneuver that was run.
     pub fn summary(&self, of_parameters: bool) -> Result<Vec<ManeuverMerit>, Invalid> {
-        let ran = |own: &&Gathered| own.without > 0 || !own.figures.is_empty();
+        let ran = |maneuver: &&Gathered| maneuver.without > 0 || !maneuver.figures.is_empty();
         let all: Vec<&Gathered> = self.gathered.iter().filter(ran).collect();
         if all.is_empty() {
-            let names = self.gathered.iter().map(|own| own.name.as_str());
+            let names = self.gathered.iter().map(|maneuver| maneuver.name.as_str());
             return Err(Invalid::new(
                 "maneuvers",
                 "no run of a standard maneuver of the dictionary",
@@ -255,29 +247,29 @@ impl<'a> Merit<'a> {
                 "name the maneuvers in the dictionary as in the trajectories",
             ));
         }
-        let reasons = || all.iter().filter_map(|own| Some((own, own.reason.as_ref()?)));
+        let reasons = || all.iter().filter_map(|maneuver| Some((maneuver, maneuver.reason.as_ref()?)));
         // What logs without a dictionary are is said of each of them.
-        let is_none = self.generator.is_some() && all.iter().all(|own| own.figures.is_empty());
-        if let (true, Some((own, reason))) = (is_none, reasons().next()) {
-            let thing = format!("maneuver `{}`, {}", own.name, reason.thing);
+        let is_none = self.generator.is_some() && all.iter().all(|maneuver| maneuver.figures.is_empty());
+        if let (true, Some((maneuver, reason))) = (is_none, reasons().next()) {
+            let thing = format!("maneuver `{}`, {}", maneuver.name, reason.thing);
             return Err(Invalid { thing, ..reason.clone() });
         }
-        let one = |own: &Gathered| {
+        let merit = |one: &Gathered| {
             let merit = ManeuverMerit {
-                name: own.name.clone(),
-                kind: own.kind.clone(),
-                sailed: Some(own.sailed.clone()).filter(|own| !own.is_empty()),
-                runs: own.figures.len() as u64,
-                without: own.without,
-                diverged: own.diverged,
-                reason: own.reason.as_ref().map(ToString::to_string),
-                figures: FigureMerit::all(&own.figures, of_parameters),
-                remarks: own.remarks.values().map(|remark| counted(remark, own.figures.len())).collect(),
-                track: own.track.clone().unwrap_or_default(),
+                name: one.name.clone(),
+                kind: one.kind.clone(),
+                sailed: Some(one.sailed.clone()).filter(|sailed| !sailed.is_empty()),
+                runs: one.figures.len() as u64,
+                without: one.without,
+                diverged: one.diverged,
+                reason: one.reason.as_ref().map(ToString::to_string),
+                figures: FigureMerit::all(&one.figures, of_parameters),
+                remarks: one.remarks.values().map(|remark| counted(remark, one.figures.len())).collect(),
+                track: one.track.clone().unwrap_or_default(),
             };
-            merit.with_slopes(own.slopes.as_ref())
+            merit.with_slopes(one.slopes.as_ref())
         };
-        Ok(all.into_iter().map(one).collect())
+        Ok(all.into_iter().map(merit).collect())
     }
 }
 
@@ -293,9 +285,8 @@ fn undisturbed<'a>(
     index: usize,
     parameters: &[f64],
 ) -> Result<(Standard<'a>, Record), Unsimulated> {
-    let realized =
-        generator.samples(index).and_then(|samples| Ok((samples, generator.realize(index, samples)?)));
-    let (samples, realized) = realized.map_err(Unsimulated::Unheld)?;
+    let made = generator.samples(index).and_then(|samples| Ok((samples, generator.realize(index, samples)?)));
+    let (samples, realized) = made.map_err(Unsimulated::Unheld)?;
     let maneuver = &generator.maneuvers()[index];
     let (Some(standard), Some(helm)) = (maneuver.kind.standard(), &realized.helm) else {
         let e = Invalid::new("maneuver", "no orders", "those of a standard maneuver", "remove it");

@@ -1,12 +1,13 @@
 use std::collections::BTreeMap;
 
 use maneuver::merit::{Figure, Record};
+use maneuver::{Generator, Kind};
 use numerics::statistics::{mean, mean_interval, quantile, spread};
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::FigureSlopes;
+use super::{Merit, undisturbed};
 
 fn is_zero(count: &u64) -> bool {
     *count == 0
@@ -130,13 +131,12 @@ impl ManeuverMerit {
     pub(super) fn with_slopes(mut self, slopes: Option<&Result<Vec<FigureSlopes>, Invalid>>) -> Self {
         let Some(slopes) = slopes else { return self };
         for figure in self.figures.iter_mut().filter(|figure| !figure.is_aside) {
-            let own = slopes.as_ref().map(|all| all.iter().find(|own| own.figure == figure.name));
-            match own.map(|own| own.map(|own| &own.slopes)) {
+            let computed = slopes.as_ref().map(|all| all.iter().find(|one| one.figure == figure.name));
+            match computed.map(|of| of.map(|one| &one.slopes)) {
                 Ok(Some(Ok(slopes))) => figure.slopes = Some(slopes.clone()),
                 Ok(Some(Err(why))) | Err(why) => figure.without_slopes = Some(why.to_string()),
                 Ok(None) => {
-                    let why = "the undisturbed model has no such figure";
-                    figure.without_slopes = Some(why.to_owned());
+                    figure.without_slopes = Some("the undisturbed model has no such figure".to_owned())
                 }
             }
         }
@@ -149,25 +149,25 @@ impl FigureMerit {
     pub(super) fn all(runs: &[Vec<Figure>], of_parameters: bool) -> Vec<Self> {
         let mut known: Vec<&Figure> = Vec::new();
         for figure in runs.iter().flatten() {
-            if known.iter().all(|own| own.name != figure.name) {
+            if known.iter().all(|one| one.name != figure.name) {
                 known.push(figure);
             }
         }
-        let of = |name: &str| runs.iter().flatten().filter(|own| own.name == name).collect::<Vec<_>>();
-        known.into_iter().map(|own| Self::new(&of(own.name), of_parameters)).collect()
+        let of = |name: &str| runs.iter().flatten().filter(|figure| figure.name == name).collect::<Vec<_>>();
+        known.into_iter().map(|figure| Self::new(&of(figure.name), of_parameters)).collect()
     }
 
     fn new(runs: &[&Figure], of_parameters: bool) -> Self {
         let figure = runs[0];
-        let values: Vec<f64> = runs.iter().map(|own| own.value).collect();
-        let is_corrected = runs.iter().any(|own| own.corrected.is_some());
-        let still: Vec<f64> = runs.iter().map(|own| own.corrected.unwrap_or(own.value)).collect();
+        let values: Vec<f64> = runs.iter().map(|figure| figure.value).collect();
+        let is_corrected = runs.iter().any(|figure| figure.corrected.is_some());
+        let still: Vec<f64> = runs.iter().map(|figure| figure.corrected.unwrap_or(figure.value)).collect();
         let ends_of = |values: &[f64]| if of_parameters { middle(values) } else { mean_interval(values) };
         let value = mean(&values).unwrap_or(f64::NAN);
         let corrected = mean(&still).filter(|_| is_corrected);
         let (values, ends) = (&values, ends_of(&values));
         // Runs of different maneuvers under one name have no limit together.
-        let most = figure.most.filter(|_| runs.iter().all(|own| own.most.is_some()));
+        let most = figure.most.filter(|_| runs.iter().all(|run| run.most.is_some()));
         let passes = most.and_then(|most| match ends_of(&still) {
             Some([low, high]) if low <= most && most < high => None,
             _ => Some(corrected.unwrap_or(value) <= most),
@@ -193,10 +193,8 @@ impl FigureMerit {
     pub fn words(&self) -> String {
         let Self { what, unit, value, corrected, low, high, most, passes, .. } = self;
         let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
-        let interval = match (low, high) {
-            (Some(low), Some(high)) => format!(" ({low:.3} to {high:.3})"),
-            _ => String::new(),
-        };
+        let ends = |(low, high): (f64, f64)| format!(" ({low:.3} to {high:.3})");
+        let interval = low.zip(*high).map_or_else(String::new, ends);
         let still = corrected
             .map_or(String::new(), |corrected| format!(", {corrected:.3}{unit} corrected for the current"));
         let verdict = match (most, passes) {
@@ -214,4 +212,103 @@ fn middle(values: &[f64]) -> Option<[f64; 2]> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     if sorted.len() < 2 { None } else { Some([quantile(&sorted, 0.025)?, quantile(&sorted, 0.975)?]) }
+}
+
+/// The derivatives of a figure by the parameters, in its unit per unit of the parameter, by the parameter's name; or why it
+/// has none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FigureSlopes {
+    /// Name of the figure.
+    pub figure: &'static str,
+    /// Its derivatives.
+    pub slopes: Result<BTreeMap<String, f64>, Invalid>,
+}
+
+/// The figures of the undisturbed ship, or why it has none.
+type MeanFigures = Result<Vec<Figure>, Invalid>;
+
+/// Parts of a sample by which the helm of a zig-zag goes over later: figures are means over them. What a coarse model does
+/// depends on where within a sample orders fall, and that jumps with the parameters.
+const PHASES: u32 = 8;
+
+impl Merit<'_> {
+    /// Computes the derivatives of every figure at `parameters`: central differences of undisturbed ships, one parameter of
+    /// each off by `step` of itself. Orders stay those of the dictionary, as in [`Merit::simulate_drawn`].
+    ///
+    /// # Errors
+    /// A parameter of 0, which no step is relative to; a maneuver that the model cannot hold.
+    pub fn differentiate(&mut self, parameters: &[f64], step: f64) -> Result<(), Invalid> {
+        let names: Vec<&str> = self.hull.vessel.model.parameter_names().collect();
+        if let Some((name, _)) = names.iter().zip(parameters).find(|(_, value)| **value == 0.0) {
+            let (thing, remedy) = (format!("parameter `{name}`"), "give it a value, or take the term out");
+            return Err(Invalid::new(thing, "0", "a value that a step is relative to", remedy));
+        }
+        let sample_s = 1.0 / self.hull.vessel.sample_rate_hz;
+        let later = |phase| (f64::from(phase) + 0.5) / f64::from(PHASES) * sample_s;
+        let phases: Vec<Generator> =
+            (0..PHASES).filter_map(|phase| Some(self.generator?.clone().later(later(phase)))).collect();
+        for place in 0..self.gathered.len() {
+            let Some(index) = self.gathered[place].index else { continue };
+            let figures_at = |parameters: &[f64]| self.mean_figures(&phases, index, parameters);
+            let base = figures_at(parameters);
+            let mut ends = Vec::with_capacity(names.len());
+            for (i, name) in names.iter().enumerate() {
+                let off = |sign: f64| {
+                    let mut moved = parameters.to_vec();
+                    moved[i] *= 1.0 + sign * step;
+                    figures_at(&moved)
+                };
+                ends.push((*name, 2.0 * step * parameters[i], [off(-1.0), off(1.0)]));
+            }
+            self.gathered[place].slopes = Some(base.map(|figures| slopes(&figures, &ends)));
+        }
+        Ok(())
+    }
+
+    /// The figures of the undisturbed ship with `parameters`, means over the phases in which there is each.
+    fn mean_figures(&self, phases: &[Generator], index: usize, parameters: &[f64]) -> MeanFigures {
+        let is_phased = matches!(phases[0].maneuvers()[index].kind, Kind::ZigZagTest(_));
+        let phases = if is_phased { phases } else { &phases[..1] };
+        let mut mean: Vec<Figure> = Vec::new();
+        for (number, phase) in phases.iter().enumerate() {
+            let (standard, record) = undisturbed(self.hull.vessel, phase, index, parameters)?;
+            let figures = maneuver::merit::figures(Some(standard), &record, &self.hull)?.figures;
+            let figures: Vec<Figure> = figures.into_iter().filter(|figure| !figure.is_aside).collect();
+            let part = 1.0 / phases.len() as f64;
+            if number == 0 {
+                mean = figures.iter().map(|figure| Figure { value: 0.0, ..figure.clone() }).collect();
+            }
+            mean.retain(|known| figures.iter().any(|figure| figure.name == known.name));
+            for known in &mut mean {
+                let value = figures.iter().find(|one| one.name == known.name).map(|one| one.value);
+                known.value += part * value.unwrap_or(f64::NAN);
+            }
+        }
+        Ok(mean)
+    }
+}
+
+/// The slopes of all `figures` from those at both ends of every parameter's step, which has a name and a width.
+fn slopes(figures: &[Figure], ends: &[(&str, f64, [MeanFigures; 2])]) -> Vec<FigureSlopes> {
+    let one = |figure: &Figure| {
+        let slopes = ends.iter().map(|(name, width, ends)| {
+            slope(figure, name, *width, ends).map(|slope| ((*name).to_owned(), slope))
+        });
+        FigureSlopes { figure: figure.name, slopes: slopes.collect() }
+    };
+    figures.iter().map(one).collect()
+}
+
+/// The derivative of `figure` by the parameter `name` from the figures at both ends of its step, which are `width` apart.
+fn slope(figure: &Figure, name: &str, width: f64, ends: &[MeanFigures; 2]) -> Result<f64, Invalid> {
+    let thing = || format!("{} with another `{name}`", figure.what);
+    let of = |end: &MeanFigures| {
+        let figures =
+            end.as_ref().map_err(|e| Invalid { thing: format!("{}: {}", thing(), e.thing), ..e.clone() })?;
+        let value = figures.iter().find(|one| one.name == figure.name).map(|one| one.value);
+        value.filter(|value| value.is_finite()).ok_or_else(|| {
+            Invalid::new(thing(), "none", "one on both sides of the parameter", "run the maneuver longer")
+        })
+    };
+    Ok((of(&ends[1])? - of(&ends[0])?) / width)
 }

@@ -1,9 +1,27 @@
+use estimation::{Quantiles, ScoreStatus, Share, rmse_norm};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Realization;
-use estimation::rmse_norm;
-use estimation::{Quantiles, ScoreStatus, Share};
+/// One realization: the picked parts, and the score of its model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Realization {
+    /// `optimized` or `random`.
+    pub design: String,
+    /// Its number.
+    pub number: i32,
+    /// Indices of the parts, ascending: `3 17 40`.
+    pub picked: String,
+    /// The status of its model over all parts.
+    pub status: ScoreStatus,
+    /// Free simulation over all parts: RMSE of u, v, r; absent without a model and if it diverged.
+    pub rmse: Option<[f64; 3]>,
+    /// Norm of RMSE/std.
+    pub error_norm: Option<f64>,
+    /// RMSE over the parts that were not picked.
+    pub left_out_rmse: Option<[f64; 3]>,
+    /// Norm of RMSE/std over them.
+    pub left_out_norm: Option<f64>,
+}
 
 /// Norm of RMSE/std, √3, from which a model is degenerate: no better than the mean of the data.
 pub const DEGENERATE: f64 = 1.732_050_807_568_877_2;
@@ -100,10 +118,10 @@ impl SelectionScores {
 }
 
 /// RMSE and norm of RMSE/std of a realization.
-type Errors = fn(&Realization) -> (Option<[f64; 3]>, Option<f64>);
+type ErrorsOf = fn(&Realization) -> (Option<[f64; 3]>, Option<f64>);
 
 impl SelectionErrors {
-    fn of(all: &[Realization], errors: Errors) -> Self {
+    fn of(all: &[Realization], errors: ErrorsOf) -> Self {
         let state = |d: usize| Quantiles::of(all.iter().map(|r| errors(r).0.map(|rmse| rmse[d])));
         Self {
             error_norm: Quantiles::of(all.iter().map(|r| errors(r).1)),
@@ -118,10 +136,7 @@ impl SelectionErrors {
 impl SharesBeyond {
     fn of(all: &[Realization], limits: PublishedLimits) -> Self {
         let share = |limit: f64, error: &dyn Fn([f64; 3]) -> f64| {
-            Share::of(
-                all.iter().filter(|r| r.rmse.is_none_or(|rmse| error(rmse) >= limit)).count(),
-                all.len(),
-            )
+            Share::of(all.iter().filter(|r| r.rmse.is_none_or(|e| error(e) >= limit)).count(), all.len())
         };
         Self {
             norm: share(limits.rmse_norm, &rmse_norm),

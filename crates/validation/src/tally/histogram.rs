@@ -80,13 +80,13 @@ impl Histogram {
     /// The number of rank `rank`, from 0, to within [`QUANTILE_ERROR`]; `None` if it is infinite or there is none.
     pub fn ranked(&self, rank: u64) -> Option<f64> {
         let mut below = 0;
-        let found = self.bins.iter().find(|(_, count)| {
+        let ranked = self.bins.iter().find(|(_, count)| {
             below += **count;
             rank < below
         });
         let [low, high] = self.ends?;
         let middle = |bin: u32| 0.5 * (begin(bin) + begin(bin + 1));
-        found.map(|(bin, _)| middle(*bin).clamp(low, high))
+        ranked.map(|(bin, _)| middle(*bin).clamp(low, high))
     }
 
     /// The quantile `q`, to within [`QUANTILE_ERROR`]; `None` without numbers or among infinite ones.
@@ -104,7 +104,6 @@ impl Histogram {
 
     /// All quantiles that are reported for scores.
     pub fn quantiles(&self) -> Quantiles {
-        let all_finite = self.beyond == 0;
         Quantiles {
             min: self.ends.map(|[low, _]| low),
             q10: self.quantile(0.1),
@@ -113,20 +112,15 @@ impl Histogram {
             q90: self.quantile(0.9),
             q90_interval: Some(self.quantile_interval(0.9)),
             q99: self.quantile(0.99),
-            max: self.ends.filter(|_| all_finite).map(|[_, high]| high),
+            max: self.ends.filter(|_| self.beyond == 0).map(|[_, high]| high),
         }
     }
 }
 
 impl From<Histogram> for Listed {
-    fn from(histogram: Histogram) -> Self {
-        let (bins, count) = histogram.bins.into_iter().unzip::<u32, u64, Vec<_>, Vec<_>>();
-        Self {
-            from: bins.into_iter().map(begin).collect(),
-            count,
-            beyond: histogram.beyond,
-            ends: histogram.ends,
-        }
+    fn from(whole: Histogram) -> Self {
+        let (bins, count) = whole.bins.into_iter().unzip::<u32, u64, Vec<_>, Vec<_>>();
+        Self { from: bins.into_iter().map(begin).collect(), count, beyond: whole.beyond, ends: whole.ends }
     }
 }
 
@@ -135,18 +129,16 @@ impl TryFrom<Listed> for Histogram {
 
     fn try_from(listed: Listed) -> Result<Self, String> {
         let Listed { from, count, beyond, ends } = listed;
-        let bins: BTreeMap<u32, u64> =
-            from.iter().map(|from| bin(*from)).zip(count.iter().copied()).collect();
+        let bins: BTreeMap<u32, u64> = from.iter().map(|from| bin(*from)).zip(count.clone()).collect();
         let ascending = bins.keys().copied().map(begin).eq(from.iter().copied());
         let counted = from.len() == count.len() && count.iter().all(|count| *count > 0);
         let enclosed = match ends {
             None => bins.is_empty(),
             Some(ends) => [bins.keys().next(), bins.keys().next_back()] == ends.map(bin).each_ref().map(Some),
         };
-        if ascending && counted && enclosed {
-            Ok(Self { bins, beyond, ends })
-        } else {
-            Err("`from` is to list ascending bins, `count` how many are in each, `ends` the least and largest".to_owned())
-        }
+        (ascending && counted && enclosed).then_some(Self { bins, beyond, ends }).ok_or_else(|| {
+            "`from` is to list ascending bins, `count` how many are in each, `ends` the least and largest"
+                .to_owned()
+        })
     }
 }

@@ -6,7 +6,9 @@ use regression::pooled::PooledRuns;
 use serde_json::{Value, json};
 use ship::engine::Run;
 use ship::model::{Vessel, VesselFile};
-use validation::comparison::{CompareOptions, Compared, Contestant, Known, Ship, Standing, compare};
+use validation::comparison::{
+    CompareOptions, Compared, Contestant, EstimatedErrors, Ship, Standing, compare,
+};
 
 fn oracle() -> Value {
     serde_json::from_str(include_str!("../../../../fixtures/oracle/average.json")).unwrap()
@@ -62,7 +64,8 @@ fn runs(oracle: &Value) -> PooledRuns {
 fn compared(vessels: &[Vessel], oracle: &Value, rmse: Option<[f64; 3]>) -> Compared {
     let ships = vessels.iter().map(|v| Ship { model: &v.model, theta: &v.nominal, columns: None }).collect();
     let standing = if vessels.len() > 1 { Standing::Average } else { Standing::Model };
-    let known: Vec<Known> = rmse.into_iter().map(|rmse| Known { covariance: None, rmse }).collect();
+    let known: Vec<EstimatedErrors> =
+        rmse.into_iter().map(|rmse| EstimatedErrors { covariance: None, rmse }).collect();
     let options =
         CompareOptions { window: None, known: &known, covered: &[], magnitudes: None, rate_hz: 1.0 };
     compare(&[Contestant { standing, place: None, ships }], &runs(oracle), &options).unwrap()

@@ -8,7 +8,9 @@ use maneuver::{DictionaryFile, Generator};
 use regression::pooled::PooledRuns;
 use ship::engine::{Run, Streams, simulate_command, simulate_one};
 use ship::model::{Vessel, VesselFile};
-use validation::comparison::{CompareOptions, Compared, Contestant, Known, Ship, Standing, compare};
+use validation::comparison::{
+    CompareOptions, Compared, Contestant, EstimatedErrors, Ship, Standing, compare,
+};
 use validation::merit::Merit;
 
 const RATE_HZ: f64 = 2.0;
@@ -125,8 +127,8 @@ fn fitted(truth: &Vessel, seed: u64) -> Fitted {
 
 fn compared(own: &Fitted, known: bool, runs: Vec<Run>) -> Compared {
     let ship = Ship { model: &own.vessel.model, theta: &own.vessel.nominal, columns: None };
-    let known: &[Known] =
-        &[Known { covariance: Some(&own.covariance), rmse: own.rmse }][..usize::from(known)];
+    let known: &[EstimatedErrors] =
+        &[EstimatedErrors { covariance: Some(&own.covariance), rmse: own.rmse }][..usize::from(known)];
     let options =
         CompareOptions { window: Some(200), known, covered: &[], magnitudes: None, rate_hz: RATE_HZ };
     let runs = PooledRuns::new(runs, &BTreeMap::new()).with_inputs_held(true);

@@ -2,13 +2,10 @@
 //! and as bits; then one distance for each of them.
 
 use super::Layered;
-use crate::lattice::Limit;
-use crate::lattice::bits::{self, Bits, Shift};
 use crate::lattice::graph::Graph;
-use crate::lattice::layout::{Digit, Layout};
-use crate::lattice::radix_heap::RadixHeap;
-use crate::lattice::recover;
-use crate::lattice::watch::{Verdict, Watch};
+use crate::lattice::layout::{self, Bits, Digit, Layout, Shift};
+use crate::lattice::watch::{RadixHeap, Verdict, Watch};
+use crate::lattice::{Limit, dense};
 
 /// The least keys of optimal states. Those of a *group* have the same counts, which are a block and a bit.
 struct Keys<'a> {
@@ -38,7 +35,7 @@ impl<'a, const W: usize> Layered<'a, W> {
         let Some((key, node)) = keys.at_goal(&required).filter(|(key, _)| *key <= most) else {
             return Verdict::proved(None);
         };
-        match recover::walk(graph, node, required, &|node, counts| keys.of(node, counts)) {
+        match dense::walk(graph, node, required, &|node, counts| keys.of(node, counts)) {
             Some(walk) => Verdict::proved(Some((key, walk))),
             None => unreachable!("every reached state has a walk from the start"),
         }
@@ -49,16 +46,16 @@ impl<'a, const W: usize> Layered<'a, W> {
         if self.planes_left.is_none() {
             return Err(Limit::Memory);
         }
-        let goals = self.graph.goals.iter().filter(|node| bits::has(&self.now[**node as usize], goal_bit));
+        let goals = self.graph.goals.iter().filter(|node| layout::has(&self.now[**node as usize], goal_bit));
         let goals: Vec<u32> = goals.copied().collect();
         // What was not followed has no level.
         for (reached, fresh) in self.reached.iter_mut().zip(&self.fresh) {
-            *reached = bits::beyond(reached, fresh);
+            *reached = layout::beyond(reached, fresh);
         }
         self.fresh.fill([0; W]);
         self.reached = Backwards::new(&mut self).all((last, goal_bit), &goals, watch).ok_or(Limit::Time)?;
         self.fresh = Vec::new();
-        let states: usize = self.reached.iter().map(bits::count).sum();
+        let states: usize = self.reached.iter().map(layout::count).sum();
         // The states as they are, by groups, and the number before each.
         let held = (3 + self.planes.len()) * size_of_val(&self.reached[..]) + 8 * states;
         if held as u64 + self.graph.arc_bytes(false) > self.memory {
@@ -74,9 +71,9 @@ impl<'a, const W: usize> Layered<'a, W> {
     fn at_level(&self, level: u64, at: usize) -> Bits<W> {
         self.planes.iter().enumerate().fold(self.reached[at], |states, (number, plane)| {
             if level >> number & 1 == 1 {
-                bits::both(&states, &plane[at])
+                layout::both(&states, &plane[at])
             } else {
-                bits::beyond(&states, &plane[at])
+                layout::beyond(&states, &plane[at])
             }
         })
     }
@@ -130,9 +127,9 @@ impl<'l, 'a, const W: usize> Backwards<'l, 'a, W> {
     /// To the states before those of a node, a block and a level.
     fn follow(&mut self, level: u64, block: usize, node: u32) {
         let at = block * self.searched.nodes + node as usize;
-        let own = bits::both(&self.searched.fresh[at], &self.searched.at_level(level, at));
-        self.searched.fresh[at] = bits::beyond(&self.searched.fresh[at], &own);
-        if !bits::any(&own) {
+        let counts = layout::both(&self.searched.fresh[at], &self.searched.at_level(level, at));
+        self.searched.fresh[at] = layout::beyond(&self.searched.fresh[at], &counts);
+        if !layout::any(&counts) {
             return;
         }
         let (graph, unit) = (self.searched.graph, self.searched.levels.unit);
@@ -140,16 +137,16 @@ impl<'l, 'a, const W: usize> Backwards<'l, 'a, W> {
             let (key, slot) = graph.price(step);
             let Some(slot) = slot.map(|slot| slot as usize) else {
                 let free = key < unit;
-                if (free || level > 0) && self.arrive(level - u64::from(!free), block, from, &own) {
+                if (free || level > 0) && self.arrive(level - u64::from(!free), block, from, &counts) {
                     let lists = if free { &mut self.here } else { &mut self.below };
                     lists[block].push(from);
                 }
                 continue;
             };
             let (block, states) = match self.searched.layout.digits[slot] {
-                Digit::Bit { .. } => (block, self.shifts[slot].undo(&own)),
+                Digit::Bit { .. } => (block, self.shifts[slot].undo(&counts)),
                 Digit::Block { stride, radix } if !(block as u64 / stride).is_multiple_of(radix) => {
-                    (block - stride as usize, own)
+                    (block - stride as usize, counts)
                 }
                 Digit::Block { .. } => continue,
             };
@@ -162,14 +159,14 @@ impl<'l, 'a, const W: usize> Backwards<'l, 'a, W> {
     /// Notes those of `states` that have this level; whether any of them is new.
     fn arrive(&mut self, level: u64, block: usize, node: u32, states: &Bits<W>) -> bool {
         let at = block * self.searched.nodes + node as usize;
-        let new = bits::beyond(states, &self.optimal[at]);
-        if !bits::any(&new) {
+        let new = layout::beyond(states, &self.optimal[at]);
+        if !layout::any(&new) {
             return false;
         }
-        let new = bits::both(&new, &self.searched.at_level(level, at));
-        bits::or(&mut self.optimal[at], &new);
-        bits::or(&mut self.searched.fresh[at], &new);
-        bits::any(&new)
+        let new = layout::both(&new, &self.searched.at_level(level, at));
+        layout::or(&mut self.optimal[at], &new);
+        layout::or(&mut self.searched.fresh[at], &new);
+        layout::any(&new)
     }
 }
 
@@ -179,9 +176,9 @@ impl<'a> Keys<'a> {
         let (graph, bits) = (optimal.graph, 64 * W);
         let words = optimal.nodes.div_ceil(64);
         let mut nodes = vec![0_u64; optimal.blocks * bits * words];
-        for (at, own) in optimal.reached.iter().enumerate() {
+        for (at, reached) in optimal.reached.iter().enumerate() {
             let (block, node) = (at / optimal.nodes, at % optimal.nodes);
-            for bit in bits::ones(own) {
+            for bit in layout::ones(reached) {
                 nodes[(block * bits + bit) * words + node / 64] |= 1 << (node % 64);
             }
         }
@@ -209,7 +206,7 @@ impl<'a> Keys<'a> {
         for level in 0..=last {
             for block in 0..optimal.blocks {
                 for node in 0..optimal.nodes {
-                    for bit in bits::ones(&optimal.at_level(level, block * optimal.nodes + node)) {
+                    for bit in layout::ones(&optimal.at_level(level, block * optimal.nodes + node)) {
                         groups[bit].push(node as u32);
                     }
                 }
@@ -281,8 +278,8 @@ impl<'a> Keys<'a> {
     /// The number of an optimal state within its block.
     fn number(&self, group: usize, node: u32) -> Option<usize> {
         let word = group * self.words + node as usize / 64;
-        let (nodes, own) = (self.nodes[word], 1 << (node % 64));
-        (nodes & own != 0).then(|| (self.before[word] + (nodes & (own - 1)).count_ones()) as usize)
+        let (nodes, bit) = (self.nodes[word], 1 << (node % 64));
+        (nodes & bit != 0).then(|| (self.before[word] + (nodes & (bit - 1)).count_ones()) as usize)
     }
 
     fn key(&self, block: usize, group: usize, node: u32) -> Option<u64> {

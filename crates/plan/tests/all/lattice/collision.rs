@@ -1,7 +1,7 @@
 //! Where swept boxes are free.
 
+use plan::lattice::FreeCells;
 use plan::lattice::LatticeFile;
-use plan::lattice::collision::FreeCells;
 
 #[test]
 fn boxes_may_touch_bounds_and_obstacles() {

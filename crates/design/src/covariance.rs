@@ -1,16 +1,10 @@
 use std::ops::Range;
 
-use numerics::{congruence, symmetric, transposed};
+use numerics::{congruence, dot, product, symmetric, transposed};
 
-use crate::spectrum::Spectrum;
-use crate::{Candidates, Error, Norm};
-
-mod block;
-mod check;
-mod objective;
-
-use block::Block;
-use check::{is_proportional, row_without_variance};
+use crate::candidates::Balanced;
+use crate::spectrum::{Block, Spectrum, is_proportional, row_without_variance};
+use crate::{Candidates, Error, Norm, Objective};
 
 /// A criterion of the sandwich covariance A(w)⁻¹ B(w) A(w)⁻ᵀ, A(w) = Σ w_q M_qᵀ, B(w) = Σ w_q B_q, block by block of
 /// parameters. As an [`Objective`] it is minus the [`Norm`] of the weighted covariance.
@@ -51,26 +45,21 @@ pub struct CovariancePoint {
 }
 
 impl Covariance {
-    /// `information`: M_q = mean of φζᵀ, rows by parameter, columns by instrument. `meat`: B_q per candidate, with
+    /// `moments`: M_q = mean of φζᵀ, rows by parameter, columns by instrument. `meat`: B_q per candidate, with
     /// the same blocks, rows and columns by instrument, symmetric. `weights`: of every row's variance, 0 for a
     /// nuisance; for a [`Norm::LogDet`] it only matters which are zero.
     ///
     /// # Errors
     /// [`Error::Shape`], [`Error::NotFinite`], [`Error::Empty`]; [`Error::Unexcited`] if equal shares do not excite a
     /// direction; [`Error::SingularCovariance`] if a weighted direction has no variance at equal shares.
-    pub fn new(
-        information: &Candidates,
-        meat: &Candidates,
-        weights: &[f64],
-        norm: Norm,
-    ) -> Result<Self, Error> {
-        if weights.len() != information.dimension() {
-            return Err(Error::Shape { found: weights.len(), expected: information.dimension() });
+    pub fn new(moments: &Candidates, meat: &Candidates, weights: &[f64], norm: Norm) -> Result<Self, Error> {
+        if weights.len() != moments.dimension() {
+            return Err(Error::Shape { found: weights.len(), expected: moments.dimension() });
         }
         if let Some(row) = weights.iter().position(|w| !(w.is_finite() && *w >= 0.0)) {
             return Err(Error::Weight { row, found: weights[row] });
         }
-        Self::built(information, meat, norm, |n, rows| {
+        Self::built(moments, meat, norm, |n, rows| {
             let root = |i: usize| match norm {
                 Norm::LogDet => 1.0,
                 Norm::Trace => weights[rows.start + i].sqrt(),
@@ -85,19 +74,14 @@ impl Covariance {
     ///
     /// # Errors
     /// As [`Covariance::new`].
-    pub fn of_matrices(
-        information: &Candidates,
-        meat: &Candidates,
-        weights: &[Vec<f64>],
-    ) -> Result<Self, Error> {
-        let sizes: Vec<usize> = information.blocks().map(|(n, _)| n * n).collect();
-        let found: Vec<usize> = weights.iter().map(Vec::len).collect();
-        if found != sizes {
-            let (found, expected) = (found.iter().sum(), sizes.iter().sum());
-            return Err(Error::Shape { found, expected });
+    pub fn of_matrices(moments: &Candidates, meat: &Candidates, weights: &[Vec<f64>]) -> Result<Self, Error> {
+        let sizes: Vec<usize> = moments.blocks().map(|(n, _)| n * n).collect();
+        let given: Vec<usize> = weights.iter().map(Vec::len).collect();
+        if given != sizes {
+            return Err(Error::Shape { found: given.iter().sum(), expected: sizes.iter().sum() });
         }
         let mut block = 0;
-        Self::built(information, meat, Norm::Trace, |n, _| {
+        Self::built(moments, meat, Norm::Trace, |n, _| {
             block += 1;
             // Weights that are not finite are refused.
             let (values, vectors) = symmetric(n, &weights[block - 1]).unwrap_or_default();
@@ -108,18 +92,14 @@ impl Covariance {
         })
     }
 
-    /// The sum of the variances of linear functions of the parameters. `functions`: the derivatives of each by every
+    /// The sum of the variances of linear functions of the parameters. `slopes`: the derivatives of each by every
     /// row. Rows of different blocks count as uncorrelated.
     ///
     /// # Errors
     /// As [`Covariance::new`]; [`Error::Weight`] for a derivative that is not finite.
-    pub fn of_functions(
-        information: &Candidates,
-        meat: &Candidates,
-        functions: &[Vec<f64>],
-    ) -> Result<Self, Error> {
-        let expected = information.dimension();
-        for function in functions {
+    pub fn of_functions(moments: &Candidates, meat: &Candidates, slopes: &[Vec<f64>]) -> Result<Self, Error> {
+        let expected = moments.dimension();
+        for function in slopes {
             if function.len() != expected {
                 return Err(Error::Shape { found: function.len(), expected });
             }
@@ -127,8 +107,8 @@ impl Covariance {
                 return Err(Error::Weight { row, found: function[row] });
             }
         }
-        Self::built(information, meat, Norm::Trace, |_, rows| {
-            functions.iter().flat_map(|function| function[rows.clone()].iter().copied()).collect()
+        Self::built(moments, meat, Norm::Trace, |_, rows| {
+            slopes.iter().flat_map(|function| function[rows.clone()].iter().copied()).collect()
         })
     }
 
@@ -142,33 +122,25 @@ impl Covariance {
         if meat.len() != information.len() || meat.size() != information.size() {
             return Err(Error::Shape { found: meat.size(), expected: information.size() });
         }
-        let balanced = information.balanced()?;
-        balanced.candidates.check_excitation()?;
-        let meat = meat.congruent(&balanced.columns);
+        let Balanced { candidates: information, rows, columns, .. } = information.balanced()?;
+        information.check_excitation()?;
+        let meat = meat.congruent(&columns);
         let (mut roots, mut offset, mut first) = (Vec::new(), 0.0, 0);
         for (n, _) in information.blocks() {
-            let mut own = root(n, first..first + n);
-            for row in own.chunks_exact_mut(n) {
-                for (entry, unit) in row.iter_mut().zip(&balanced.rows[first..]).filter(|(e, _)| **e != 0.0) {
+            let mut rooted = root(n, first..first + n);
+            for row in rooted.chunks_exact_mut(n) {
+                for (entry, unit) in row.iter_mut().zip(&rows[first..]).filter(|(e, _)| **e != 0.0) {
                     match norm {
                         Norm::LogDet => offset -= 2.0 * libm::log(*unit),
                         Norm::Trace => *entry /= unit,
                     }
                 }
             }
-            roots.push(own);
+            roots.push(rooted);
             first += n;
         }
-        let concave = is_proportional(&balanced.candidates, &meat);
-        let built = Self {
-            information: balanced.candidates,
-            meat,
-            roots,
-            rows: balanced.rows,
-            norm,
-            offset,
-            concave,
-        };
+        let concave = is_proportional(&information, &meat);
+        let built = Self { information, meat, roots, rows, norm, offset, concave };
         built.check_covariance()?;
         Ok(built)
     }
@@ -184,8 +156,7 @@ impl Covariance {
         self.norm
     }
 
-    /// Refuses a dictionary whose equal mixture gives a weighted direction (or, for the trace, all directions) no
-    /// variance.
+    /// Refuses a dictionary whose equal mixture gives a weighted direction (or, for the trace, all directions) no variance.
     fn check_covariance(&self) -> Result<(), Error> {
         let count = self.information.len();
         let mut at = CovariancePoint::default();
@@ -261,14 +232,127 @@ impl Covariance {
         let mut at = CovariancePoint::default();
         self.invert(shares, &mut at)?;
         let of = |function: &Vec<f64>| {
-            let own = |block: Block<'_>| {
+            let variance = |block: Block<'_>| {
                 let rows = function[block.rows.clone()].iter().zip(&self.rows[block.rows.clone()]);
                 let root: Vec<f64> = rows.map(|(slope, unit)| slope / unit).collect();
                 let block = Block { root: &root, ..block };
                 block.weighted(&at.covariance[block.range.clone()]).iter().sum::<f64>()
             };
-            self.blocks().map(own).sum()
+            self.blocks().map(variance).sum()
         };
         Some(functions.iter().map(of).collect())
+    }
+}
+
+impl Objective for Covariance {
+    type Point = CovariancePoint;
+
+    fn len(&self) -> usize {
+        self.information.len()
+    }
+
+    fn degree(&self) -> f64 {
+        match self.norm {
+            Norm::LogDet => self.eigenvalues() as f64,
+            Norm::Trace => 1.0,
+        }
+    }
+
+    fn size(&self) -> usize {
+        self.information.size()
+    }
+
+    fn exponent(&self) -> f64 {
+        match self.norm {
+            Norm::LogDet => 1.0,
+            Norm::Trace => 0.5,
+        }
+    }
+
+    fn value(&self, shares: &[f64], at: &mut CovariancePoint) -> Option<f64> {
+        self.invert(shares, at)?;
+        let weighted = self.weighted_blocks(at);
+        Some(-self.offset - crate::spectrum::value(self.norm, &weighted)?)
+    }
+
+    fn evaluate(&self, shares: &[f64], at: &mut CovariancePoint) -> Option<f64> {
+        self.invert(shares, at)?;
+        let spectrum = Spectrum::of(self.norm, &self.weighted_blocks(at))?;
+        at.slopes.iter_mut().for_each(Vec::clear);
+        for (block, slope) in self.blocks().zip(&spectrum.slopes) {
+            let n = block.n;
+            let inverse = &at.inverse[block.range.clone()];
+            let weight = block.unweighted(slope);
+            // dΦ = 2 tr(S A⁻¹ dA C) − tr(A⁻ᵀ S A⁻¹ dB), S = ∂norm/∂C.
+            let left = product(n, &weight, inverse);
+            let of_m = product(n, &at.covariance[block.range.clone()], &left);
+            let of_b = product(n, &transposed(n, inverse), &left);
+            at.slopes[0].extend(of_m.iter().map(|x| 2.0 * x));
+            at.slopes[1].extend(of_b.iter().map(|x| -x));
+        }
+        let value = -self.offset - spectrum.value;
+        at.spectrum = spectrum;
+        Some(value)
+    }
+
+    fn sensitivity(&self, q: usize, at: &CovariancePoint) -> f64 {
+        dot(&at.slopes[0], self.information.candidate(q)) + dot(&at.slopes[1], self.meat.candidate(q))
+    }
+
+    fn curvature(&self, members: &[usize], at: &CovariancePoint) -> Vec<f64> {
+        let first: Vec<f64> = members.iter().map(|q| -self.sensitivity(*q, at)).collect();
+        let mut moved: Vec<Vec<Vec<f64>>> = Vec::new();
+        let k = members.len();
+        let mut curvature = vec![0.0; k * k];
+        for (block, slope) in self.blocks().zip(&at.spectrum.slopes) {
+            let weight = block.unweighted(slope);
+            let changes: Vec<Change> = members.iter().map(|q| self.change(&block, &weight, *q, at)).collect();
+            for (q, a) in changes.iter().enumerate() {
+                // Symmetric: tr S U C U'ᵀ too, since S and C are.
+                for (r, b) in changes.iter().enumerate().skip(q) {
+                    let mixed = dot(&b.weighted, &a.pulled)
+                        + dot(&a.weighted, &b.pulled)
+                        + dot(&a.twisted, &b.relative);
+                    curvature[q * k + r] += 2.0 * mixed;
+                    if r > q {
+                        curvature[r * k + q] += 2.0 * mixed;
+                    }
+                }
+            }
+            moved.push(changes.into_iter().map(|c| c.covariance).collect());
+        }
+        at.spectrum.add_curvature(&moved, &first, &mut curvature);
+        curvature
+    }
+}
+
+/// The change of the covariance of a block with one candidate's share: U = A⁻¹ A_q, V = A⁻¹ B_q A⁻ᵀ.
+struct Change {
+    /// U.
+    relative: Vec<f64>,
+    /// S U.
+    weighted: Vec<f64>,
+    /// S U C.
+    twisted: Vec<f64>,
+    /// (U C)ᵀ − V.
+    pulled: Vec<f64>,
+    /// The weighted covariance's derivative −U C − C Uᵀ + V.
+    covariance: Vec<f64>,
+}
+
+impl Covariance {
+    fn change(&self, block: &Block<'_>, weight: &[f64], q: usize, at: &CovariancePoint) -> Change {
+        let n = block.n;
+        let inverse = &at.inverse[block.range.clone()];
+        let covariance = &at.covariance[block.range.clone()];
+        let information = transposed(n, &self.information.candidate(q)[block.range.clone()]);
+        let relative = product(n, inverse, &information);
+        let meat = congruence(n, inverse, &self.meat.candidate(q)[block.range.clone()]);
+        let weighted = product(n, weight, &relative);
+        let twisted = product(n, &weighted, covariance);
+        let turned = product(n, &relative, covariance);
+        let pulled = (0..n * n).map(|e| turned[(e % n) * n + e / n] - meat[e]).collect();
+        let whole: Vec<f64> = (0..n * n).map(|e| meat[e] - turned[e] - turned[(e % n) * n + e / n]).collect();
+        Change { relative, weighted, twisted, pulled, covariance: block.weighted(&whole) }
     }
 }
