@@ -1,5 +1,4 @@
-use crate::cover::{Size, along, centres};
-use crate::raster::MOST_CELLS;
+use crate::plane::{MOST_CELLS, Size, along, centres};
 use crate::{Bounds, Invalid};
 
 /// Cells that a hull sweeps, relative to a node of a raster.

@@ -7,12 +7,9 @@ use tiff::ColorType;
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
+use crate::grid::{Block, Header, MOST_ON_A_SIDE, Packing, check_square};
 use crate::grid_cells::Cells;
-use crate::grid_header::{Header, MOST_ON_A_SIDE, check_square};
-use crate::grid_packing::Packing;
-use crate::grid_tiff_keys::{Keys, LONGEST_TEXT, refuse, short_tag};
-use crate::grid_tiff_metadata::TiffMetadata;
-use crate::grid_window::Block;
+use crate::grid_tiff_metadata::{Keys, LONGEST_TEXT, TiffMetadata, refuse, short_tag};
 use crate::{DepthUnit, Grid, GridDeclaration, GridKind, Invalid, Reading, Unread};
 
 /// Most bytes of a block of an image, decoded.

@@ -1,15 +1,13 @@
 use std::io::{BufReader, Read};
 
-use geojson::{Feature, GeoJson, JsonObject, JsonValue, PolygonType, Position};
+use geojson::{Feature, GeoJson, GeometryValue, JsonObject, JsonValue, PolygonType, Position};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::called::Called;
-use crate::geojson_crs::{check_member, mixed};
-use crate::geometries::Geometries;
-use crate::grid_kind::FARTHEST;
+use crate::classes::Called;
+use crate::grid::FARTHEST;
 use crate::ring::{RingFault, ring_fault_while};
-use crate::{DepthUnit, Invalid, Reading, Unread};
+use crate::{Crs, DepthUnit, Invalid, Reading, Unread};
 
 /// Default radius of the danger around a charted point or line \[m\]: the positional accuracy of older
 /// surveys.
@@ -419,4 +417,63 @@ fn depth(
             "correct it (null where it is unknown) or name another property",
         )),
     }
+}
+
+// The polygons, points and lines of a feature, however nested.
+
+/// The parts of a feature; a point is a line of one position.
+#[derive(Default)]
+pub(crate) struct Geometries<'a> {
+    pub polygons: Vec<&'a PolygonType>,
+    pub lines: Vec<&'a [Position]>,
+}
+
+impl<'a> Geometries<'a> {
+    pub(crate) fn of(feature: &'a Feature) -> Self {
+        let mut own = Self::default();
+        feature.geometry.iter().for_each(|geometry| own.take(&geometry.value));
+        own
+    }
+
+    fn take(&mut self, value: &'a GeometryValue) {
+        match value {
+            GeometryValue::Point { coordinates } => self.lines.push(std::slice::from_ref(coordinates)),
+            GeometryValue::MultiPoint { coordinates } => self.lines.extend(coordinates.chunks(1)),
+            GeometryValue::LineString { coordinates } => self.lines.push(coordinates),
+            GeometryValue::MultiLineString { coordinates } => {
+                self.lines.extend(coordinates.iter().map(Vec::as_slice))
+            }
+            GeometryValue::Polygon { coordinates } => self.polygons.push(coordinates),
+            GeometryValue::MultiPolygon { coordinates } => self.polygons.extend(coordinates),
+            GeometryValue::GeometryCollection { geometries } => {
+                geometries.iter().for_each(|geometry| self.take(&geometry.value));
+            }
+        }
+    }
+}
+
+// The CRS of a GeoJSON file: RFC 7946 has none but WGS84, and older files name equivalent ones.
+
+/// Refuses a member `crs` unless its coordinates are longitudes and latitudes within a metre or two of WGS84.
+fn check_member(members: Option<&JsonObject>) -> Result<(), Invalid> {
+    let Some(crs) = members.and_then(|m| m.get("crs")).filter(|c| !c.is_null()) else { return Ok(()) };
+    let name = crs.pointer("/properties/name").and_then(JsonValue::as_str).map(str::to_owned);
+    // The draft of 2008 has an EPSG code.
+    let code =
+        || crs.pointer("/properties/code").map(|code| format!("EPSG:{}", code.to_string().replace('"', "")));
+    let is_near = |name: String| Crs::new(&name).is_ok_and(|crs| crs.is_near_wgs84());
+    if name.or_else(code).is_some_and(is_near) {
+        return Ok(());
+    }
+    Err(mixed("`crs` member", format!("`{}`", refusal::foreign(&crs.to_string()))))
+}
+
+/// The refusal of coordinates in another system than the layer's.
+fn mixed(thing: impl Into<String>, found: impl Into<String>) -> Invalid {
+    Invalid::new(
+        thing,
+        format!("{} (projected coordinates in a WGS84 layer: mixed CRS)", found.into()),
+        "longitude within ±180 and latitude within ±90, WGS84",
+        "transform the file, for instance with `ogr2ogr -t_srs EPSG:4326`",
+    )
 }

@@ -7,12 +7,11 @@ use refusal::{Invalid, foreign};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::attitude::angles;
+use crate::axes::angles;
+use crate::clock::{set, spread, unrolled};
 use crate::columns::cell_of;
 use crate::gate::{Gate, Limit, check_share};
-use crate::rollover::{set, unrolled};
 use crate::samples::{View, steps};
-use crate::spread::spread;
 use crate::suspicion::{Seen, Turns};
 use crate::{
     Backwards, Cells, ChannelSpec, ClockNotes, Columns, FileSpec, Labels, NonMonotonic, Numbering, Omissions,

@@ -6,7 +6,7 @@ use refusal::{Invalid, nearest};
 use ship::model::{DerivedChannel, Variable, Vessel};
 
 use crate::gate::Limit;
-use crate::unassembled::MOST_ROWS;
+use crate::prepare::MOST_ROWS;
 use crate::{
     ChannelSpec, Content, Conventions, Derived, FileSpec, KINEMATIC, Propulsor, Setup, Stamps, UNITS, Unit,
     Wanted, factor, shaft_factor, unit,

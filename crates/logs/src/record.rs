@@ -11,15 +11,11 @@ use ship::engine::{Run, Segment};
 use ship::model::DerivedChannel;
 
 use crate::assemble::{on_one_clock, sources};
-use crate::axes::{check_axes, drift};
-use crate::contradiction::Contradictions;
+use crate::axes::{Contradictions, check_axes, drift, rescaled};
 use crate::gate::{check_share, keep_alive, keep_possible};
-use crate::pace::check_pace;
-use crate::quality::Derivatives;
-use crate::rescaled::rescaled;
+use crate::quality::{Derivatives, check_pace};
 use crate::segment::Labelled;
-use crate::source::called;
-use crate::spans::Spans;
+use crate::source::{Spans, called};
 use crate::suspicion::{Seen, check_ratios, warnings};
 use crate::{
     Assembled, ChannelSpec, ChannelSummary, Channels, Grid, Log, MotionSummary, Omission, Omissions, Part,
@@ -451,4 +447,53 @@ fn summaries(plan: &Plan, channels: &Channels, missing: &[(String, usize)]) -> V
     let channels: Vec<(&String, &Series)> = channels.iter().collect();
     let some = |some: &[(&String, &Series)]| some.par_iter().map(of).collect::<Vec<_>>();
     channels.chunks(SIDE_BY_SIDE).flat_map(some).collect()
+}
+
+/// Numbers runs and counts them.
+#[derive(Clone, Debug, Default)]
+pub struct Totals {
+    /// Runs so far; the number of the next run.
+    pub runs: u32,
+    /// Samples of all runs.
+    pub samples: u64,
+    /// Per maneuver, in the order of appearance.
+    pub maneuvers: Vec<ManeuverCount>,
+}
+
+/// How much there is of a maneuver.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ManeuverCount {
+    /// Its name.
+    pub name: String,
+    /// Number of segments.
+    pub segments: u64,
+    /// Their samples.
+    pub samples: u64,
+}
+
+impl Totals {
+    /// Counts the runs of a recording and numbers them.
+    pub fn number(&mut self, recorded: &mut Recorded) {
+        for run in &mut recorded.runs {
+            run.number = self.runs as i32;
+            recorded.summary.runs.push(u64::from(self.runs));
+            self.runs += 1;
+            self.samples += run.samples() as u64;
+            let ends = run.segments.iter().skip(1).map(|next| next.start).chain([run.samples()]);
+            for (segment, end) in run.segments.iter().zip(ends) {
+                let count = self.count(&segment.maneuver);
+                count.segments += 1;
+                count.samples += (end - segment.start) as u64;
+            }
+        }
+    }
+
+    fn count(&mut self, maneuver: &str) -> &mut ManeuverCount {
+        let place = self.maneuvers.iter().position(|count| count.name == maneuver).unwrap_or_else(|| {
+            self.maneuvers.push(ManeuverCount { name: maneuver.to_owned(), segments: 0, samples: 0 });
+            self.maneuvers.len() - 1
+        });
+        &mut self.maneuvers[place]
+    }
 }

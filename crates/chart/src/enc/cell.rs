@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 
 use refusal::foreign;
 
+use super::iso8211;
+use super::record::{apply, moved};
 use crate::enc::dataset::{Parameters, Structure, identity, parameters};
 use crate::enc::iso8211::{first_records, records};
 use crate::enc::record::{CONNECTED, EDGE, ISOLATED, Name, Object, Vector};
 use crate::enc::topology::{Topology, stored};
-use crate::enc::update::{apply, moved};
-use crate::enc::{Datums, Feature, Identity, Invalid, Purpose, layout};
+use crate::enc::{Datums, Feature, Identity, Invalid, Purpose};
 
 /// How often objects may use the stored places, on average: real cells stay below ten.
 const MOST_USES: u64 = 64;
@@ -149,7 +150,7 @@ impl Cell {
 pub fn identify(file: &[u8]) -> Result<Identity, Invalid> {
     let records = first_records(file, 2)?;
     let [descriptive, first] = &records[..] else { return Err(broken("no data records")) };
-    layout::check(descriptive)?;
+    iso8211::check(descriptive)?;
     Ok(identity(first)?.0)
 }
 
@@ -195,7 +196,7 @@ impl Changes {
 fn read(file: &[u8]) -> Result<(Identity, Changes), Invalid> {
     let records = records(file)?;
     let (descriptive, data) = records.split_first().ok_or_else(|| broken("no records"))?;
-    layout::check(descriptive)?;
+    iso8211::check(descriptive)?;
     let first = data.first().ok_or_else(|| broken("no data records"))?;
     let (identity, structure) = identity(first)?;
     let mut changes = Changes::default();

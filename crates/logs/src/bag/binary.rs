@@ -4,8 +4,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::bag::effort::Effort;
-use crate::bag::fields::{Primitive, Shape, Step, Wrong};
+use super::Effort;
+use super::definition::{Primitive, Shape, Step, Wrong};
 
 /// Bytes of a message, and the read position.
 pub(crate) struct Cursor<'a> {
@@ -176,8 +176,7 @@ impl Node {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bag::definition::{Dialect, definition};
-    use crate::bag::fields::steps;
+    use crate::bag::definition::{Dialect, definition, steps};
 
     /// `uint8 a = 7`, `string s = "hi"`, `float64[] w = [1.5, -2]`, `int16 b = -3`, `float32 c = 0.25` as fastcdr writes them.
     fn message(is_little: bool) -> Vec<u8> {

@@ -13,9 +13,8 @@ use rusqlite::limits::Limit;
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, Error, ErrorCode, OpenFlags, Row};
 
+use super::{Effort, Part};
 use crate::bag::BagError;
-use crate::bag::effort::Effort;
-use crate::bag::parts::Part;
 
 /// Instructions of SQLite's machine that a byte of the file pays for, those in any case, and after how many they are
 /// counted. A row of a bag takes ten for its twenty bytes.

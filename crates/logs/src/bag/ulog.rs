@@ -6,9 +6,8 @@ use std::io::Read;
 
 use refusal::Invalid;
 
+use super::{Part, Rest};
 use crate::bag::BagError;
-use crate::bag::parts::Part;
-use crate::bag::rest::Rest;
 
 const MAGIC: &[u8; 7] = b"ULog\x01\x12\x35";
 

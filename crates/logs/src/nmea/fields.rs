@@ -2,8 +2,7 @@
 
 use refusal::{Invalid, foreign};
 
-use super::quality::{Accepted, Valid};
-use super::sentence::Sentence;
+use super::sentence::{Accepted, Sentence, Valid};
 use crate::Reason;
 use crate::columns::cell_of;
 
@@ -17,7 +16,7 @@ pub(super) struct Kind {
 
 /// A quantity in a sentence.
 pub(super) struct Field {
-    pub(super) name: &'static str,
+    pub(crate) name: &'static str,
     pub(super) unit: &'static str,
     read: Read,
     valid: Valid,
@@ -39,7 +38,7 @@ use Valid::{A, Always, AnyMode, Fix, Letter, Mode, OwnMode};
 
 /// A value in a sentence.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Value {
+pub(crate) enum Value {
     Known(f64),
     /// A heading without a stated deviation, which is taken as 0.
     Undeviated(f64),
@@ -133,18 +132,18 @@ const KINDS: [Kind; 16] = [
 ];
 
 /// A field of a kind of sentence, of one talker or of all: `HDT.heading`, `HEHDT.heading`, `RPM-S1.speed`.
-pub(super) struct Column {
-    pub(super) name: String,
+pub(crate) struct Column {
+    pub(crate) name: String,
     /// The ending of the address: `HDT`, or `HEHDT`.
-    pub(super) address: String,
+    pub(crate) address: String,
     qualifier: String,
     kind: &'static Kind,
-    pub(super) field: &'static Field,
+    pub(crate) field: &'static Field,
 }
 
 impl Column {
     /// `None` where there is no such field.
-    pub(super) fn parse(name: &str) -> Option<Self> {
+    pub(crate) fn parse(name: &str) -> Option<Self> {
         let (of, field) = name.split_once('.')?;
         let (address, qualifier) = of.split_once('-').unwrap_or((of, ""));
         let is_plain = address.is_ascii() && [3, 5].contains(&address.len());
@@ -183,7 +182,7 @@ impl Column {
     }
 
     /// Its value in `sentence`, which stands on `line`, if its quality is `accepted`.
-    pub(super) fn value(
+    pub(crate) fn value(
         &self,
         sentence: &Sentence,
         line: usize,

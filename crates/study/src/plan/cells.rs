@@ -4,7 +4,7 @@ use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use chart::enc::attribute::VERDAT;
+use chart::enc::VERDAT;
 use chart::enc::{Cell, Feature, vertical_datum};
 use chart::{PolygonLayer, Rules, Tally};
 use files::{Budget, Digest, Error, PROGRAM_BYTES, Provenance, Work};
