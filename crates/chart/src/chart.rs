@@ -121,8 +121,8 @@ impl Chart {
                 if !keep_going() {
                     return Ok(None);
                 }
-                let own = marks.iter().filter_map(|mark| Spot::place(mark, &plane));
-                spots.extend(own.filter(|spot| area.contains(spot.place)));
+                let placed = marks.iter().filter_map(|mark| Spot::place(mark, &plane));
+                spots.extend(placed.filter(|spot| area.contains(spot.place)));
                 let buffer = |mark| Polygon::buffer(mark, &plane);
                 polygons.extend(marks.iter().flat_map(buffer).filter(|p| p.bounds.meets(&area)));
             }
@@ -238,7 +238,7 @@ impl KnownBy {
             Layer::Grid(_) => false,
         };
         let depth = |layer: &Layer| matches!(layer, Layer::Grid(grid) if grid.has_depth);
-        let land = |layer: &Layer| matches!(layer, Layer::Polygons(own) if own.open_sea);
+        let land = |layer: &Layer| matches!(layer, Layer::Polygons(layer) if layer.open_sea);
         if layers.iter().any(|layer| depth(layer) || has(layer, |class| matches!(class, Class::Depth { .. })))
         {
             Self::Depths

@@ -17,7 +17,7 @@ const KNOWN: &str = "WGS84, `EPSG:` with the code of a system (such as EPSG:3263
 pub struct Crs {
     name: String,
     definition: String,
-    own: Box<Proj>,
+    projection: Box<Proj>,
     wgs84: Box<Proj>,
 }
 
@@ -48,14 +48,14 @@ impl Crs {
         if grids.contains("nadgrids") || text.contains("geocent") {
             return Err(refuse("datum grids or geocentric coordinates"));
         }
-        let own = Proj::from_proj_string(&text).map_err(|e| refuse(&e.to_string()))?;
+        let projection = Proj::from_proj_string(&text).map_err(|e| refuse(&e.to_string()))?;
         let wgs84 =
             Proj::from_proj_string("+proj=longlat +datum=WGS84").map_err(|e| refuse(&e.to_string()))?;
-        if !(own.has_inverse() && own.has_forward()) {
+        if !(projection.has_inverse() && projection.has_forward()) {
             return Err(refuse("a projection without inverse"));
         }
         let name = name.trim().to_owned();
-        Ok(Self { name, definition: text, own: Box::new(own), wgs84: Box::new(wgs84) })
+        Ok(Self { name, definition: text, projection: Box::new(projection), wgs84: Box::new(wgs84) })
     }
 
     /// Whether coordinates are longitudes and latitudes, by definition within a metre or two of those of
@@ -80,8 +80,9 @@ impl Crs {
 
     /// The value of a key of the definition.
     fn value(&self, key: &str) -> Option<&str> {
-        let own = |part: &'_ str| part.strip_prefix('+')?.strip_prefix(key)?.strip_prefix('=').map(str::len);
-        let part = self.definition.split_whitespace().find(|part| own(part).is_some())?;
+        let projection =
+            |part: &'_ str| part.strip_prefix('+')?.strip_prefix(key)?.strip_prefix('=').map(str::len);
+        let part = self.definition.split_whitespace().find(|part| projection(part).is_some())?;
         part.split_once('=').map(|(_, value)| value)
     }
 
@@ -92,7 +93,7 @@ impl Crs {
 
     /// Whether coordinates are longitude and latitude in degrees.
     pub fn is_geographic(&self) -> bool {
-        self.own.is_latlong()
+        self.projection.is_latlong()
     }
 
     /// Longitude and latitude (WGS84) \[deg\] of coordinates in this system.
@@ -101,7 +102,7 @@ impl Crs {
     /// A place outside the projection's domain.
     pub fn to_geographic(&self, [x, y]: [f64; 2]) -> Result<(f64, f64), Invalid> {
         let mut point = if self.is_geographic() { (x.to_radians(), y.to_radians()) } else { (x, y) };
-        let done = transform(&self.own, &self.wgs84, &mut point);
+        let done = transform(&self.projection, &self.wgs84, &mut point);
         let lon_lat = (point.0.to_degrees(), point.1.to_degrees());
         match done {
             Ok(()) if lon_lat.0.is_finite() && lon_lat.1.abs() <= 90.0 => Ok(lon_lat),
@@ -115,7 +116,7 @@ impl Crs {
     /// A place outside the projection's domain.
     pub fn to_own(&self, lon_deg: f64, lat_deg: f64) -> Result<[f64; 2], Invalid> {
         let mut point = (lon_deg.to_radians(), lat_deg.to_radians());
-        let done = transform(&self.wgs84, &self.own, &mut point);
+        let done = transform(&self.wgs84, &self.projection, &mut point);
         let scale = if self.is_geographic() { 1f64.to_degrees() } else { 1.0 };
         match done {
             Ok(()) if point.0.is_finite() && point.1.is_finite() => Ok([point.0 * scale, point.1 * scale]),
@@ -260,13 +261,13 @@ impl DepthUnit {
     pub fn of_text(text: &str) -> Option<Self> {
         let parts = text.trim().split([' ', '_', '-', '.']);
         let word = parts.collect::<String>().to_ascii_lowercase();
-        let is_it = |own: &&About| own.1.replace('-', "") == word || own.4.contains(&word.as_str());
-        ALL.iter().find(is_it).map(|own| own.0)
+        let is_it = |unit: &&About| unit.1.replace('-', "") == word || unit.4.contains(&word.as_str());
+        ALL.iter().find(is_it).map(|unit| unit.0)
     }
 
     /// The unit of an EPSG code.
     pub(crate) fn of_epsg(code: u16) -> Option<Self> {
-        ALL.iter().find(|own| code > 0 && own.3 == code).map(|own| own.0)
+        ALL.iter().find(|unit| code > 0 && unit.3 == code).map(|unit| unit.0)
     }
 
     /// The unit that a file states as `text`, if it does. `thing` names the statement in messages.
@@ -296,7 +297,7 @@ impl DepthUnit {
 
 /// The refusal of an unknown unit in a file.
 pub(crate) fn unknown(thing: &str, text: &str) -> Invalid {
-    let names: Vec<&str> = ALL.iter().map(|own| own.1).collect();
+    let names: Vec<&str> = ALL.iter().map(|unit| unit.1).collect();
     Invalid::new(
         thing,
         format!("`{}`", refusal::foreign(text)),

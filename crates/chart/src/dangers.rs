@@ -60,7 +60,7 @@ impl Chart {
     /// The least depth \[m\] charted at any of `places` (east and north \[m\]); `None` where no depth is charted.
     pub fn least_depth_m(&self, places: &[[f64; 2]]) -> Option<f64> {
         let area = Bounds::enclosing(places)?;
-        let own = |p: &Polygon| {
+        let polygon_depth = |p: &Polygon| {
             let Class::Depth { least_m: Some(depth) } = p.class else { return None };
             let inside = p.bounds.meets(&area) && places.iter().any(|place| is_inside(p, *place));
             inside.then_some(depth)
@@ -71,7 +71,8 @@ impl Chart {
                 cells.filter_map(|c| if let GridCell::Depth(depth) = c { Some(depth) } else { None });
             depths.reduce(f64::min)
         };
-        let depths = self.polygons().iter().filter_map(own).chain(self.grids().iter().filter_map(gridded));
+        let depths =
+            self.polygons().iter().filter_map(polygon_depth).chain(self.grids().iter().filter_map(gridded));
         depths.reduce(f64::min)
     }
 }
@@ -239,7 +240,7 @@ impl Dangers<'_> {
             count(&mut kinds, &Called::plain("uncharted water"), Causes::UNCHARTED, places, is_near);
         }
         let mut all: Vec<Closing> = kinds.into_values().map(Closing::from).collect();
-        all.sort_by_key(|own| std::cmp::Reverse(own.places));
+        all.sort_by_key(|closing| std::cmp::Reverse(closing.places));
         all
     }
 }
@@ -257,9 +258,9 @@ fn count(
         return;
     }
     let new = || Counted { called: called.clone(), cause, closes: vec![false; places.len()] };
-    let own = kinds.entry((called.what, called.name.clone(), cause.bits())).or_insert_with(new);
-    own.closes.iter_mut().zip(near).for_each(|(closes, near)| *closes |= near);
-    own.called.depth_m = own.called.depth_m.into_iter().chain(called.depth_m).reduce(f64::max);
+    let counted = kinds.entry((called.what, called.name.clone(), cause.bits())).or_insert_with(new);
+    counted.closes.iter_mut().zip(near).for_each(|(closes, near)| *closes |= near);
+    counted.called.depth_m = counted.called.depth_m.into_iter().chain(called.depth_m).reduce(f64::max);
 }
 
 impl From<Counted> for Closing {

@@ -154,24 +154,24 @@ impl Packing {
     /// The measurement that file and declaration agree on; a land mask has no unit.
     pub fn measured(&self, declared: &GridDeclaration) -> Result<Measured, Invalid> {
         if !(self.scale.is_finite() && self.scale != 0.0 && self.offset.is_finite()) {
-            let found = format!("{} and {}", self.scale, self.offset);
+            let scaling = format!("{} and {}", self.scale, self.offset);
             let expected = "finite numbers, the scale not 0";
-            return Err(Invalid::new("scale and offset", found, expected, "correct them in the file"));
+            return Err(Invalid::new("scale and offset", scaling, expected, "correct them in the file"));
         }
         let (unit, unit_from) = match declared.kind {
             GridKind::LandMask => (DepthUnit::Metre, UnitFrom::File),
             GridKind::Depth | GridKind::Elevation => {
                 let crs = declared.crs.as_ref().and_then(|crs| crs.vertical_unit());
                 let stated = match (self.unit, crs) {
-                    (Some(own), Some(crs)) if own != crs => {
+                    (Some(unit), Some(crs)) if unit != crs => {
                         return Err(Invalid::new(
                             "`crs`",
                             format!("heights in `{}`", crs.name()),
-                            format!("`{}`, as the file says", own.name()),
+                            format!("`{}`, as the file says", unit.name()),
                             "name the horizontal system alone, or correct the file",
                         ));
                     }
-                    (own, crs) => own.or(crs),
+                    (unit, crs) => unit.or(crs),
                 };
                 DepthUnit::agreed(stated, declared.unit)?
             }
@@ -193,8 +193,8 @@ pub(crate) fn check_square(width: f64, height: f64) -> Result<f64, Invalid> {
     if side.is_finite() && side > 0.0 && (width - height).abs() <= 1e-4 * side {
         return Ok(side);
     }
-    let found = format!("cells of {width} × {height}");
-    Err(Invalid::new("grid", found, "square cells", "resample it, for instance with `gdalwarp -tr`"))
+    let cells = format!("cells of {width} × {height}");
+    Err(Invalid::new("grid", cells, "square cells", "resample it, for instance with `gdalwarp -tr`"))
 }
 
 /// Refuses coordinates in metres that are declared as degrees.
@@ -267,12 +267,12 @@ fn is_word(text: &str) -> bool {
 pub(crate) fn header<'a>(
     lines: &mut Peekable<impl Iterator<Item = (usize, &'a str)>>,
 ) -> Result<(Header, MissingWord), Invalid> {
-    let mut found = Keys::default();
+    let mut keys = Keys::default();
     let is_key = |line: &str| line.trim_start().starts_with(|c: char| c.is_ascii_alphabetic());
     while let Some((number, line)) = lines.next_if(|(_, l)| is_key(l) && !is_row(l)) {
-        found.take(number, line)?;
+        keys.take(number, line)?;
     }
-    found.finish()
+    keys.finish()
 }
 
 fn is_row(line: &str) -> bool {
@@ -318,8 +318,8 @@ impl Keys {
             _ => {
                 let expected =
                     "ncols, nrows, xllcorner, yllcorner (or xllcenter, yllcenter), cellsize, NODATA_value";
-                let found = format!("key {}", quoted(&key));
-                return Err(refuse(format!("line {}", number + 1), found, expected));
+                let unknown = format!("key {}", quoted(&key));
+                return Err(refuse(format!("line {}", number + 1), unknown, expected));
             }
         };
         once(&key, slot.replace(value).is_some())
@@ -396,7 +396,7 @@ pub(crate) fn window(
     plane: &Plane,
     area: &Bounds,
 ) -> Result<Option<Block>, Invalid> {
-    let own = |p: [f64; 2]| {
+    let in_crs = |p: [f64; 2]| {
         let (lon, lat) = plane.to_geographic(p);
         let [x, y] = crs.to_own(lon, lat)?;
         // Longitudes in the grid's range: -179 or 181.
@@ -404,7 +404,7 @@ pub(crate) fn window(
         let turn = if crs.is_geographic() { 360.0 * ((x - centre) / 360.0).round() } else { 0.0 };
         Ok([x - turn, y])
     };
-    let edge = area.edge(PER_SIDE).into_iter().map(own).collect::<Result<Vec<_>, Invalid>>()?;
+    let edge = area.edge(PER_SIDE).into_iter().map(in_crs).collect::<Result<Vec<_>, Invalid>>()?;
     let Some(needed) = Bounds::enclosing(&edge) else { return Ok(None) };
     let range = |k: usize, count: usize| {
         let low = ((needed.min[k] - grid.corner[k]) / grid.cell).floor() - 2.0;

@@ -171,14 +171,14 @@ impl<'a> Cells<'a> {
 
     fn check(&self) -> Result<(), Invalid> {
         let [low, high] = self.range;
-        let found = format!("{low}..{high}");
+        let range = format!("{low}..{high}");
         if self.known == 0 {
             return Err(Invalid::new("grid", "no cell with data", "cells with data", "export another area"));
         }
         if let Some(value) = self.odd {
             return Err(Invalid::new(
                 "grid",
-                format!("{value} among {found}"),
+                format!("{value} among {range}"),
                 "0 and 1 only in a land mask",
                 "declare it as `depth` or `elevation`",
             ));
@@ -191,10 +191,10 @@ impl<'a> Cells<'a> {
                 "write cells without data as the NODATA_value, for instance with `gdal_translate -a_nodata -9999`",
             ));
         }
-        self.check_sign(&found)
+        self.check_sign(&range)
     }
 
-    fn check_sign(&self, found: &str) -> Result<(), Invalid> {
+    fn check_sign(&self, values: &str) -> Result<(), Invalid> {
         let [low, high] = self.range;
         let (all_land, all_deep) = match self.declared.kind {
             GridKind::LandMask => return Ok(()),
@@ -206,13 +206,13 @@ impl<'a> Cells<'a> {
             _ => ("elevation", "depth"),
         };
         if all_land {
-            let found = format!("{found}, all land as `{name}`");
-            return Err(Invalid::new("grid", found, "some water", format!("declare it as `{other}`")));
+            let values = format!("{values}, all land as `{name}`");
+            return Err(Invalid::new("grid", values, "some water", format!("declare it as `{other}`")));
         }
         if all_deep && self.missing == 0 && !self.declared.open_sea {
-            let found = format!("{found}, all deep as `{name}`");
+            let values = format!("{values}, all deep as `{name}`");
             let remedy = format!("declare it as `{other}`, or as open sea if it is");
-            return Err(Invalid::new("grid", found, "some land, drying or missing cells", remedy));
+            return Err(Invalid::new("grid", values, "some land, drying or missing cells", remedy));
         }
         Ok(())
     }
@@ -220,12 +220,12 @@ impl<'a> Cells<'a> {
 
 /// An array of cells without data, if it fits in the memory.
 fn nothing([columns, rows]: [usize; 2], reading: &Reading) -> Result<Vec<f32>, Unread> {
-    let found = format!("{columns} × {rows} cells around the area");
+    let size = format!("{columns} × {rows} cells around the area");
     let bytes = bytes_of(columns as f64 * rows as f64);
     let mut cells = Vec::new();
     let fits = bytes <= reading.bytes && cells.try_reserve_exact(columns.saturating_mul(rows)).is_ok();
     if !fits {
-        return Err(Unread::TooLarge { found, bytes });
+        return Err(Unread::TooLarge { found: size, bytes });
     }
     cells.resize(columns * rows, f32::NAN);
     Ok(cells)
@@ -261,8 +261,8 @@ impl Grid {
         let packing = Packing { missing: word.number(), ..Packing::default() };
         let (columns, rows) = (header.columns, header.rows);
         if columns.saturating_mul(rows) > text.len() {
-            let found = format!("a file of {} bytes", text.len());
-            return Err(shape("grid".to_owned(), found, format!("{columns} × {rows} values")).into());
+            let size = format!("a file of {} bytes", text.len());
+            return Err(shape("grid".to_owned(), size, format!("{columns} × {rows} values")).into());
         }
         let mut cells = Cells::new(header, crs, packing, declared, reading)?;
         let mut numbers = Vec::with_capacity(columns.min(text.len() / 2 + 1));

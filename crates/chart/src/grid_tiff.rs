@@ -137,9 +137,9 @@ fn no_data_of(text: &str, is_single: bool) -> Result<f64, Invalid> {
         Ok(number) if is_single => Ok(f64::from(number as f32)),
         Ok(number) => Ok(number),
         Err(_) => {
-            let found = format!("`{}`", refusal::foreign(text));
+            let quoted = format!("`{}`", refusal::foreign(text));
             let remedy = "write it again, for instance with `gdal_edit.py -a_nodata -9999`";
-            Err(Invalid::new("GDAL_NODATA", found, "a number", remedy))
+            Err(Invalid::new("GDAL_NODATA", quoted, "a number", remedy))
         }
     }
 }
@@ -208,8 +208,8 @@ impl Blocks {
             ChunkType::Tile => [columns, rows],
         };
         if size.contains(&0) {
-            let found = format!("blocks of {columns} × {rows}");
-            return Err(Invalid::new("GeoTIFF", found, "strips or tiles with cells", "export it again"));
+            let blocks = format!("blocks of {columns} × {rows}");
+            return Err(Invalid::new("GeoTIFF", blocks, "strips or tiles with cells", "export it again"));
         }
         let count = [0, 1].map(|k: usize| image[k].div_ceil(size[k]));
         let all = u64::from(count[0]) * u64::from(count[1]);

@@ -23,7 +23,7 @@ pub struct TiffMetadata {
 impl TiffMetadata {
     /// Of the text of the tag; empty where there is none.
     pub fn read(text: &str) -> Result<Self, Invalid> {
-        let mut own = Self::default();
+        let mut metadata = Self::default();
         let mut reader = Reader::from_str(text.trim_matches(['\0', ' ', '\n']));
         let (mut item, mut value) = (None, String::new());
         loop {
@@ -35,11 +35,11 @@ impl TiffMetadata {
                 Event::Text(text) => value += &text,
                 Event::End(_) => {
                     if let Some(item) = item.take() {
-                        own.take(item, value.trim());
+                        metadata.take(item, value.trim());
                     }
                 }
                 Event::Eof if item.is_some() => return Err(damaged("no end of an item")),
-                Event::Eof => return Ok(own),
+                Event::Eof => return Ok(metadata),
                 _ => {}
             }
         }
@@ -62,10 +62,10 @@ impl TiffMetadata {
         match text.parse::<f64>() {
             Ok(number) => Ok(Some(number)),
             Err(_) => {
-                let found = format!("`{}`", refusal::foreign(text));
+                let quoted = format!("`{}`", refusal::foreign(text));
                 Err(Invalid::new(
                     format!("GDAL_METADATA, {role}"),
-                    found,
+                    quoted,
                     "a number",
                     "correct it in the file",
                 ))
@@ -103,8 +103,8 @@ struct Item {
 impl Item {
     fn of(start: &BytesStart) -> Result<Self, Invalid> {
         let attribute = |name: &str| -> Result<Option<String>, Invalid> {
-            let own = start.try_get_attribute(name).map_err(|e| damaged(&e.to_string()))?;
-            let text = own.map(|own| own.value.trim().to_owned());
+            let attribute = start.try_get_attribute(name).map_err(|e| damaged(&e.to_string()))?;
+            let text = attribute.map(|attribute| attribute.value.trim().to_owned());
             Ok(text.filter(|text| !text.is_empty()))
         };
         let name = attribute("name")?.unwrap_or_default();
@@ -138,25 +138,25 @@ impl Direction {
     /// # Errors
     /// Names the attribute.
     pub fn check(kind: GridKind, positive: Option<&str>, name: Option<&str>) -> Result<(), Invalid> {
-        let (own, declared, other) = match kind {
+        let (declared_as, declared, other) = match kind {
             GridKind::LandMask => return Ok(()),
             GridKind::Depth => (Self::Down, "depth", "elevation"),
             GridKind::Elevation => (Self::Up, "elevation", "depth"),
         };
-        let refuse = |thing: &str, found: &str, expected: &str| {
-            let found = format!("`{}`, of a grid declared as `{declared}`", refusal::foreign(found));
+        let refuse = |thing: &str, text: &str, expected: &str| {
+            let stated = format!("`{}`, of a grid declared as `{declared}`", refusal::foreign(text));
             let remedy = format!("declare it as `{other}`, or correct the file");
-            Err(Invalid::new(thing, found, expected, remedy))
+            Err(Invalid::new(thing, stated, expected, remedy))
         };
         if let Some(text) = positive.map(str::trim).filter(|text| !text.is_empty()) {
             match text.to_ascii_lowercase().as_str() {
-                "up" if own == Self::Up => {}
-                "down" if own == Self::Down => {}
+                "up" if declared_as == Self::Up => {}
+                "down" if declared_as == Self::Down => {}
                 _ => return refuse("`positive`", text, "`up` of elevations, `down` of depths"),
             }
         }
         match name.and_then(|name| Some((name, Self::named(name)?))) {
-            Some((name, direction)) if direction != own => {
+            Some((name, direction)) if direction != declared_as => {
                 refuse("`standard_name`", name, "the name of what is declared")
             }
             _ => Ok(()),
@@ -171,7 +171,7 @@ impl Direction {
         }
         let heights = ["height", "altitude", "surface_altitude", "bedrock_altitude", "ground_level_altitude"];
         let above = ["height_above_mean_sea_level", "height_above_geo", "height_above_reference_ellipsoid"];
-        let is_height = heights.contains(&name.as_str()) || above.iter().any(|own| name.starts_with(own));
+        let is_height = heights.contains(&name.as_str()) || above.iter().any(|start| name.starts_with(start));
         is_height.then_some(Self::Up)
     }
 }
@@ -256,7 +256,7 @@ impl Keys {
 
     /// The unit of the vertical CRS.
     pub fn unit(&self) -> Result<Option<DepthUnit>, Invalid> {
-        let own = match self.value(VERTICAL_UNIT).filter(|code| *code != 0) {
+        let stated = match self.value(VERTICAL_UNIT).filter(|code| *code != 0) {
             None => None,
             Some(code) => match DepthUnit::of_epsg(code) {
                 None => return Err(unknown("VerticalUnitsGeoKey", &code.to_string())),
@@ -268,14 +268,14 @@ impl Keys {
             Some(code) if IN_SURVEY_FEET.contains(&code) => Some(DepthUnit::SurveyFoot),
             _ => None,
         };
-        match (own, of_system) {
-            (Some(own), Some(system)) if own != system => Err(Invalid::new(
+        match (stated, of_system) {
+            (Some(stated), Some(system)) if stated != system => Err(Invalid::new(
                 "VerticalUnitsGeoKey",
-                format!("`{}`", own.name()),
+                format!("`{}`", stated.name()),
                 format!("`{}`, the unit of the vertical system", system.name()),
                 "correct one of them in the file",
             )),
-            _ => Ok(own.or(of_system)),
+            _ => Ok(stated.or(of_system)),
         }
     }
 
@@ -307,8 +307,8 @@ pub(crate) fn short_tag<R: Read + Seek>(
 ) -> Result<Option<Value>, Invalid> {
     let bytes = decoder.image_ifd().find_entry(tag).map_or(0, |entry| entry.count());
     if bytes > LONGEST_TEXT as u64 {
-        let (thing, found) = (format!("GeoTIFF, tag {}", tag.to_u16()), format!("a text of {bytes} bytes"));
-        return Err(Invalid::new(thing, found, format!("at most {LONGEST_TEXT}"), EXPORT));
+        let (thing, text) = (format!("GeoTIFF, tag {}", tag.to_u16()), format!("a text of {bytes} bytes"));
+        return Err(Invalid::new(thing, text, format!("at most {LONGEST_TEXT}"), EXPORT));
     }
     decoder.find_tag(tag).map_err(refuse)
 }

@@ -54,23 +54,23 @@ impl PolygonLayer {
         for (index, object) in objects.iter().enumerate() {
             check_units(object)?;
             let name = class_name(object.class).map_or_else(|| object.class.to_string(), str::to_owned);
-            let own = tallies.entry(name).or_default();
-            own.objects += 1;
+            let tally = tallies.entry(name).or_default();
+            tally.objects += 1;
             let (treatment, why) = rules.treatment(object, &land)?;
             let treatment = layer.take(object, index, treatment, rules.radius_m(object, scale))?;
             match treatment {
-                Treatment::Avoid => own.avoided += 1,
-                Treatment::ManeuversAvoid => own.maneuvers_avoid += 1,
+                Treatment::Avoid => tally.avoided += 1,
+                Treatment::ManeuversAvoid => tally.maneuvers_avoid += 1,
                 Treatment::Ignore => {
-                    own.ignored += 1;
-                    *own.reasons.entry(why).or_default() += 1;
+                    tally.ignored += 1;
+                    *tally.reasons.entry(why).or_default() += 1;
                 }
             }
         }
         if layer.areas.is_empty() && layer.marks.is_empty() {
-            let found = format!("{} objects, none of a class that matters", objects.len());
+            let counted = format!("{} objects, none of a class that matters", objects.len());
             let expected = "depths, land or dangers";
-            return Err(Invalid::new("chart", found, expected, "name another cell, or change its `rules`"));
+            return Err(Invalid::new("chart", counted, expected, "name another cell, or change its `rules`"));
         }
         Ok((layer, tallies))
     }
@@ -176,8 +176,8 @@ const UNITS: [(&str, Attribute, f64, &str); 3] = [
 
 fn check_units(object: &Feature) -> Result<(), Invalid> {
     for (class, attribute, usual, expected) in UNITS {
-        let own = if is(object.class, class) { object.number(attribute)? } else { None };
-        if let Some(value) = own.filter(|value| *value != usual) {
+        let value = if is(object.class, class) { object.number(attribute)? } else { None };
+        if let Some(value) = value.filter(|value| *value != usual) {
             let thing = format!("{}, `{}`", object.named(), attribute.1);
             let remedy = "take the cell of the ENC product, which has metres and WGS84 throughout";
             return Err(Invalid::new(thing, value.to_string(), expected, remedy));
@@ -216,7 +216,8 @@ pub fn read_objects(text: &str, reading: &Reading) -> Result<Vec<Object>, Unread
 
 fn object(feature: &GeojsonFeature, index: usize, reading: &Reading) -> Result<Object, Unread> {
     let properties = feature.properties.as_ref();
-    let value = |name: &str| properties.and_then(|own| own.get(name)).filter(|value| !value.is_null());
+    let value =
+        |name: &str| properties.and_then(|properties| properties.get(name)).filter(|value| !value.is_null());
     let code = value("OBJL").and_then(text).and_then(|code| code.parse().ok());
     let Some(code) = code else {
         return Err(Invalid::new(
@@ -228,19 +229,19 @@ fn object(feature: &GeojsonFeature, index: usize, reading: &Reading) -> Result<O
         .into());
     };
     let attributes = ALL.iter().filter_map(|(code, name)| Some((*code, text(value(name)?)?))).collect();
-    let mut own = Object {
+    let mut object = Object {
         class: code,
         id: id(properties, index),
         attributes,
         geometry: Geometry::None,
         position_quality: Vec::new(),
     };
-    own.geometry = geometry(feature, index, Some(code) == class_code("SOUNDG"), reading)?;
-    Ok(own)
+    object.geometry = geometry(feature, index, Some(code) == class_code("SOUNDG"), reading)?;
+    Ok(object)
 }
 
 fn id(properties: Option<&JsonObject>, index: usize) -> String {
-    let part = |name: &str| properties.and_then(|own| own.get(name)).and_then(text);
+    let part = |name: &str| properties.and_then(|properties| properties.get(name)).and_then(text);
     match (part("AGEN"), part("FIDN"), part("FIDS")) {
         (Some(producer), Some(number), Some(subdivision)) => format!("{producer}-{number}-{subdivision}"),
         _ => format!("feature {index}"),

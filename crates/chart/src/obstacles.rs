@@ -61,8 +61,8 @@ impl Distances {
             keep_going,
             |wide_row, squared| {
                 let Some(row) = wide_row.checked_sub(pad).filter(|row| *row < raster.ny) else { return };
-                let own = &causes[wide_row * wide.nx + pad..][..raster.nx];
-                for (col, (cause, gap)) in own.iter().zip(&squared[pad..]).enumerate() {
+                let row_causes = &causes[wide_row * wide.nx + pad..][..raster.nx];
+                for (col, (cause, gap)) in row_causes.iter().zip(&squared[pad..]).enumerate() {
                     let edge = edge_gap(&raster, pad, col, row);
                     let cells = if cause.any() { 0.0 } else { gap.sqrt().min(edge) };
                     gap_m.push(round_down(cells * raster.cell_m));
@@ -95,8 +95,8 @@ impl Distances {
         }
         let [col, row] = self.raster.in_cells([x, y]);
         let [col, row] =
-            [(col, nx), (row, ny)].map(|(own, count)| (own - 0.5).clamp(0.0, count as f64 - 1.0));
-        let [west, south] = [col, row].map(|own| own as usize);
+            [(col, nx), (row, ny)].map(|(index, count)| (index - 0.5).clamp(0.0, count as f64 - 1.0));
+        let [west, south] = [col, row].map(|index| index as usize);
         let [east, north] = [(west + 1).min(nx - 1), (south + 1).min(ny - 1)];
         let at = |col: usize, row: usize| f64::from(self.gap_m[row * nx + col]);
         let part = col - west as f64;

@@ -28,32 +28,32 @@ pub(crate) struct Occupancy {
 
 impl Occupancy {
     pub(crate) fn of(chart: &Chart, raster: Raster, least_depth_m: f64, activity: Activity) -> Self {
-        let mut own = Self::open(raster);
+        let mut occupancy = Self::open(raster);
         for polygon in chart.polygons() {
             if let Some(cause) = cause_of(polygon.class, least_depth_m, activity) {
-                own.block(polygon, cause);
+                occupancy.block(polygon, cause);
             }
         }
         for grid in chart.grids() {
-            own.block_grid(grid, least_depth_m);
+            occupancy.block_grid(grid, least_depth_m);
         }
         if chart.uncharted() == Uncharted::Obstacle {
-            own.block_uncharted(chart.charted());
+            occupancy.block_uncharted(chart.charted());
         }
-        own.block_outside(&chart.area());
-        own
+        occupancy.block_outside(&chart.area());
+        occupancy
     }
 
     /// Blocks cells where nothing is charted, or a grid has no data, regardless of how uncharted places are
     /// treated.
     pub(crate) fn of_uncharted(chart: &Chart, raster: Raster) -> Self {
-        let mut own = Self::open(raster);
-        chart.grids().iter().for_each(|grid| own.block_grid(grid, f64::NEG_INFINITY));
-        own.causes.iter_mut().for_each(|cause| *cause = cause.only(Causes::UNCHARTED));
+        let mut occupancy = Self::open(raster);
+        chart.grids().iter().for_each(|grid| occupancy.block_grid(grid, f64::NEG_INFINITY));
+        occupancy.causes.iter_mut().for_each(|cause| *cause = cause.only(Causes::UNCHARTED));
         if let Some(charted) = chart.covered() {
-            own.block_uncharted(&charted);
+            occupancy.block_uncharted(&charted);
         }
-        own
+        occupancy
     }
 
     /// Nothing is blocked.

@@ -92,9 +92,9 @@ impl Polygon {
         let line = place_line(&mark.positions, plane);
         let segments = line.windows(line.len().clamp(1, 2));
         let ring = |segment: &[[f64; 2]]| capsule(segment[0], segment[segment.len() - 1], mark.radius_m);
-        let own =
+        let polygons =
             segments.filter_map(|segment| Self::of_rings(mark.class, &mark.called, vec![ring(segment)]));
-        own.map(|polygon| Self { is_of_point: mark.positions.len() == 1, ..polygon }).collect()
+        polygons.map(|polygon| Self { is_of_point: mark.positions.len() == 1, ..polygon }).collect()
     }
 
     pub(crate) fn of_rings(class: Class, called: &Called, rings: Vec<Vec<[f64; 2]>>) -> Option<Self> {
@@ -211,8 +211,8 @@ struct Frame {
 impl Frame {
     fn corner(&self, column: usize, row: usize) -> Result<[f64; 2], Invalid> {
         let index = [self.first[0] + column, self.first[1] + row];
-        let own = [0, 1].map(|k: usize| self.corner[k] + index[k] as f64 * self.cell);
-        let (lon, lat) = self.crs.to_geographic(own)?;
+        let place = [0, 1].map(|k: usize| self.corner[k] + index[k] as f64 * self.cell);
+        let (lon, lat) = self.crs.to_geographic(place)?;
         Ok(self.plane.to_plane(lon, lat))
     }
 }
@@ -227,10 +227,10 @@ impl PlacedGrid {
             || grid.cell.is_nan()
             || grid.cell <= 0.0
         {
-            let found = format!("{} cells of {} × {}", grid.cells.len(), grid.columns, grid.rows);
+            let size = format!("{} cells of {} × {}", grid.cells.len(), grid.columns, grid.rows);
             return Err(Invalid::new(
                 "grid",
-                found,
+                size,
                 "columns × rows cells of a positive size",
                 "read it from a file",
             ));

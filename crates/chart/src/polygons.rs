@@ -210,29 +210,29 @@ impl PolygonLayer {
 
     fn check(&self, kind: &LayerKind, features: usize, named: bool, placeless: usize) -> Result<(), Invalid> {
         if placeless > 0 {
-            let found = format!("{placeless} of {features} features without a geometry");
+            let counted = format!("{placeless} of {features} features without a geometry");
             let remedy = "leave them out with `only`, or export the file again";
-            return Err(Invalid::new("layer", found, "a geometry for every feature", remedy));
+            return Err(Invalid::new("layer", counted, "a geometry for every feature", remedy));
         }
         if self.areas.is_empty() && self.marks.is_empty() {
-            let found = format!(
+            let counted = format!(
                 "{features} features, {} filtered out, nothing charted among the rest",
                 self.filtered_out
             );
             return Err(Invalid::new(
                 "layer",
-                found,
+                counted,
                 "at least one polygon, point or line",
                 "check the filter and the file",
             ));
         }
         let LayerKind::Depth { least, .. } = kind else { return Ok(()) };
         if !named {
-            let found = "no feature that has it";
+            let none = "no feature that has it";
             let expected = "the least depth in metres";
             return Err(Invalid::new(
                 format!("property `{least}`"),
-                found,
+                none,
                 expected,
                 "name the property of the file",
             ));
@@ -298,9 +298,9 @@ impl Read for Watched<'_> {
 /// A message about GeoJSON without its expected value, which is in terms of the programming language.
 fn plain(message: &str) -> String {
     let message = message.trim_start_matches("Error while deserializing GeoJSON: ");
-    let (found, rest) = message.split_once(", expected ").unwrap_or((message, ""));
+    let (problem, rest) = message.split_once(", expected ").unwrap_or((message, ""));
     let place = rest.rfind(" at line ").map_or("", |at| &rest[at..]);
-    format!("{found}{place}")
+    format!("{problem}{place}")
 }
 
 fn passes(feature: &Feature, filter: &Filter) -> bool {
@@ -334,8 +334,8 @@ pub(crate) fn positions(all: &[Position], thing: impl Fn() -> String) -> Result<
     let mut points = Vec::with_capacity(all.len());
     for position in all {
         let [lon, lat, ..] = *position.as_slice() else {
-            let found = "a position of fewer than two numbers";
-            return Err(Invalid::new(thing(), found, "longitude and latitude", "export the file again"));
+            let short = "a position of fewer than two numbers";
+            return Err(Invalid::new(thing(), short, "longitude and latitude", "export the file again"));
         };
         if !(lon.abs() <= 180.0 && lat.abs() <= 90.0) {
             return Err(mixed(thing(), format!("{lon}, {lat}")));
@@ -347,23 +347,23 @@ pub(crate) fn positions(all: &[Position], thing: impl Fn() -> String) -> Result<
 
 /// The refusal of rings, which messages name `named`.
 pub(crate) fn faulty(named: &str, fault: &RingFault) -> Invalid {
-    let (ring, found, expected) = match fault {
+    let (ring, problem, expected) = match fault {
         RingFault::Empty { ring } => {
             (ring, "an empty polygon".to_owned(), "at least three corners, with area")
         }
         RingFault::Open { ring } => (ring, "an open ring".to_owned(), "a last position equal to the first"),
         RingFault::NotFinite { ring } => (ring, "NaN or infinity".to_owned(), "finite coordinates"),
         RingFault::Crossing { one, other, near } => {
-            let found = format!(
+            let problem = format!(
                 "edge {} crosses edge {} of ring {} near {}, {}",
                 one.1, other.1, other.0, near[0], near[1]
             );
-            (&one.0, found, "rings that do not cross themselves or each other")
+            (&one.0, problem, "rings that do not cross themselves or each other")
         }
     };
     Invalid::new(
         format!("{named}, ring {ring}"),
-        found,
+        problem,
         expected,
         "repair the polygon, for instance with `ogr2ogr -makevalid`, or remove it",
     )
@@ -412,7 +412,7 @@ fn depth(
         Some(v) => Ok(Some(v)),
         None => Err(Invalid::new(
             format!("feature {feature}, property `{name}`"),
-            value.map(|own| refusal::foreign(&own.to_string())).unwrap_or_default(),
+            value.map(|value| refusal::foreign(&value.to_string())).unwrap_or_default(),
             format!("a depth of at most {FARTHEST} m, or null"),
             "correct it (null where it is unknown) or name another property",
         )),
@@ -430,9 +430,9 @@ pub(crate) struct Geometries<'a> {
 
 impl<'a> Geometries<'a> {
     pub(crate) fn of(feature: &'a Feature) -> Self {
-        let mut own = Self::default();
-        feature.geometry.iter().for_each(|geometry| own.take(&geometry.value));
-        own
+        let mut geometries = Self::default();
+        feature.geometry.iter().for_each(|geometry| geometries.take(&geometry.value));
+        geometries
     }
 
     fn take(&mut self, value: &'a GeometryValue) {

@@ -54,15 +54,15 @@ impl Rules {
             };
             let fixed = matches!(judged(code), Judged::Depth | Judged::Coverage);
             let sharp = matches!(judged(code), Judged::Danger | Judged::Sounding | Judged::Contour);
-            let found = format!("{treatment:?}");
+            let declared = format!("{treatment:?}");
             if fixed {
                 let remedy =
                     "leave it out: depths are judged by `safety.transit_depth_m` and `safety.trial_depth_m`";
-                return Err(Invalid::new(thing, found, "no rule for depths and coverage", remedy));
+                return Err(Invalid::new(thing, declared, "no rule for depths and coverage", remedy));
             }
             if sharp && *treatment == Treatment::ManeuversAvoid {
                 let remedy = "maneuvers have `safety.trial_depth_m` of their own";
-                return Err(Invalid::new(thing, found, "`avoid` or `ignore`", remedy));
+                return Err(Invalid::new(thing, declared, "`avoid` or `ignore`", remedy));
             }
         }
         Ok(())
@@ -158,7 +158,7 @@ impl Land {
     /// The land areas among objects; points and lines of land contain nothing.
     pub(crate) fn of(objects: &[Feature]) -> Self {
         let areas = objects.iter().filter(|object| is(object.class, "LNDARE"));
-        let polygons = areas.filter_map(|own| match &own.geometry {
+        let polygons = areas.filter_map(|area| match &area.geometry {
             Geometry::Area(polygons) => Some(polygons),
             _ => None,
         });
@@ -170,22 +170,22 @@ impl Land {
 
     fn banded(edges: &[Edge]) -> Self {
         let latitudes = edges.iter().flat_map(|edge| edge.ends.map(|end| end[1]));
-        let bounds = |(low, high): (f64, f64), own: f64| (low.min(own), high.max(own));
+        let bounds = |(low, high): (f64, f64), latitude: f64| (low.min(latitude), high.max(latitude));
         let (south, north) = latitudes.fold((f64::INFINITY, f64::NEG_INFINITY), bounds);
         let height = (north - south).max(f64::MIN_POSITIVE);
         let copies: f64 = edges.iter().map(|edge| (edge.ends[0][1] - edge.ends[1][1]).abs() / height).sum();
         let count = edges.len() as f64;
         let bands = (count / PER_BAND).min(MOST_COPIES * count / copies.max(1.0)).floor().max(1.0);
-        let mut own =
+        let mut banded =
             Self { south, bands_per_degree: bands / height, bands: vec![Vec::new(); bands as usize] };
         for edge in edges {
-            for band in own.band(edge.ends[0][1].min(edge.ends[1][1]))
-                ..=own.band(edge.ends[0][1].max(edge.ends[1][1]))
+            for band in banded.band(edge.ends[0][1].min(edge.ends[1][1]))
+                ..=banded.band(edge.ends[0][1].max(edge.ends[1][1]))
             {
-                own.bands[band].push(*edge);
+                banded.bands[band].push(*edge);
             }
         }
-        own
+        banded
     }
 
     fn band(&self, latitude: f64) -> usize {
@@ -206,10 +206,10 @@ impl Land {
     /// The land that contains a place in its interior.
     fn containing(&self, [x, y]: [f64; 2]) -> Option<usize> {
         let band = &self.bands[self.band(y)];
-        for own in band.chunk_by(|a, b| a.polygon == b.polygon) {
+        for edges in band.chunk_by(|a, b| a.polygon == b.polygon) {
             let mut inside = false;
             let mut on_edge = false;
-            for Edge { ends: [a, b], .. } in own {
+            for Edge { ends: [a, b], .. } in edges {
                 let within = |k: usize, v: f64| a[k].min(b[k]) <= v && v <= a[k].max(b[k]);
                 if !within(1, y) || x > a[0].max(b[0]) {
                     continue;
@@ -219,7 +219,7 @@ impl Land {
                 inside ^= (a[1] > y) != (b[1] > y) && (side == Ordering::Greater) == (b[1] > a[1]);
             }
             if inside && !on_edge {
-                return Some(own[0].polygon);
+                return Some(edges[0].polygon);
             }
         }
         None
@@ -242,8 +242,8 @@ impl Land {
         let Some(land) = self.holds_line(outer) else { return false };
         let [south, north] =
             [f64::min, f64::max].map(|pick| outer.iter().map(|p| p[1]).reduce(pick).unwrap_or(0.0));
-        let own: Vec<Edge> = edges(0, std::slice::from_ref(outer)).collect();
-        let area = Self::banded(&own);
+        let outline: Vec<Edge> = edges(0, std::slice::from_ref(outer)).collect();
+        let area = Self::banded(&outline);
         !self
             .between(south, north)
             .any(|edge| edge.polygon == land && area.containing(edge.ends[0]).is_some())

@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use crate::prepare::{self, MOST_ROWS};
+use crate::prepare::{MOST_ROWS, prepare};
 use crate::samples::Values;
 use crate::{Channels, Conventions, Method, Samples, Series, Unassembled, body_velocity, euler};
 

@@ -48,17 +48,17 @@ pub(crate) struct Contradictions {
 impl Contradictions {
     /// Compares measured velocities with position and heading, on a common clock of `rate_hz`.
     pub(crate) fn of(motion: &[Option<MotionSummary>; 3], turned: Option<Turned>, rate_hz: f64) -> Self {
-        let mut found = Self { warnings: Vec::new(), broken: Vec::new() };
+        let mut checked = Self { warnings: Vec::new(), broken: Vec::new() };
         for (channel, of, motion) in [("y_u", "position"), ("y_v", "position"), ("y_r", "heading")]
             .into_iter()
             .zip(motion)
             .filter_map(|((channel, of), motion)| Some((channel, of, motion.as_ref()?)))
         {
-            found.lag(channel, of, motion, rate_hz);
-            found.gain(channel, of, motion);
+            checked.lag(channel, of, motion, rate_hz);
+            checked.gain(channel, of, motion);
         }
-        found.turn(turned);
-        found
+        checked.turn(turned);
+        checked
     }
 
     fn note(&mut self, channel: &'static str, kind: WarningKind, text: String, is_broken: bool) {
@@ -111,7 +111,7 @@ impl Contradictions {
 
     fn turn(&mut self, turned: Option<Turned>) {
         let Some(Turned { angle, .. }) =
-            turned.filter(|own| own.angle.abs() > TURN.warned && own.left < LEFT)
+            turned.filter(|turned| turned.angle.abs() > TURN.warned && turned.left < LEFT)
         else {
             return;
         };
@@ -178,14 +178,14 @@ pub(crate) fn check_axes(
         if ![u, v, north, east, psi].iter().all(|value| value.is_finite()) {
             continue;
         }
-        let own = starboard * v;
+        let sway = starboard * v;
         squares.moments += 1;
         squares.speed += north * north + east * east;
         let body = body_velocity([north, east], psi);
         squares.measured += u * u + v * v;
         squares.products[0] += u * body[0] + v * body[1];
         squares.products[1] += v * body[0] - u * body[1];
-        let axes = [([u, v], body), ([u, own], [north, east]), ([u, own], [east, north])];
+        let axes = [([u, v], body), ([u, sway], [north, east]), ([u, sway], [east, north])];
         for (sum, ([a, b], [c, d])) in squares.off.iter_mut().zip(axes) {
             *sum += (a - c) * (a - c) + (b - d) * (b - d);
         }
@@ -248,11 +248,14 @@ pub(crate) fn drift(channels: &Channels, derivatives: &Derivatives) -> Option<f6
     });
     let all: Vec<_> = all.filter(|(speed, rate, _)| speed.is_finite() && rate.is_finite()).collect();
     let most = |of: fn(&(f64, f64, f64)) -> f64| all.iter().map(of).fold(0.0, f64::max);
-    let (speed, rate) = (most(|own| own.0), most(|own| own.1));
-    let straight: Vec<f64> =
-        all.iter().filter(|own| own.0 > 0.5 * speed && own.1 <= STRAIGHT * rate).map(|own| own.2).collect();
+    let (speed, rate) = (most(|moment| moment.0), most(|moment| moment.1));
+    let straight: Vec<f64> = all
+        .iter()
+        .filter(|moment| moment.0 > 0.5 * speed && moment.1 <= STRAIGHT * rate)
+        .map(|moment| moment.2)
+        .collect();
     let middle = median(straight.clone())?;
-    let spread = median(straight.iter().map(|own| (own - middle).abs()).collect())?;
+    let spread = median(straight.iter().map(|angle| (angle - middle).abs()).collect())?;
     let is_ahead = middle.abs() < std::f64::consts::FRAC_PI_2;
     (straight.len() >= MOMENTS.max(all.len() / 10) && is_ahead && middle.abs() > 2.0 * spread)
         .then_some(middle)
@@ -357,7 +360,7 @@ pub(crate) fn rescaled(
     derivatives: Option<&Derivatives>,
 ) -> Option<Oddity> {
     let (series, si) = (channels.get(&spec.channel)?, unit(&spec.unit)?.si);
-    let turning = || derivatives.map(|own| &own.r);
+    let turning = || derivatives.map(|derivatives| &derivatives.r);
     let motion = match (si, spec.channel.as_str()) {
         ("rad", "psi" | "roll" | "pitch" | "wind_from" | "latitude_deg" | "longitude_deg") => return None,
         ("rad", _) => Some(channels.get("y_r").or_else(turning)?),
@@ -370,9 +373,9 @@ pub(crate) fn rescaled(
     let (times, values): (Vec<f64>, Vec<f64>) =
         series.t.iter().zip(series.values.iter()).step_by(every).unzip();
     let known = |value: f64| if value.is_finite() { value } else { 0.0 };
-    let motion: Option<Vec<f64>> = motion.map(|own| own.at(times.iter().copied()).map(known).collect());
+    let motion: Option<Vec<f64>> = motion.map(|signal| signal.at(times.iter().copied()).map(known).collect());
     let (k, size) = split(&values)?;
-    let is_near = |found: f64, ratio: f64, most: f64| libm::log(found / ratio).abs() < libm::log(most);
+    let is_near = |size: f64, ratio: f64, most: f64| libm::log(size / ratio).abs() < libm::log(most);
     let fits = |(of, ratio, _): &&(&str, f64, &str)| {
         let ratio = if size > 1.0 { *ratio } else { 1.0 / ratio };
         let value = |i: usize| if i < k { values[i] } else { ratio * values[i] };
@@ -382,10 +385,12 @@ pub(crate) fn rescaled(
         let usual = steps[steps.len() * 9 / 10];
         let goes_on = step <= 4.0 * usual + 0.02 * values[k - 1].abs();
         let belongs = |motion: &[f64], part: Range<usize>| {
-            let [own, other] =
+            let [changed, other] =
                 [values.as_slice(), motion].map(|all| Samples::from(all[part.clone()].to_vec()));
             si == "1/s"
-                || correlations(&own, &other, part.len() / 4).iter().any(|own| own.abs() >= CORRELATED)
+                || correlations(&changed, &other, part.len() / 4)
+                    .iter()
+                    .any(|correlation| correlation.abs() >= CORRELATED)
         };
         let stays = |motion: &Vec<f64>| {
             let [before, after] = [&motion[..k], &motion[k..]].map(mean_square);
@@ -450,9 +455,9 @@ mod tests {
     #[test]
     fn law_the_angles_that_a_quaternion_was_made_of_come_back() {
         for (yaw, pitch, roll) in [(0.3, 0.1, -0.2), (3.1, -1.2, 0.7), (-2.0, 0.0, 1.5), (0.0, 1.5, 0.0)] {
-            let found = of_unit(turned(yaw, pitch, roll));
-            for (found, expected) in found.into_iter().zip([yaw, roll, pitch]) {
-                assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+            let angles = of_unit(turned(yaw, pitch, roll));
+            for (angles, expected) in angles.into_iter().zip([yaw, roll, pitch]) {
+                assert!((angles - expected).abs() < 1e-12, "{angles} {expected}");
             }
         }
     }

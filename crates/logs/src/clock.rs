@@ -283,24 +283,24 @@ pub(crate) fn spread(times: Samples, is_stamped: bool) -> (Samples, usize) {
     let steps = || shared.windows(2).map(|pair| pair[1].time - pair[0].time);
     let step = median_again(|| steps().filter(|step| *step > 0.0));
     let (Some(step), true) = (step, known > shared.len()) else { return (times, 0) };
-    let usual = median_again(|| shared.iter().map(|own| own.rows as f64)).unwrap_or(1.0);
+    let usual = median_again(|| shared.iter().map(|group| group.rows as f64)).unwrap_or(1.0);
     let afters = steps().map(Some).chain([None]);
     let befores = [None].into_iter().chain(steps().map(Some));
-    let gap = |other: Option<f64>| other.is_none_or(|own| !(own > 0.0 && own <= GAP * step));
-    let mut rows = shared.iter().zip(befores.zip(afters)).flat_map(|(own, (before, after))| {
-        let count = own.rows as f64;
+    let gap = |other: Option<f64>| other.is_none_or(|distance| !(distance > 0.0 && distance <= GAP * step));
+    let mut rows = shared.iter().zip(befores.zip(afters)).flat_map(|(group, (before, after))| {
+        let count = group.rows as f64;
         let (first, between) = match after {
             after if gap(after) => {
                 // Several seconds, where the times between were lost.
                 let space = after.filter(|after| *after > 0.0).map_or(f64::INFINITY, |after| after / count);
-                (own.time, (step / usual).min(space))
+                (group.time, (step / usual).min(space))
             }
             Some(after) if !is_stamped && gap(before) && count < usual => {
-                (own.time + after * (1.0 - count / usual), after / usual)
+                (group.time + after * (1.0 - count / usual), after / usual)
             }
-            after => (own.time, after.unwrap_or(step) / count),
+            after => (group.time, after.unwrap_or(step) / count),
         };
-        (0..own.rows).map(move |row| first + row as f64 * between)
+        (0..group.rows).map(move |row| first + row as f64 * between)
     });
     let spread = times.iter().map(|time| if time.is_finite() { rows.next().unwrap_or(time) } else { time });
     (times.made(spread), known - shared.len())
@@ -335,16 +335,16 @@ mod tests {
                     (0..300).map(|k| period - rows * 100.0 * step + step * k as f64).collect();
                 let signed = |time: &f64| (time + 0.5 * period).rem_euclid(period) - 0.5 * period;
                 let counted: Vec<f64> = truth.iter().map(|time| time.rem_euclid(period)).collect();
-                let (found, count) = unrolled_all(&counted, false);
+                let (times, count) = unrolled_all(&counted, false);
                 let gone = truth[299].div_euclid(period) - truth[0].div_euclid(period);
                 assert_eq!(count as f64, gone, "{period}");
-                let steps: Vec<f64> = steps(found.iter().copied()).collect();
+                let steps: Vec<f64> = steps(times.iter().copied()).collect();
                 assert!(
-                    steps.iter().all(|own| (own - step).abs() < 1e-6 * step.max(1e-3)),
+                    steps.iter().all(|length| (length - step).abs() < 1e-6 * step.max(1e-3)),
                     "{period}: {steps:?}"
                 );
-                let (found, _) = unrolled_all(&truth.iter().map(signed).collect::<Vec<_>>(), false);
-                let last = found[299] - found[0];
+                let (times, _) = unrolled_all(&truth.iter().map(signed).collect::<Vec<_>>(), false);
+                let last = times[299] - times[0];
                 assert!((last - 299.0 * step).abs() < 1e-6 * period, "{period}, signed: {last}");
             }
         }
@@ -353,8 +353,8 @@ mod tests {
     #[test]
     fn a_day_without_a_date_passes_and_rows_that_are_late_stay_so() {
         let day = [86_398.0, 86_399.0, 0.0, 86_399.5, 1.0, f64::NAN, 2.0];
-        let (found, count) = unrolled_all(&day, true);
-        assert_eq!((found[2], found[3], found[6], count), (86_400.0, 86_399.5, 86_402.0, 1));
+        let (times, count) = unrolled_all(&day, true);
+        assert_eq!((times[2], times[3], times[6], count), (86_400.0, 86_399.5, 86_402.0, 1));
         assert_eq!(unrolled_all(&[10.0, 9.0, 11.0], true).1, 0);
         assert_eq!(unrolled_all(&[86_399.0, 86_400.0, 0.0, 1.0], true).0[2..], [86_401.0, 86_402.0]);
         // A clock that was set back, one that began anew after an hour.
@@ -364,8 +364,8 @@ mod tests {
 
     #[test]
     fn rows_before_a_clock_is_set_are_left_out_and_other_jumps_refused() {
-        let (found, unset) = set([0.0, 1.0, 1.7e9, 1.7e9 + 1.0].as_slice().into()).unwrap();
-        assert!(found.first().unwrap().is_nan() && unset == 2);
+        let (times, unset) = set([0.0, 1.0, 1.7e9, 1.7e9 + 1.0].as_slice().into()).unwrap();
+        assert!(times.first().unwrap().is_nan() && unset == 2);
         assert_eq!(set([1.0e9, 1.1e9].as_slice().into()).unwrap_err().0, 1);
         assert_eq!(set([1.0, 1.7e9, 2.0].as_slice().into()).unwrap().1, 0);
     }
@@ -379,8 +379,8 @@ mod tests {
     fn law_rows_at_a_constant_rate_get_their_times_back() {
         // 4 Hz from 2.5 s on, with a gap from 6 to 9.5 s; of the first second and of that after the gap there are two rows.
         let truth: Vec<f64> = (10..24).chain(38..47).map(|row| 0.25 * f64::from(row)).collect();
-        let (found, moved) = spread_all(truth.iter().map(|time| time.floor()).collect());
-        assert_eq!(found, truth);
+        let (spread, moved) = spread_all(truth.iter().map(|time| time.floor()).collect());
+        assert_eq!(spread, truth);
         assert_eq!(moved, truth.len() - 7);
     }
 
@@ -390,18 +390,18 @@ mod tests {
         let stamps: Vec<f64> =
             (0..40).filter(|row| *row != 2).map(|row| [0.0, 1.0, 2.0, 2.0, 4.0][(row / 5).min(4)]).collect();
         let stamps: Vec<f64> = stamps.into_iter().take(24).collect();
-        let (found, _) = spread(stamps.into(), true);
-        let found = found.to_vec();
-        assert_eq!((found[0], found[4]), (0.0, 1.0));
-        for (row, time) in found[9..19].iter().enumerate() {
-            assert!((time - 2.0 - 0.2 * row as f64).abs() < 1e-9, "{found:?}");
+        let (spread_times, _) = spread(stamps.into(), true);
+        let spread_times = spread_times.to_vec();
+        assert_eq!((spread_times[0], spread_times[4]), (0.0, 1.0));
+        for (row, time) in spread_times[9..19].iter().enumerate() {
+            assert!((time - 2.0 - 0.2 * row as f64).abs() < 1e-9, "{spread_times:?}");
         }
     }
 
     #[test]
     fn rows_without_a_time_and_clocks_that_are_fine_enough_stay() {
-        let (found, _) = spread_all(vec![0.0, f64::NAN, 0.0, 1.0, 1.0]);
-        assert!(found[1].is_nan() && found[2] == 0.5 && found[4] == 1.5, "{found:?}");
+        let (spread, _) = spread_all(vec![0.0, f64::NAN, 0.0, 1.0, 1.0]);
+        assert!(spread[1].is_nan() && spread[2] == 0.5 && spread[4] == 1.5, "{spread:?}");
         assert_eq!(spread_all(vec![0.0, 0.5, 1.5]), (vec![0.0, 0.5, 1.5], 0));
     }
 }

@@ -9,7 +9,7 @@ use crate::{Labels, Numbering, Omissions, Samples, Store, WarningSummary};
 
 /// A requested column.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Wanted {
+pub struct WantedColumn {
     /// Its name.
     pub column: String,
     /// What it holds.
@@ -85,7 +85,7 @@ impl Columns {
     /// The time of the first row that has one, and of the last.
     pub fn span(&self) -> Option<[f64; 2]> {
         if !self.apart.is_empty() {
-            let spans = self.apart.iter().filter_map(|own| own.columns.span());
+            let spans = self.apart.iter().filter_map(|apart| apart.columns.span());
             return spans.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
         }
         let Some(Cells::Numbers(times)) = self.cells.first() else { return None };
@@ -117,13 +117,15 @@ impl Columns {
         self.warnings.extend(others.warnings);
         // The clock continues into the next file, which knows of no leap second in an earlier one.
         let leap_s = self.clock.leap_s.filter(|_| clock.leap_s.is_none() && !self.clock.of_day);
-        for (place, (own, other)) in self.cells.iter_mut().zip(cells).enumerate() {
+        for (place, (column, other)) in self.cells.iter_mut().zip(cells).enumerate() {
             let late =
                 |time: f64| if place == 0 && leap_s.is_some_and(|s| time >= s) { time + 1.0 } else { time };
-            match (own, other) {
-                (Cells::Numbers(own), Cells::Numbers(other)) => other.iter().for_each(|n| own.push(late(n))),
-                (Cells::Labels(own), Cells::Labels(other)) => {
-                    (0..other.len()).for_each(|row| own.push(other.at(row)));
+            match (column, other) {
+                (Cells::Numbers(column), Cells::Numbers(other)) => {
+                    other.iter().for_each(|n| column.push(late(n)))
+                }
+                (Cells::Labels(column), Cells::Labels(other)) => {
+                    (0..other.len()).for_each(|row| column.push(other.at(row)));
                 }
                 _ => {}
             }
@@ -152,9 +154,9 @@ impl Columns {
             if let (true, Some(Cells::Numbers(times))) = (moved > 0.0, other.columns.cells.first_mut()) {
                 *times = times.made(times.iter().map(|time| time + moved));
             }
-            let same = |own: &&mut Apart| own.source == other.source && own.has_channels_of(&other);
+            let same = |apart: &&mut Apart| apart.source == other.source && apart.has_channels_of(&other);
             match self.apart.iter_mut().find(same) {
-                Some(own) => own.columns.append(other.columns),
+                Some(apart) => apart.columns.append(other.columns),
                 None => self.apart.push(other),
             }
         }
@@ -242,21 +244,21 @@ pub(crate) fn cell_of(line: impl Display, column: &str) -> String {
 ///
 /// # Errors
 /// Names all missing columns at once, or one that occurs several times.
-pub fn places(header: &[String], wanted: &[Wanted]) -> Result<Vec<usize>, Invalid> {
-    let place = |wanted: &Wanted| header.iter().position(|column| *column == wanted.column);
+pub fn places(header: &[String], wanted: &[WantedColumn]) -> Result<Vec<usize>, Invalid> {
+    let place = |wanted: &WantedColumn| header.iter().position(|column| *column == wanted.column);
     let places: Vec<usize> = wanted.iter().filter_map(place).collect();
-    let count = |wanted: &Wanted| header.iter().filter(|column| **column == wanted.column).count();
+    let count = |wanted: &WantedColumn| header.iter().filter(|column| **column == wanted.column).count();
     if let Some(twice) = wanted.iter().find(|wanted| count(wanted) > 1) {
         let thing = format!("column `{}`", foreign(&twice.column));
-        let found = format!("{} of this name", count(twice));
+        let counted = format!("{} of this name", count(twice));
         let remedy = "rename all but one, so that the column is unambiguous";
-        return Err(Invalid::new(thing, found, "one", remedy));
+        return Err(Invalid::new(thing, counted, "one", remedy));
     }
     if places.len() == wanted.len() {
         return Ok(places);
     }
     let mut missing: Vec<&str> = Vec::new();
-    for Wanted { column, .. } in wanted {
+    for WantedColumn { column, .. } in wanted {
         if !header.contains(column) && !missing.contains(&column.as_str()) {
             missing.push(column);
         }
@@ -347,13 +349,13 @@ impl Fractions {
 
 /// Whether the steps of `times` go back less often than those of `others`, or are far more even.
 fn is_more_even(times: &Samples, others: &Samples) -> bool {
-    let [own, other] = [times, others].map(|times| {
+    let [first, other] = [times, others].map(|times| {
         let steps = || steps(times.iter().filter(|time| time.is_finite()));
         let back = steps().filter(|step| *step < 0.0).count();
         let usual = median_again(steps).unwrap_or(0.0);
         (back, steps().map(|step| (step - usual).abs()).sum::<f64>())
     });
-    other.0 > MORE_EVEN as usize * own.0 || other.0 == own.0 && other.1 > MORE_EVEN * own.1
+    other.0 > MORE_EVEN as usize * first.0 || other.0 == first.0 && other.1 > MORE_EVEN * first.1
 }
 
 /// The decimals at the end of a time, or before its zone.
@@ -388,8 +390,8 @@ mod tests {
                     |k: u64| (170_000_000 * unit) + k * step_ms * unit / 1000 + (7 * k * k) % 13 * unit / 500;
                 let texts: Vec<String> =
                     (0..200).map(|k| format!("{}.{}", stamp(k) / unit, stamp(k) % unit)).collect();
-                let (found, _) = padded(&texts);
-                for (k, time) in found.iter().enumerate() {
+                let (times, _) = padded(&texts);
+                for (k, time) in times.iter().enumerate() {
                     let truth = (stamp(k as u64) as f64) / unit as f64;
                     assert!(
                         (time - truth).abs() < 1e-6,
@@ -405,9 +407,9 @@ mod tests {
     fn numbers_of_as_many_digits_are_recognized_by_how_even_their_steps_are() {
         let micros = |k: usize| 2000 + (k * 7 % 13) * 550;
         let texts: Vec<String> = (0..61).map(|k| format!("{}.{}", 50_000 + k, micros(k))).collect();
-        let (found, moved) = padded(&texts);
+        let (times, moved) = padded(&texts);
         assert_eq!(moved, 61);
-        for (k, time) in found.iter().enumerate() {
+        for (k, time) in times.iter().enumerate() {
             assert!((time - (50_000 + k) as f64 - micros(k) as f64 * 1e-6).abs() < 1e-9, "{time}");
         }
     }

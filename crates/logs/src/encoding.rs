@@ -9,8 +9,6 @@ use std::io::{self, BufRead, Cursor, Read};
 
 use refusal::Invalid;
 
-use crate::bag::BagError;
-
 /// Bytes that are inspected to recognize an encoding.
 const PROBE: usize = 1 << 16;
 
@@ -255,8 +253,8 @@ impl<'a> Lines<'a> {
     pub(crate) fn next(&mut self) -> Result<Option<&str>, LogError> {
         let Some((number, line)) = self.bytes()? else { return Ok(None) };
         std::str::from_utf8(line).map(Some).map_err(|_| {
-            let found = format!("a byte that is not UTF-8 (line {number})");
-            LogError::Invalid(Invalid::new("text", found, "UTF-8 text", "save the file as UTF-8"))
+            let byte = format!("a byte that is not UTF-8 (line {number})");
+            LogError::Invalid(Invalid::new("text", byte, "UTF-8 text", "save the file as UTF-8"))
         })
     }
 
@@ -289,15 +287,6 @@ pub enum LogError {
     Unreadable(io::Error),
     /// They can be read, but are not a log.
     Invalid(Invalid),
-}
-
-impl From<BagError> for LogError {
-    fn from(error: BagError) -> Self {
-        match error {
-            BagError::Unreadable(error) => Self::Unreadable(error),
-            BagError::Invalid(invalid) => Self::Invalid(invalid),
-        }
-    }
 }
 
 impl From<io::Error> for LogError {

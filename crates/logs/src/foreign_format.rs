@@ -106,22 +106,22 @@ impl Signature {
 /// is recognized only where `is_from_top`: no lines are skipped.
 pub fn foreign_format(head: &[u8], format: Format, is_from_top: bool) -> Option<Invalid> {
     let own_format = READ_FORMATS.iter().find(|(_, own_format)| own_format.is(head));
-    if let Some((own, own_format)) = own_format {
-        return (*own != format).then(|| own_format.refused(format));
+    if let Some((recognized, own_format)) = own_format {
+        return (*recognized != format).then(|| own_format.refused(format));
     }
     let messages = if format == Format::Nmea { &[] } else { MESSAGES };
     if let Some(known) = BYTES.iter().chain(messages).find(|known| known.is(head)) {
         return Some(known.refused(format));
     }
-    if let Some((found, remedy)) = archive(head).or_else(|| unmarked(head)) {
-        return Some(refused(found, format, remedy));
+    if let Some((content, remedy)) = archive(head).or_else(|| unmarked(head)) {
+        return Some(refused(content, format, remedy));
     }
     match format {
         Format::Csv if is_from_top => {
-            text(&readable(head)).map(|(found, remedy)| refused(found, format, remedy))
+            text(&readable(head)).map(|(content, remedy)| refused(content, format, remedy))
         }
         // Sentences may follow lines of another kind.
-        Format::Nmea => nmea_2000(&readable(head)).map(|(found, remedy)| refused(found, format, remedy)),
+        Format::Nmea => nmea_2000(&readable(head)).map(|(content, remedy)| refused(content, format, remedy)),
         Format::Parquet | Format::Mcap | Format::Bag | Format::Db3 | Format::Ulg
             if !head.is_empty() && is_text(head) =>
         {
@@ -245,7 +245,7 @@ fn nmea_2000(head: &str) -> Option<(&'static str, &'static str)> {
     let mut lines = head.lines().filter(|line| !line.trim().is_empty() && !line.starts_with('#'));
     let line = lines.next()?;
     if line.starts_with('{')
-        && [line, lines.next().unwrap_or_default()].iter().any(|own| own.contains("\"pgn\":"))
+        && [line, lines.next().unwrap_or_default()].iter().any(|message| message.contains("\"pgn\":"))
     {
         return Some(("messages of NMEA 2000 as JSON (canboat)", CANBOAT));
     }
@@ -335,7 +335,7 @@ fn is_candump(line: &str) -> bool {
 mod tests {
     use super::*;
 
-    fn found(head: &[u8], format: Format) -> String {
+    fn content(head: &[u8], format: Format) -> String {
         foreign_format(head, format, true).map_or_else(String::new, |invalid| invalid.to_string())
     }
 
@@ -343,7 +343,7 @@ mod tests {
     fn formats_are_known_by_their_first_bytes_in_one_short_line_each() {
         for known in BYTES.iter().chain(MESSAGES) {
             let head = [&vec![b'x'; known.0], known.1, &[0; 40]].concat();
-            let said = found(&head, Format::Csv);
+            let said = content(&head, Format::Csv);
             assert!(said.contains(known.2) && said.len() < 400, "{said}");
         }
         for (head, said) in [
@@ -372,9 +372,9 @@ mod tests {
             (b"SQLite format 3\0", "SQLite"),
             (b"ULog\x01\x12\x35\x01", "ULog"),
         ] {
-            assert!(found(head, Format::Csv).contains(said), "{said}: {}", found(head, Format::Csv));
+            assert!(content(head, Format::Csv).contains(said), "{said}: {}", content(head, Format::Csv));
         }
-        assert!(found(b"t,u\n0,1\n", Format::Mcap).contains("text"));
+        assert!(content(b"t,u\n0,1\n", Format::Mcap).contains("text"));
     }
 
     #[test]
@@ -392,11 +392,11 @@ mod tests {
             "# t,u\nt,u\n0,1\n",
             "12:00:01.5 R 1 2\n",
         ] {
-            assert_eq!(found(text.as_bytes(), Format::Csv), "", "{text}");
+            assert_eq!(content(text.as_bytes(), Format::Csv), "", "{text}");
         }
         for text in ["{\"class\":\"VERSION\"}\n$GPRMC,\n", "\u{b5}b$GPGGA", "$GPRMC,1\n"] {
-            assert_eq!(found(text.as_bytes(), Format::Nmea), "", "{text}");
+            assert_eq!(content(text.as_bytes(), Format::Nmea), "", "{text}");
         }
-        assert_eq!(found(b"PAR1", Format::Parquet), "");
+        assert_eq!(content(b"PAR1", Format::Parquet), "");
     }
 }

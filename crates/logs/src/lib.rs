@@ -20,7 +20,7 @@
 
 mod assemble;
 mod axes;
-pub mod bag;
+mod bag;
 pub mod chain;
 mod clock;
 mod columns;
@@ -48,10 +48,10 @@ mod suspicion;
 mod thruster;
 mod topics;
 
-pub use crate::bag::{DatabaseFile, Topic};
 pub use assemble::{Assembled, Grid, Section, assemble, sections};
+pub use bag::{DatabaseFile, Topic, bag_census, database_census};
 pub use clock::{Backwards, NonMonotonic, Order, Repeated, TimeUnit, begins_anew, order};
-pub use columns::{Apart, Cells, ClockNotes, Columns, Content, Fractions, Wanted, places};
+pub use columns::{Apart, Cells, ClockNotes, Columns, Content, Fractions, WantedColumn, places};
 pub use csv::read_csv;
 pub use encoding::LogError;
 pub use foreign_format::{SNIFFED, foreign_format};
@@ -68,12 +68,12 @@ pub use prepare::{
 pub use quality::{ChannelSummary, MotionSummary, State, consistency, lag, noise_std};
 pub use record::{ManeuverCount, Recorded, RecordedRun, RecordingSummary, Totals, record};
 pub use samples::{Labels, Numbering, Samples, Store, Values};
-pub use segment::{Cut, Interval, Part, Segmentation, SpeedClasses, check_intervals};
+pub use segment::{Cut, Interval, Segmentation, SpeedClasses, SubExperiment, check_intervals};
 pub use series::{Series, Unwrapping, local_quadratic, window_samples};
 pub use setup::{ChannelSpec, Checksums, FileSpec, Format, QuaternionSpec, Setup, TimeSpec};
 pub use ship::model::{Formula, Malformed};
-pub use source::{Kind, Naming, Pattern, Source, Template};
+pub use source::{ManeuverKind, Naming, Pattern, Source, Template};
 pub use stamp::{Moments, NoStamp, Stamps};
 pub use suspicion::{Omission, Omissions, Reason, WarningKind, WarningSummary};
 pub use thruster::{Allocation, Law, Setting, Thruster, Unreachable};
-pub use topics::{LOG_TIME, PUBLISH_TIME, bag_census, database_census, read_bag, read_database};
+pub use topics::{LOG_TIME, PUBLISH_TIME, read_bag, read_database};

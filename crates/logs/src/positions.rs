@@ -9,9 +9,9 @@ use jiff::Timestamp;
 use refusal::{Invalid, foreign};
 
 use crate::columns::cell_of;
-use crate::csv::Row;
+use crate::csv::LineCells;
 use crate::encoding::Lines;
-use crate::nmea::fields::{Column, Value};
+use crate::nmea::fields::{FieldColumn, Value};
 use crate::nmea::sentence::{Accepted, Checksum, Sentence, raw_sentences};
 use crate::nmea::timeline::{DAY, is_dated, reported_time};
 use crate::{Format, LogError, Stamps, TimeSpec};
@@ -52,7 +52,7 @@ const SEPARATORS: [char; 4] = [',', ';', '\t', '|'];
 /// Reads the positions of CSV with a header, and the `inputs` of the vessel that it has. A last line without its end is left out if
 /// cells are missing: the logger is still writing it.
 fn positions_in_table(bytes: impl BufRead, inputs: &[&str]) -> Result<LoggedPositions, LogError> {
-    let (mut lines, mut row) = (Lines::new(bytes)?, Row::default());
+    let (mut lines, mut row) = (Lines::new(bytes)?, LineCells::default());
     let first = lines.next()?.unwrap_or_default().to_owned();
     let mut is_separator = |separator: &char| {
         row.split(&first, *separator);
@@ -63,8 +63,8 @@ fn positions_in_table(bytes: impl BufRead, inputs: &[&str]) -> Result<LoggedPosi
     let header: Vec<String> = row.cells().map(|cell| cell.trim().to_owned()).collect();
     let (width, stamps) = (header.len(), Stamps::new(&utc())?);
     let reader = Reader { places: places(&header, inputs)?, width, separator, stamps };
-    let own = |name: &&&str| header.iter().position(|own| own == **name);
-    let columns: Vec<(usize, &str)> = inputs.iter().filter_map(|name| Some((own(&name)?, *name))).collect();
+    let place = |name: &&&str| header.iter().position(|other| other == **name);
+    let columns: Vec<(usize, &str)> = inputs.iter().filter_map(|name| Some((place(&name)?, *name))).collect();
     let (mut since, mut rows, mut logged) = (None, Vec::new(), BTreeMap::<String, Vec<[f64; 2]>>::new());
     while let Some(line) = lines.next()? {
         if line.trim().is_empty() {
@@ -112,7 +112,7 @@ fn utc() -> TimeSpec {
 fn places(header: &[String], inputs: &[&str]) -> Result<[Option<usize>; 5], Invalid> {
     let thing = |name: &str| format!("line 1, column `{}`", foreign(name));
     for (place, name) in header.iter().enumerate() {
-        if !name.is_empty() && !COLUMNS.iter().chain(inputs).any(|own| own == name) {
+        if !name.is_empty() && !COLUMNS.iter().chain(inputs).any(|other| other == name) {
             let known = COLUMNS.into_iter().chain(inputs.iter().copied());
             return Err(Invalid::unknown(thing(name), &foreign(name), known));
         }
@@ -120,7 +120,7 @@ fn places(header: &[String], inputs: &[&str]) -> Result<[Option<usize>; 5], Inva
             return Err(Invalid::new(thing(name), "it twice", "every column once", "remove one"));
         }
     }
-    let places = COLUMNS.map(|name| header.iter().position(|own| own == name));
+    let places = COLUMNS.map(|name| header.iter().position(|other| other == name));
     match places[..NEEDED].iter().position(Option::is_none) {
         Some(missing) => {
             let expected = "time, longitude_deg, latitude_deg, and heading_deg, speed_m_s if they are known";
@@ -134,9 +134,9 @@ fn places(header: &[String], inputs: &[&str]) -> Result<[Option<usize>; 5], Inva
 /// The refusal of a time of another kind than the first.
 fn mixed(line: usize, first: Since) -> Invalid {
     let [seconds, date] = ["seconds since the departure", "a date and time"];
-    let (found, expected) = if first == Since::Epoch { (seconds, date) } else { (date, seconds) };
+    let (given, expected) = if first == Since::Epoch { (seconds, date) } else { (date, seconds) };
     let expected = format!("{expected}, as in the first row");
-    Invalid::new(cell_of(line, COLUMNS[0]), found, expected, "write all times in one way")
+    Invalid::new(cell_of(line, COLUMNS[0]), given, expected, "write all times in one way")
 }
 
 /// What rows are read with.
@@ -150,16 +150,16 @@ struct Reader {
 
 impl Reader {
     /// The position in `row`, and what its time counts from.
-    fn position(&self, row: &Row, line: usize) -> Result<(Since, LoggedPosition), Invalid> {
-        let found = row.cells.len();
-        if found != self.width {
+    fn position(&self, row: &LineCells, line: usize) -> Result<(Since, LoggedPosition), Invalid> {
+        let cells = row.cells.len();
+        if cells != self.width {
             let expected = format!("{}, as in the header", self.width);
-            let is_decimal = self.separator == ',' && found > self.width;
+            let is_decimal = self.separator == ',' && cells > self.width;
             let remedy = match is_decimal {
                 true => "correct the line; numbers with decimal commas need semicolons between cells",
                 false => "correct the line",
             };
-            return Err(Invalid::new(format!("line {line}"), format!("{found} cells"), expected, remedy));
+            return Err(Invalid::new(format!("line {line}"), format!("{cells} cells"), expected, remedy));
         }
         let (since, at_s) = self.time(row, line)?;
         let needed = |column: usize| {
@@ -173,18 +173,18 @@ impl Reader {
     }
 
     /// Seconds since the departure, or since 1970 for a date and time.
-    fn time(&self, row: &Row, line: usize) -> Result<(Since, f64), Invalid> {
+    fn time(&self, row: &LineCells, line: usize) -> Result<(Since, f64), Invalid> {
         let text = self.cell(row, 0);
         if let Ok(number) = self.decimal(text).parse::<f64>() {
             let unix = [1.0, 1e3, 1e6, 1e9].map(|per_s| number / per_s).into_iter();
             let unix = unix
                 .filter(|unix| (1e9..1e10).contains(unix))
-                .find_map(|own| Timestamp::from_second(own as i64).ok());
+                .find_map(|seconds| Timestamp::from_second(seconds as i64).ok());
             if let Some(date) = unix {
-                let found = format!("`{}`, as of {date} counted from 1970", foreign(text));
+                let dated = format!("`{}`, as of {date} counted from 1970", foreign(text));
                 let expected = "seconds since the departure, or a date and time";
                 let remedy = format!("write it as {date}, and so all times");
-                return Err(Invalid::new(cell_of(line, COLUMNS[0]), found, expected, remedy));
+                return Err(Invalid::new(cell_of(line, COLUMNS[0]), dated, expected, remedy));
             }
             let seconds = self.number(row, line, 0)?;
             return Ok((Since::Departure, seconds.ok_or_else(|| out_of_range(line, 0, text))?));
@@ -201,7 +201,7 @@ impl Reader {
     }
 
     /// The number in a column; `None` where the column or its value is missing.
-    fn number(&self, row: &Row, line: usize, column: usize) -> Result<Option<f64>, Invalid> {
+    fn number(&self, row: &LineCells, line: usize, column: usize) -> Result<Option<f64>, Invalid> {
         let text = self.cell(row, column);
         if text.is_empty() {
             return Ok(None);
@@ -216,7 +216,7 @@ impl Reader {
         if self.separator == ',' { text.into() } else { text.replace(',', ".").into() }
     }
 
-    fn cell<'a>(&self, row: &'a Row, column: usize) -> &'a str {
+    fn cell<'a>(&self, row: &'a LineCells, column: usize) -> &'a str {
         self.places[column].map_or("", |place| row.cell(place).trim())
     }
 }
@@ -224,18 +224,18 @@ impl Reader {
 fn out_of_range(line: usize, column: usize, text: &str) -> Invalid {
     let [least, most] = RANGES[column];
     let expected = format!("a number from {least} to {most}");
-    let found = format!("`{}`", foreign(text));
+    let quoted = format!("`{}`", foreign(text));
     let is_longitude = column == 2 && text.parse().is_ok_and(|number: f64| number.abs() <= 180.0);
     let remedy = match is_longitude {
         true => "exchange longitude and latitude if the columns are so named, or correct the cell",
         false => "correct the cell, or leave out the line",
     };
-    Invalid::new(cell_of(line, COLUMNS[column]), found, expected, remedy)
+    Invalid::new(cell_of(line, COLUMNS[column]), quoted, expected, remedy)
 }
 
 fn not_finite(line: usize, name: &str, text: &str) -> Invalid {
-    let found = format!("`{}`", foreign(text));
-    Invalid::new(cell_of(line, name), found, "a number", "correct the cell, or leave it empty")
+    let quoted = format!("`{}`", foreign(text));
+    Invalid::new(cell_of(line, name), quoted, "a number", "correct the cell, or leave it empty")
 }
 
 // A logged position of a ship, and lists of them in the order of time.
@@ -297,12 +297,12 @@ fn push(rows: &mut Vec<LoggedPosition>, next: LoggedPosition) -> Result<(), Inva
     }
     if let Some(last) = rows.last().filter(|last| next.at_s <= last.at_s) {
         let back_s = last.at_s - next.at_s;
-        let found = match back_s {
+        let time = match back_s {
             0.0 => format!("the time of line {}", last.line),
             _ => format!("a time {back_s:.3} s before that of line {}", last.line),
         };
         let remedy = "sort the positions, and keep one of each time";
-        return Err(Invalid::new(format!("{line}, `time`"), found, "a later time", remedy));
+        return Err(Invalid::new(format!("{line}, `time`"), time, "a later time", remedy));
     }
     rows.push(next);
     Ok(())
@@ -317,19 +317,19 @@ fn checked(
     expected: &str,
 ) -> Result<LoggedPositions, LogError> {
     let (all, ends_s) = (rows.len(), rows.last().map_or(ends_s, |last| last.at_s.max(ends_s)));
-    rows.retain(|own| [own.longitude_deg, own.latitude_deg] != [0.0; 2]);
+    rows.retain(|row| [row.longitude_deg, row.latitude_deg] != [0.0; 2]);
     let Some(last) = rows.last() else {
         let remedy = "export the positions since the departure";
-        let found = if all == 0 { "none" } else { "none but 0 N 0 E, which stands for no fix" };
-        return Err(Invalid::new("positions", found, expected, remedy).into());
+        let count = if all == 0 { "none" } else { "none but 0 N 0 E, which stands for no fix" };
+        return Err(Invalid::new("positions", count, expected, remedy).into());
     };
     let stale_s = ends_s - last.at_s;
     if stale_s > STALE_S {
-        let found = format!("the last fix, {stale_s:.0} s before the end of the log");
+        let age = format!("the last fix, {stale_s:.0} s before the end of the log");
         let expected = format!("one in its last {STALE_S} s: she is elsewhere now");
         let remedy =
             "give a log that ends with a fix, or say where she is with `plan resume --done STEPS --from`";
-        return Err(Invalid::new(format!("line {}", last.line), found, expected, remedy).into());
+        return Err(Invalid::new(format!("line {}", last.line), age, expected, remedy).into());
     }
     let left_out = all - rows.len() + unfixed;
     Ok(LoggedPositions { since, rows, inputs: BTreeMap::new(), left_out })
@@ -352,7 +352,7 @@ const HEADED: [&str; 2] = ["HDT", "THS"];
 /// Reads positions from the first kind of sentence that has a fix once the date is known. Sentences without a right
 /// checksum, without a fix or with the time of the one before are left out; other receivers are refused.
 pub(crate) fn positions_in_sentences(bytes: impl BufRead) -> Result<LoggedPositions, LogError> {
-    let (mut lines, mut reading) = (Lines::new(bytes)?, Reading::default());
+    let (mut lines, mut reading) = (Lines::new(bytes)?, PositionReading::default());
     while let Some((number, line)) = lines.bytes()? {
         // Undecodable bytes fail their checksum.
         for raw in raw_sentences(&String::from_utf8_lossy(line)) {
@@ -369,7 +369,7 @@ pub(crate) fn positions_in_sentences(bytes: impl BufRead) -> Result<LoggedPositi
 
 /// The state of reading.
 #[derive(Default)]
-struct Reading {
+struct PositionReading {
     /// The address of the sentences that positions are taken from.
     source: Option<String>,
     /// Midnight of the day, and the last time of that day, both in seconds.
@@ -385,7 +385,7 @@ struct Reading {
     unfixed: usize,
 }
 
-impl Reading {
+impl PositionReading {
     fn take(&mut self, sentence: &Sentence, line: usize) -> Result<(), Invalid> {
         if let Some(kind) = HEADED.iter().find(|kind| sentence.is_a(kind)) {
             self.heading_deg = value(sentence, kind, "heading", line)?.or(self.heading_deg);
@@ -421,13 +421,13 @@ impl Reading {
     fn check_alone(&self) -> Result<(), Invalid> {
         for (address, others) in &self.others {
             let mut apart: Vec<(f64, usize)> =
-                others.iter().filter_map(|(line, own)| Some((self.away_m(own)?, *line))).collect();
+                others.iter().filter_map(|(line, position)| Some((self.away_m(position)?, *line))).collect();
             apart.sort_by(|a, b| a.0.total_cmp(&b.0));
             if let Some((away_m, line)) =
-                apart.get(apart.len() / 2).filter(|own| own.0 > APART_M && apart.len() > 2)
+                apart.get(apart.len() / 2).filter(|middle| middle.0 > APART_M && apart.len() > 2)
             {
                 let source = self.source.as_deref().unwrap_or_default();
-                let found = format!(
+                let distance = format!(
                     "{} {away_m:.0} m away from {} at the same time",
                     foreign(address),
                     foreign(source)
@@ -439,7 +439,7 @@ impl Reading {
                         format!("leave those of one out, such as by `grep -v {} FILE`", foreign(address))
                     }
                 };
-                return Err(Invalid::new(format!("line {line}"), found, expected, remedy));
+                return Err(Invalid::new(format!("line {line}"), distance, expected, remedy));
             }
         }
         Ok(())
@@ -461,8 +461,8 @@ impl Reading {
     fn time(&mut self, sentence: &Sentence, line: usize) -> Result<Option<f64>, Invalid> {
         let reported = reported_time(sentence).map_err(|(text, expected)| {
             let thing = format!("line {line}, {}", foreign(sentence.address));
-            let found = format!("`{}`", foreign(text));
-            Invalid::new(thing, found, expected, "correct or leave out the line")
+            let quoted = format!("`{}`", foreign(text));
+            Invalid::new(thing, quoted, expected, "correct or leave out the line")
         })?;
         let Some(reported) = reported else { return Ok(None) };
         if let Some(midnight) = reported.midnight.filter(|_| is_dated(sentence.address) && reported.is_fix) {
@@ -478,7 +478,7 @@ impl Reading {
 
 /// A field of a sentence of `kind`; `None` where it is empty, or its quality does not count.
 fn value(sentence: &Sentence, kind: &str, field: &str, line: usize) -> Result<Option<f64>, Invalid> {
-    let Some(column) = Column::parse(&format!("{kind}.{field}")) else { return Ok(None) };
+    let Some(column) = FieldColumn::parse(&format!("{kind}.{field}")) else { return Ok(None) };
     Ok(match column.value(sentence, line, &Accepted::default())? {
         Value::Known(value) => Some(value),
         Value::Undeviated(_) | Value::Empty | Value::Left(_) => None,

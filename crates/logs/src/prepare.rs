@@ -241,8 +241,8 @@ fn add_forces(channels: &mut Channels, conventions: &Conventions) -> Result<(), 
     for (i, force) in FORCES.into_iter().enumerate() {
         let made = combine(channels, &names, |values| {
             let forces = thrusters.iter().map(|(thruster, places)| {
-                let own = std::array::from_fn(|k| places[k].map_or(absent[k], |place| values[place]));
-                thruster.forces(own)
+                let settings = std::array::from_fn(|k| places[k].map_or(absent[k], |place| values[place]));
+                thruster.forces(settings)
             });
             let one = |forces: Result<[f64; 3], Unassembled>| match forces {
                 Ok(forces) => forces[i],
@@ -322,9 +322,9 @@ impl ForceTable {
         for (name, places) in axes.into_iter().filter_map(|(name, places)| Some((name, places?))) {
             let rising = places.windows(2).all(|pair| pair[0] < pair[1]);
             if places.len() < 2 || !rising || places.iter().any(|place| !place.is_finite()) {
-                let found = format!("{places:?}");
+                let twice = format!("{places:?}");
                 let expected = "at least two numbers that increase";
-                return Err(Invalid::new(format!("`{name}` of a table"), found, expected, "correct them"));
+                return Err(Invalid::new(format!("`{name}` of a table"), twice, expected, "correct them"));
             }
         }
         let pitches = pitches.unwrap_or_else(|| vec![0.0]);
@@ -336,8 +336,8 @@ impl ForceTable {
                 pitches.len(),
                 speeds.len()
             );
-            let found = format!("rows of {lengths:?} numbers");
-            return Err(Invalid::new("forces of a table", found, expected, "correct them"));
+            let shape = format!("rows of {lengths:?} numbers");
+            return Err(Invalid::new("forces of a table", shape, expected, "correct them"));
         }
         Ok(Self { speeds, pitches, forces: forces.concat() })
     }

@@ -307,14 +307,15 @@ const FEW: f64 = 100.0;
 pub(crate) fn check_pace(
     setup: &Setup,
     channels: &Channels,
-    found: &[ChannelSummary],
+    summaries: &[ChannelSummary],
 ) -> Result<(), Invalid> {
     let common = setup.conventions.rate_hz;
     // Some channels, such as depth, may be logged very slowly.
-    let all_slow = found.iter().filter_map(|channel| channel.rate_hz).all(|rate| rate / common <= 1.0 / FAR);
+    let all_slow =
+        summaries.iter().filter_map(|channel| channel.rate_hz).all(|rate| rate / common <= 1.0 / FAR);
     for spec in setup.channels() {
         let rate =
-            found.iter().find(|channel| channel.name == spec.channel).and_then(|channel| channel.rate_hz);
+            summaries.iter().find(|channel| channel.name == spec.channel).and_then(|channel| channel.rate_hz);
         let times = channels.get(&spec.channel).map(|series| &series.t);
         let (Some(rate), Some([first, last])) = (rate, times.and_then(|t| Some([t.first()?, t.last()?])))
         else {

@@ -16,11 +16,11 @@ use crate::gate::{check_share, keep_alive, keep_possible};
 use crate::quality::{Derivatives, check_pace};
 use crate::segment::Labelled;
 use crate::source::{Spans, called};
-use crate::suspicion::{Seen, check_ratios, warnings};
+use crate::suspicion::{LoggedShape, check_ratios, warnings};
 use crate::{
-    Assembled, ChannelSpec, ChannelSummary, Channels, Grid, Log, MotionSummary, Omission, Omissions, Part,
-    Plan, Reason, RowSummary, Samples, Segmentation, Series, Setup, Source, Unassembled, WarningSummary,
-    noise_std, prepare,
+    Assembled, ChannelSpec, ChannelSummary, Channels, Grid, Log, MotionSummary, Omission, Omissions, Plan,
+    Reason, RowSummary, Samples, Segmentation, Series, Setup, Source, SubExperiment, Unassembled,
+    WarningSummary, noise_std, prepare,
 };
 
 /// The result of one recording.
@@ -63,16 +63,16 @@ impl RecordedRun {
 
     /// Derived channel `i`, N values, each computed from its sources at the same sample.
     fn derived(&self, i: usize) -> Box<dyn Iterator<Item = f64> + '_> {
-        let Some(own) = self.derived.iter().find(|own| own.variable == i + 3) else {
+        let Some(channel) = self.derived.iter().find(|channel| channel.variable == i + 3) else {
             return Box::new(std::iter::empty());
         };
-        let mut sources: Vec<_> = own.sources.iter().map(|source| self.exogenous(source - 3)).collect();
+        let mut sources: Vec<_> = channel.sources.iter().map(|source| self.exogenous(source - 3)).collect();
         let mut row = vec![0.0; sources.len()];
         Box::new((1..self.rows.len()).map(move |_| {
             row.iter_mut()
                 .zip(&mut sources)
                 .for_each(|(value, source)| *value = source.next().unwrap_or(f64::NAN));
-            own.formula.evaluate(&row)
+            channel.formula.evaluate(&row)
         }))
     }
 
@@ -106,12 +106,12 @@ impl RecordedRun {
 
     /// The same run with its own rows copied into memory, so that the recording can be dropped.
     pub fn detached(&self) -> Self {
-        let own = |channel: &Samples| Samples::from(channel.range(self.rows.clone()).collect::<Vec<_>>());
+        let copied = |channel: &Samples| Samples::from(channel.range(self.rows.clone()).collect::<Vec<_>>());
         let made = Assembled {
             grid: Grid { rows: self.rows.len(), ..self.made.grid },
-            measured: self.made.measured.each_ref().map(own),
-            exogenous: self.made.exogenous.iter().map(own).collect(),
-            further: self.made.further.iter().map(own).collect(),
+            measured: self.made.measured.each_ref().map(copied),
+            exogenous: self.made.exogenous.iter().map(copied).collect(),
+            further: self.made.further.iter().map(copied).collect(),
             sections: Vec::new(),
         };
         Self { rows: 0..self.rows.len(), made: Arc::new(made), ..self.clone() }
@@ -194,7 +194,7 @@ pub fn record(
     let labels = logs.iter().find_map(|log| labels(log, start_s));
     let setup = &plan.setup;
     let rows_of = rows_of(plan, &logs);
-    let seen: Vec<Seen> = logs.iter().flat_map(|log| &log.seen).copied().collect();
+    let seen: Vec<LoggedShape> = logs.iter().flat_map(|log| &log.seen).copied().collect();
     let mut rows = RowSummary::default();
     logs.iter().for_each(|log| rows += log.counts);
     let mut omitted = Omissions::default();
@@ -206,7 +206,8 @@ pub fn record(
     let logged = plan.exogenous.len() - plan.derived.len();
     let exogenous: Vec<&str> = plan.exogenous[..logged].iter().map(|channel| channel.name.as_str()).collect();
     let further: Vec<&str> = plan.further.iter().map(|(name, _)| name.as_str()).collect();
-    let refused = |why: &Unassembled, found: &[ChannelSummary]| refused(source, why, slowest(plan, found));
+    let refused =
+        |why: &Unassembled, summaries: &[ChannelSummary]| refused(source, why, slowest(plan, summaries));
     let channels = prepare(channels, &setup.conventions).map_err(|why| refused(&why, &[]))?;
     let derivatives = Derivatives::of(&channels, setup.conventions.window_s);
     let (motion, turned) = match &derivatives {
@@ -216,7 +217,7 @@ pub fn record(
         }
         None => ([None; 3], None),
     };
-    let turned_heading = derivatives.as_ref().and_then(|own| drift(&channels, own));
+    let turned_heading = derivatives.as_ref().and_then(|derivatives| drift(&channels, derivatives));
     let changed =
         |spec: &ChannelSpec| Some((spec.channel.clone(), rescaled(spec, &channels, derivatives.as_ref())?));
     let changed: Vec<_> = setup.channels().filter_map(changed).collect();
@@ -333,15 +334,16 @@ fn doubts(setup: &Setup, channels: &Channels, omitted: &[Omission]) -> Vec<Strin
             Reason::Range => spec.valid.is_some(),
             reason => [Reason::Quality, Reason::Incomplete, Reason::Time].contains(&reason),
         };
-        let own = omitted.iter().filter(|one| one.channel == spec.channel);
-        let (configured, found) = own.fold((0, 0), |(configured, found), one| match stated(one.reason) {
-            true => (configured + one.count, found),
-            false => (configured, found + one.count),
-        });
+        let omissions = omitted.iter().filter(|one| one.channel == spec.channel);
+        let (configured, unforeseen) =
+            omissions.fold((0, 0), |(configured, unforeseen), one| match stated(one.reason) {
+                true => (configured + one.count, unforeseen),
+                false => (configured, unforeseen + one.count),
+            });
         let kept = channels.get(&spec.channel).map_or(0, |series| series.t.len() as u64);
-        let all = kept + configured + found;
-        (found as f64 > DOUBTFUL * all as f64)
-            .then(|| format!("`{}` lacks {found} of {all} values, which were left out", spec.channel))
+        let all = kept + configured + unforeseen;
+        (unforeseen as f64 > DOUBTFUL * all as f64)
+            .then(|| format!("`{}` lacks {unforeseen} of {all} values, which were left out", spec.channel))
     };
     setup.channels().filter_map(of).collect()
 }
@@ -350,13 +352,13 @@ fn doubts(setup: &Setup, channels: &Channels, omitted: &[Omission]) -> Vec<Strin
 fn possible(mut channels: Channels, setup: &Setup, omitted: &mut Omissions) -> Result<Channels, Invalid> {
     let before: Vec<(&ChannelSpec, usize)> =
         setup.channels().filter_map(|spec| Some((spec, channels.get(&spec.channel)?.t.len()))).collect();
-    let mut own = Omissions::default();
-    keep_possible(&mut channels, setup.max_speed_m_s, &mut own);
-    keep_alive(&mut channels, &mut own);
+    let mut rejected = Omissions::default();
+    keep_possible(&mut channels, setup.max_speed_m_s, &mut rejected);
+    keep_alive(&mut channels, &mut rejected);
     for (spec, values) in before {
-        check_share(&spec.channel, values as u64, own.as_slice(), spec.max_omitted, None)?;
+        check_share(&spec.channel, values as u64, rejected.as_slice(), spec.max_omitted, None)?;
     }
-    omitted.append(&own, |name| name);
+    omitted.append(&rejected, |name| name);
     Ok(channels)
 }
 
@@ -367,42 +369,42 @@ fn channels(plan: &Plan, logs: Vec<Log>, start_s: f64) -> Channels {
     let mut moved: Option<[Arc<Samples>; 2]> = None;
     let mut on_clock = |mut series: Series| {
         let same = moved.take().filter(|[file, _]| Arc::ptr_eq(file, &series.t));
-        let [file, own] = same.unwrap_or_else(|| {
-            let own = series.t.made(series.t.iter().map(|time| time - start_s));
-            [Arc::clone(&series.t), Arc::new(own)]
+        let [file, shifted] = same.unwrap_or_else(|| {
+            let shifted = series.t.made(series.t.iter().map(|time| time - start_s));
+            [Arc::clone(&series.t), Arc::new(shifted)]
         });
-        series.t = Arc::clone(&own);
-        moved = Some([file, own]);
+        series.t = Arc::clone(&shifted);
+        moved = Some([file, shifted]);
         series
     };
     names.zip(logs.into_iter().flat_map(|log| log.channels).map(&mut on_clock)).collect()
 }
 
 /// The logged channel with the longest step, and that step \[s\].
-fn slowest(plan: &Plan, found: &[ChannelSummary]) -> Option<(String, f64)> {
+fn slowest(plan: &Plan, summaries: &[ChannelSummary]) -> Option<(String, f64)> {
     let logged =
         |name: &str| plan.setup.channels().any(|spec| spec.channel == name) || ["x", "y"].contains(&name);
-    let steps = found.iter().filter(|channel| logged(&channel.name));
+    let steps = summaries.iter().filter(|channel| logged(&channel.name));
     let steps = steps.filter_map(|channel| Some((channel.name.clone(), 1.0 / channel.rate_hz?)));
     steps.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// The runs that consist of `parts` each, which follow each other without a break.
-fn cut(plan: &Plan, made: Assembled, parts: &[Vec<Part>]) -> Vec<RecordedRun> {
+fn cut(plan: &Plan, made: Assembled, parts: &[Vec<SubExperiment>]) -> Vec<RecordedRun> {
     let (made, factors) = (Arc::new(made), plan.exogenous.iter().map(|input| input.factor).collect());
     let derived = plan.derived.as_slice().into();
     parts.iter().map(|parts| run_of(parts, &made, &factors, &derived)).collect()
 }
 
 fn run_of(
-    parts: &[Part],
+    parts: &[SubExperiment],
     made: &Arc<Assembled>,
     factors: &Arc<[f64]>,
     derived: &Arc<[DerivedChannel]>,
 ) -> RecordedRun {
     let start = parts[0].samples.start;
     let segment =
-        |part: &Part| Segment { maneuver: part.maneuver.clone(), start: part.samples.start - start };
+        |part: &SubExperiment| Segment { maneuver: part.maneuver.clone(), start: part.samples.start - start };
     RecordedRun {
         number: 0,
         segments: parts.iter().map(segment).collect(),
@@ -415,7 +417,7 @@ fn run_of(
 }
 
 /// Properties of a clock, which many channels share.
-struct Clock {
+struct SharedClock {
     t: Arc<Samples>,
     rate_hz: Option<f64>,
 }
@@ -424,10 +426,10 @@ struct Clock {
 const SIDE_BY_SIDE: usize = 16;
 
 fn summaries(plan: &Plan, channels: &Channels, missing: &[(String, usize)]) -> Vec<ChannelSummary> {
-    let mut clocks: Vec<Clock> = Vec::new();
+    let mut clocks: Vec<SharedClock> = Vec::new();
     for series in channels.values() {
         if !clocks.iter().any(|clock| Arc::ptr_eq(&clock.t, &series.t)) {
-            clocks.push(Clock { t: Arc::clone(&series.t), rate_hz: series.rate_hz() });
+            clocks.push(SharedClock { t: Arc::clone(&series.t), rate_hz: series.rate_hz() });
         }
     }
     let of = |(name, series): &(&String, &Series)| {

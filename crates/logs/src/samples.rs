@@ -26,12 +26,12 @@ pub trait Store: Debug + Send + Sync {
 
 /// A block in a store.
 #[derive(Debug)]
-struct Block {
+struct SampleBlock {
     store: Arc<dyn Store>,
     place: u64,
 }
 
-impl Drop for Block {
+impl Drop for SampleBlock {
     fn drop(&mut self) {
         self.store.forget(self.place);
     }
@@ -45,7 +45,7 @@ pub struct Samples {
     /// Values of a block.
     block: usize,
     /// Full blocks.
-    aside: Vec<Arc<Block>>,
+    aside: Vec<Arc<SampleBlock>>,
     /// The values after them.
     rest: Vec<f64>,
 }
@@ -121,7 +121,7 @@ impl Samples {
             return;
         }
         let (whole, rest) = (len / self.block, len % self.block);
-        if let Some(Block { store, place }) = self.aside.get(whole).map(|block| &**block) {
+        if let Some(SampleBlock { store, place }) = self.aside.get(whole).map(|block| &**block) {
             self.rest.clear();
             store.get(*place, &mut self.rest);
             self.aside.truncate(whole);
@@ -136,7 +136,7 @@ impl Samples {
 
     fn put_aside(&mut self) {
         if let Some(store) = &self.store {
-            let block = Block { place: store.put(&self.rest), store: Arc::clone(store) };
+            let block = SampleBlock { place: store.put(&self.rest), store: Arc::clone(store) };
             self.aside.push(Arc::new(block));
             self.rest.clear();
         }
@@ -364,9 +364,9 @@ impl Numbering {
     /// The line that `row` stands on.
     pub fn line(&self, row: usize) -> usize {
         let last = self.breaks.last().filter(|(first, _)| *first <= row);
-        let found = last.or_else(|| {
+        let jump = last.or_else(|| {
             self.breaks.get(self.breaks.partition_point(|(first, _)| *first <= row).checked_sub(1)?)
         });
-        found.map_or(0, |(first, line)| line + row - first)
+        jump.map_or(0, |(first, line)| line + row - first)
     }
 }

@@ -224,7 +224,7 @@ const EQUAL: f64 = 1e-4;
 fn equal_step(t: &Samples, section: &Range<usize>) -> Option<f64> {
     let [first, last] = [section.start, section.end - 1].map(|end| t.range(end..end + 1).next());
     let step = (last? - first?) / (section.len() - 1) as f64;
-    steps(t.range(section.clone())).all(|own| (own - step).abs() < EQUAL * step).then_some(step)
+    steps(t.range(section.clone())).all(|length| (length - step).abs() < EQUAL * step).then_some(step)
 }
 
 /// Weights that give value and slope at the centre of a window, from fits to its unit vectors.

@@ -27,12 +27,12 @@ pub struct Naming {
     /// named like the file.
     pub recordings: Vec<Option<Template>>,
     /// Their maneuvers.
-    pub kind: Kind,
+    pub kind: ManeuverKind,
 }
 
 /// The kind of maneuver of a recording.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Kind {
+pub enum ManeuverKind {
     /// The same in all.
     Given(String),
     /// As the name of the file of the first group says.
@@ -56,14 +56,14 @@ impl Naming {
                     Some(template) => named(template, file)?,
                     None => stem(file).to_owned(),
                 };
-                let own =
+                let groups =
                     recordings.entry(name.clone()).or_insert_with(|| vec![Vec::new(); self.recordings.len()]);
-                let parts = &mut own[group];
+                let parts = &mut groups[group];
                 match parts.first() {
                     Some(other) if template.is_none() && other != file => {
                         let remedy = "rename a file, or say in `run_from_file` which are parts of one run";
-                        let found = format!("`{}` and `{}`", foreign(other), foreign(file));
-                        return Err(Invalid::new(called(&name), found, "one file", remedy));
+                        let files = format!("`{}` and `{}`", foreign(other), foreign(file));
+                        return Err(Invalid::new(called(&name), files, "one file", remedy));
                     }
                     _ if parts.contains(file) => {}
                     _ => parts.push(file.clone()),
@@ -88,9 +88,9 @@ impl Naming {
         files.iter_mut().for_each(|parts| parts.sort_by_key(|name| counted(name)));
         let first = files.iter().flatten().next().map_or("", String::as_str);
         let kind = match &self.kind {
-            Kind::Given(kind) => kind.clone(),
-            Kind::Named(template) => named(template, first)?,
-            Kind::Recording => name.clone(),
+            ManeuverKind::Given(kind) => kind.clone(),
+            ManeuverKind::Named(template) => named(template, first)?,
+            ManeuverKind::Recording => name.clone(),
         };
         let made = Source { name, kind, files: Vec::new() };
         check_name(format!("recording of `{}`", foreign(first)), &made.name)?;
@@ -186,20 +186,20 @@ impl Template {
     /// Parses a template with a part called `name`; `None` where there is no such part, a brace is unclosed
     /// or its name empty.
     pub fn new(text: &str, name: &str) -> Option<Self> {
-        let mut found = Vec::new();
+        let mut matches = Vec::new();
         let mut rest = text;
         while let Some((before, after)) = rest.split_once('{') {
-            found.extend(tokens(before));
+            matches.extend(tokens(before));
             let (named, after) = after.split_once('}')?;
             if named.is_empty() || named.contains('{') {
                 return None;
             }
-            let first = named == name && !found.contains(&Token::Part);
-            found.push(if first { Token::Part } else { Token::Some });
+            let first = named == name && !matches.contains(&Token::Part);
+            matches.push(if first { Token::Part } else { Token::Some });
             rest = after;
         }
-        found.extend(tokens(rest));
-        found.contains(&Token::Part).then(|| Self { text: text.to_owned(), tokens: found })
+        matches.extend(tokens(rest));
+        matches.contains(&Token::Part).then(|| Self { text: text.to_owned(), tokens: matches })
     }
 
     /// As written.
@@ -232,8 +232,8 @@ fn fit<'a>(tokens: &[Token], text: &'a str) -> Option<Option<&'a str>> {
     let ends = text.char_indices().map(|(i, _)| i).chain([text.len()]);
     let ends = ends.skip(usize::from(*token != Token::Any)).take_while(|end| !text[..*end].contains('/'));
     let fitting = |end: usize| {
-        let found = fit(rest, &text[end..])?;
-        Some(if *token == Token::Part { Some(&text[..end]) } else { found })
+        let captured = fit(rest, &text[end..])?;
+        Some(if *token == Token::Part { Some(&text[..end]) } else { captured })
     };
     ends.into_iter().find_map(fitting)
 }
@@ -254,7 +254,7 @@ impl Spans {
             let Some(t) = channels.get(name).map(|series| &series.t) else { continue };
             let (Some(first), Some(last)) = (t.first(), t.last()) else { continue };
             let span = [start_s + first, start_s + last];
-            match all.iter_mut().find(|(own, _)| *own == span) {
+            match all.iter_mut().find(|(other, _)| *other == span) {
                 Some((_, names)) => names.push(format!("`{name}`")),
                 None => all.push((span, vec![format!("`{name}`")])),
             }
@@ -267,7 +267,7 @@ impl Spans {
     fn common(&self) -> Option<([f64; 2], String)> {
         let late = self.0.iter().max_by(|a, b| a.0[0].total_cmp(&b.0[0]))?;
         let early = self.0.iter().min_by(|a, b| a.0[1].total_cmp(&b.0[1]))?;
-        let other = self.0.iter().filter(|own| own.0 != late.0).max_by(|a, b| a.0[1].total_cmp(&b.0[1]));
+        let other = self.0.iter().filter(|entry| entry.0 != late.0).max_by(|a, b| a.0[1].total_cmp(&b.0[1]));
         let is_dated = self.0.iter().any(|([_, to], _)| *to > 1e8);
         let said = |([from, to], names): &([f64; 2], Vec<String>)| {
             let [from, to] =
@@ -293,7 +293,8 @@ impl Spans {
     /// The warning where not all channels cover much of the recording.
     pub(crate) fn uncovered(&self, max_gap_s: f64) -> Option<(String, Oddity)> {
         let ([from, to], said) = self.common()?;
-        let end = |end: usize, more: fn(f64, f64) -> f64| self.0.iter().map(|own| own.0[end]).reduce(more);
+        let end =
+            |end: usize, more: fn(f64, f64) -> f64| self.0.iter().map(|entry| entry.0[end]).reduce(more);
         let whole_s = end(1, f64::max)? - end(0, f64::min)?;
         let lost_s = whole_s - (to - from);
         let text = format!(

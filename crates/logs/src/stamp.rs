@@ -129,7 +129,7 @@ impl Stamps {
 
     /// The refusal of a cell that is not a time.
     pub fn refused(&self, line: usize, column: &str, text: &str, why: NoStamp, written_in: &str) -> Invalid {
-        let found = match why {
+        let problem = match why {
             NoStamp::Unread => format!("`{}`", foreign(text)),
             NoStamp::Twice => {
                 format!(
@@ -159,7 +159,7 @@ impl Stamps {
                  `zone = \"+03:00\"` for such files"
             ),
         };
-        Invalid::new(cell_of(line, column), found, expected, remedy)
+        Invalid::new(cell_of(line, column), problem, expected, remedy)
     }
 }
 
@@ -221,9 +221,9 @@ fn unknown(name: &str, near: Option<&str>) -> Invalid {
 
 /// Whether a `format` has a day, found by writing a time and reading it back.
 fn has_day(format: &str) -> Result<bool, Invalid> {
-    let refused = |found: String| {
+    let refused = |text: String| {
         let expected = "a format such as `%Y/%m/%d %H:%M:%S%.f`, with hours at least";
-        Invalid::new("`format`", found, expected, "correct it")
+        Invalid::new("`format`", text, expected, "correct it")
     };
     let moment: Zoned = Timestamp::UNIX_EPOCH.to_zoned(TimeZone::UTC);
     let written = jiff::fmt::strtime::format(format, &moment)

@@ -38,7 +38,7 @@ pub(crate) struct Turns<'a> {
 
 /// How a channel looked as logged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Seen {
+pub(crate) struct LoggedShape {
     /// Its largest modulus, in SI units.
     largest: f64,
     /// How often it moved faster than any direction of a turning ship.
@@ -97,8 +97,8 @@ impl<'a> Turns<'a> {
     }
 
     /// How the numbers looked.
-    pub(crate) fn seen(&self) -> Seen {
-        Seen { largest: self.unit.factor * self.largest, fast: self.fast }
+    pub(crate) fn seen(&self) -> LoggedShape {
+        LoggedShape { largest: self.unit.factor * self.largest, fast: self.fast }
     }
 
     /// Refuses `column`, whose number `i` stands on `line(i)`, if it wraps at another unit's turn.
@@ -120,8 +120,8 @@ impl<'a> Turns<'a> {
 /// Refuses velocities that differ from the derivative of position or heading by the ratio of two units.
 pub(crate) fn check_ratios(motion: &[Option<MotionSummary>; 3]) -> Result<(), Invalid> {
     let units = [("y_u", &SPEEDS[..]), ("y_v", &SPEEDS), ("y_r", &RATES)];
-    for ((channel, units), found) in units.into_iter().zip(motion) {
-        let Some(gain) = found.and_then(|found| found.gain) else { continue };
+    for ((channel, units), fit) in units.into_iter().zip(motion) {
+        let Some(gain) = fit.and_then(|fit| fit.gain) else { continue };
         let same = |ratio: f64| (gain / ratio - 1.0).abs() < SAME_RATIO;
         if let Some((unit, ratio)) = units.iter().find(|(_, ratio)| same(*ratio) || same(1.0 / ratio)) {
             return Err(other_unit(channel, gain, same(*ratio).then_some(*unit)));
@@ -139,8 +139,8 @@ fn other_unit(channel: &str, gain: f64, unit: Option<&str>) -> Invalid {
         (None, "y_r") => format!("{of} may be in deg: correct its `unit`, or that of `{channel}`"),
         (None, _) => format!("{of} may be in another unit: correct it, or that of `{channel}`"),
     };
-    let found = format!("{gain:.4} times the derivative of {of}");
-    Invalid::new(format!("unit of channel `{channel}`"), found, "about 1 times it", remedy)
+    let ratio = format!("{gain:.4} times the derivative of {of}");
+    Invalid::new(format!("unit of channel `{channel}`"), ratio, "about 1 times it", remedy)
 }
 
 /// Something odd about a channel that does not hinder its use.
@@ -188,13 +188,13 @@ pub(crate) type Oddity = (WarningKind, u64, String);
 pub(crate) fn warnings(
     setup: &Setup,
     channels: &Channels,
-    found: &[ChannelSummary],
-    seen: &[Seen],
+    summaries: &[ChannelSummary],
+    seen: &[LoggedShape],
     contradictions: &[(String, Oddity)],
 ) -> Vec<WarningSummary> {
     let mut odd: Vec<(&str, Oddity)> = Vec::new();
     for (spec, seen) in setup.channels().zip(seen) {
-        let Some(channel) = found.iter().find(|channel| channel.name == spec.channel) else { continue };
+        let Some(channel) = summaries.iter().find(|channel| channel.name == spec.channel) else { continue };
         let constant = constant(channel);
         let oddities = [angle(spec, *seen, constant.is_some()), slow(setup.conventions.rate_hz, channel)];
         let oddities = [constant].into_iter().chain(oddities);
@@ -219,7 +219,7 @@ fn constant(channel: &ChannelSummary) -> Option<Oddity> {
 
 /// An angle that stands still beyond a turn, or moves faster there than anything that rotates with a ship; or
 /// one in degrees that stays within a turn in radians. An angle without wraps may make any number of turns.
-fn angle(spec: &ChannelSpec, Seen { largest, fast }: Seen, still: bool) -> Option<Oddity> {
+fn angle(spec: &ChannelSpec, LoggedShape { largest, fast }: LoggedShape, still: bool) -> Option<Oddity> {
     let degrees = largest.to_degrees();
     let text = match spec.unit.as_str() {
         "rad" if largest > TAU && spec.channel != "psi" && (still || fast >= OFTEN) => {

@@ -124,13 +124,13 @@ impl Allocation {
                 coefficients.push(along);
             }
             let left = dot(&row, &row).sqrt();
-            let own = left > DEPENDENT * size.max(f64::MIN_POSITIVE);
-            if own {
+            let is_independent = left > DEPENDENT * size.max(f64::MIN_POSITIVE);
+            if is_independent {
                 row.iter_mut().for_each(|x| *x /= left);
                 q.push(row);
                 coefficients.push(left);
             }
-            l.push((coefficients, own));
+            l.push((coefficients, is_independent));
         }
         Self { thrusters, q, l }
     }
@@ -152,9 +152,9 @@ impl Allocation {
     pub fn components(&self, tau: [f64; 3]) -> Result<Vec<[f64; 2]>, Unreachable> {
         let largest = tau.iter().fold(0.0_f64, |most, t| most.max(t.abs()));
         let mut y: Vec<f64> = Vec::new();
-        for (force, ((coefficients, own), wanted)) in self.l.iter().zip(tau).enumerate() {
+        for (force, ((coefficients, is_independent), wanted)) in self.l.iter().zip(tau).enumerate() {
             let made: f64 = coefficients.iter().zip(&y).map(|(c, y)| c * y).sum();
-            match coefficients.last().filter(|_| *own) {
+            match coefficients.last().filter(|_| *is_independent) {
                 Some(pivot) => y.push((wanted - made) / pivot),
                 None if (wanted - made).abs() > 1e-6 * largest => {
                     return Err(Unreachable { force, wanted, made });

@@ -18,7 +18,7 @@ pub(crate) struct Record<'a> {
 impl<'a> Record<'a> {
     /// The bytes of the first field of a tag.
     pub(crate) fn field(&self, tag: &str) -> Option<&'a [u8]> {
-        self.fields.iter().find(|(own, _)| *own == tag.as_bytes()).map(|(_, bytes)| *bytes)
+        self.fields.iter().find(|(known, _)| *known == tag.as_bytes()).map(|(_, bytes)| *bytes)
     }
 
     /// All fields.
@@ -92,14 +92,14 @@ impl Leader {
         let leader = rest.get(..LEADER)?;
         let kind = if number == 0 { b'L' } else { b'D' };
         let digit = |k: usize| decimal(&leader[k..=k]);
-        let own = Self {
+        let parsed = Self {
             length: decimal(&leader[..5])?,
             base: decimal(&leader[12..17])?,
             length_digits: digit(20)?,
             place_digits: digit(21)?,
         };
-        let sound = leader[6] == kind && digit(23) == Some(4) && own.base > LEADER;
-        sound.then_some(own)
+        let sound = leader[6] == kind && digit(23) == Some(4) && parsed.base > LEADER;
+        sound.then_some(parsed)
     }
 
     /// Length and offset of a field, from its entry in the directory.
@@ -208,9 +208,9 @@ impl<'a> Cursor<'a> {
             let ends = self.rest.contains(&UNIT_END);
             return if ends { self.text(Lexical::Latin) } else { Ok(latin(std::mem::take(&mut self.rest))) };
         };
-        let Some((own, rest)) = self.rest.split_at_checked(length) else { return Err(self.early()) };
+        let Some((value, rest)) = self.rest.split_at_checked(length) else { return Err(self.early()) };
         self.rest = rest;
-        Ok(latin(own))
+        Ok(latin(value))
     }
 
     /// A text up to its terminator.
@@ -278,7 +278,7 @@ const OTHERS: [(&[u8], &str); 3] =
 /// Refuses files of another product, and fields with another layout.
 pub(crate) fn check(descriptive: &Record<'_>) -> Result<(), Invalid> {
     for (tag, product) in OTHERS {
-        if descriptive.fields().any(|(own, _)| own == tag) {
+        if descriptive.fields().any(|(known, _)| known == tag) {
             return Err(other_product(product));
         }
     }
@@ -287,12 +287,12 @@ pub(crate) fn check(descriptive: &Record<'_>) -> Result<(), Invalid> {
     }
     for (tag, expected) in FIELDS {
         let Some(described) = descriptive.field(tag) else { continue };
-        let found = format_of(described);
-        if expanded(&found) != expanded(expected) {
+        let layout = format_of(described);
+        if expanded(&layout) != expanded(expected) {
             let remedy = "take the binary form of the cell (S-57, implementation `b`)";
             return Err(Invalid::new(
                 format!("field {tag}"),
-                format!("`{found}`"),
+                format!("`{layout}`"),
                 format!("`({expected})`"),
                 remedy,
             ));

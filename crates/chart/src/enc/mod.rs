@@ -111,12 +111,12 @@ const CLASSES: [(u16, &str); 179] = [
 
 /// The acronym of a class; `None` for a code that the standard lacks.
 pub fn class_name(code: u16) -> Option<&'static str> {
-    CLASSES.binary_search_by_key(&code, |(own, _)| *own).ok().map(|k| CLASSES[k].1)
+    CLASSES.binary_search_by_key(&code, |(known, _)| *known).ok().map(|k| CLASSES[k].1)
 }
 
 /// The code of a class; `None` for an acronym that the standard lacks.
 pub fn class(acronym: &str) -> Option<u16> {
-    CLASSES.iter().find(|(_, own)| *own == acronym).map(|(code, _)| *code)
+    CLASSES.iter().find(|(_, name)| *name == acronym).map(|(code, _)| *code)
 }
 
 // Objects of a cell, with their positions.

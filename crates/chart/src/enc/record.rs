@@ -84,9 +84,9 @@ pub(crate) struct Object {
 impl Vector {
     /// `None` for a record of another kind.
     pub(crate) fn read(record: &Record<'_>) -> Result<Option<Self>, Invalid> {
-        let Some(mut own) = Cursor::of(record, "VRID") else { return Ok(None) };
-        let name = (own.u8()?, own.u32()?);
-        let (version, code) = (own.u16()?, own.u8()?);
+        let Some(mut cursor) = Cursor::of(record, "VRID") else { return Ok(None) };
+        let name = (cursor.u8()?, cursor.u32()?);
+        let (version, code) = (cursor.u16()?, cursor.u8()?);
         if ![ISOLATED, CONNECTED, EDGE].contains(&name.0) {
             let expected = "nodes (110, 120) and edges (130), as in every ENC";
             return Err(refuse(record, format!("a vector record of kind {}", name.0), expected));
@@ -110,10 +110,10 @@ impl Vector {
 impl Object {
     /// `None` for a record of another kind.
     pub(crate) fn read(record: &Record<'_>, national: Lexical) -> Result<Option<Self>, Invalid> {
-        let Some(mut own) = Cursor::of(record, "FRID") else { return Ok(None) };
-        let (kind, number) = (own.u8()?, own.u32()?);
-        let (primitive, _group) = (own.u8()?, own.u8()?);
-        let (class, version, code) = (own.u16()?, own.u16()?, own.u8()?);
+        let Some(mut cursor) = Cursor::of(record, "FRID") else { return Ok(None) };
+        let (kind, number) = (cursor.u8()?, cursor.u32()?);
+        let (primitive, _group) = (cursor.u8()?, cursor.u8()?);
+        let (class, version, code) = (cursor.u16()?, cursor.u16()?, cursor.u8()?);
         if kind != FEATURE {
             return Err(refuse(record, format!("a feature record of kind {kind}"), "100"));
         }
@@ -177,9 +177,9 @@ fn attributes(record: &Record<'_>, tag: &'static str, lexical: Lexical) -> Resul
 }
 
 fn splice(record: &Record<'_>, tag: &'static str) -> Result<Option<Splice>, Invalid> {
-    let Some(mut own) = Cursor::of(record, tag) else { return Ok(None) };
-    let instruction = instruction(record, own.u8()?)?;
-    Ok(Some(Splice { instruction, index: own.u16()?.into(), count: own.u16()?.into() }))
+    let Some(mut cursor) = Cursor::of(record, tag) else { return Ok(None) };
+    let instruction = instruction(record, cursor.u8()?)?;
+    Ok(Some(Splice { instruction, index: cursor.u16()?.into(), count: cursor.u16()?.into() }))
 }
 
 fn instruction(record: &Record<'_>, code: u8) -> Result<Instruction, Invalid> {
@@ -224,32 +224,32 @@ pub(crate) fn apply<T: Versioned>(all: &mut BTreeMap<T::Key, T>, change: T) -> R
             Some(_) => Err(refuse_change(named, "the insertion of an existing record", "a new record")),
         };
     }
-    let Some(own) = all.get_mut(&key) else {
+    let Some(record) = all.get_mut(&key) else {
         return Err(refuse_change(change.named(), "a change of a missing record", "a record of the cell"));
     };
-    let next = own.version().wrapping_add(1);
+    let next = record.version().wrapping_add(1);
     if change.version() != next {
-        let found = format!("version {}", change.version());
-        return Err(refuse_change(change.named(), &found, &format!("version {next}, the next one")));
+        let version = format!("version {}", change.version());
+        return Err(refuse_change(change.named(), &version, &format!("version {next}, the next one")));
     }
     match change.instruction() {
         Instruction::Delete => {
             all.remove(&key);
             Ok(())
         }
-        _ => own.modify(change),
+        _ => record.modify(change),
     }
 }
 
 /// Elements of lists that a change moves, before it is applied.
 pub(crate) fn moved<T: Versioned>(all: &BTreeMap<T::Key, T>, change: &T) -> u64 {
-    all.get(&change.key()).map_or(0, |own| own.moved(change))
+    all.get(&change.key()).map_or(0, |record| record.moved(change))
 }
 
 /// As [`moved`], for one list: insertions and deletions move all elements behind them.
-fn moved_in<T>(own: &[T], change: &Part<T>) -> u64 {
+fn moved_in<T>(list: &[T], change: &Part<T>) -> u64 {
     let moves = |splice: &Splice| splice.instruction != Instruction::Modify;
-    change.splice.filter(moves).map_or(0, |splice| own.len().saturating_sub(splice.index) as u64)
+    change.splice.filter(moves).map_or(0, |splice| list.len().saturating_sub(splice.index) as u64)
 }
 
 impl Versioned for Vector {
@@ -326,27 +326,27 @@ fn merge(attributes: &mut Attributes, changes: Attributes) {
 }
 
 /// Changes a part of a list, or without a splice all of it, if there is a change.
-fn change_list<T>(own: &mut Vec<T>, change: Part<T>, named: &str) -> Result<(), Invalid> {
+fn change_list<T>(list: &mut Vec<T>, change: Part<T>, named: &str) -> Result<(), Invalid> {
     let Some(Splice { instruction, index, count }) = change.splice else {
         if !change.items.is_empty() {
-            *own = change.items;
+            *list = change.items;
         }
         return Ok(());
     };
     let from = index.wrapping_sub(1);
     let taken = if instruction == Instruction::Insert { 0 } else { count };
     let given = if instruction == Instruction::Delete { 0 } else { count };
-    let fits = from.checked_add(taken).is_some_and(|end| end <= own.len());
+    let fits = from.checked_add(taken).is_some_and(|end| end <= list.len());
     if !fits || change.items.len() != given {
-        let found = format!(
+        let places = format!(
             "{} for places {index} to {} of {}",
             change.items.len(),
             from.saturating_add(count),
-            own.len()
+            list.len()
         );
-        return Err(refuse_change(named.to_owned(), &found, "a change within its list"));
+        return Err(refuse_change(named.to_owned(), &places, "a change within its list"));
     }
-    own.splice(from..from + taken, change.items);
+    list.splice(from..from + taken, change.items);
     Ok(())
 }
 

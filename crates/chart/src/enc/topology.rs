@@ -41,13 +41,13 @@ impl Topology<'_> {
     /// Counts places before they are created.
     fn count(&self, places: usize, feature: &Feature) -> Result<(), Invalid> {
         let Some(left) = self.left.get().checked_sub(places as u64) else {
-            let found = format!("objects of more than {} places up to it", self.most_places);
+            let excess = format!("objects of more than {} places up to it", self.most_places);
             let expected = format!(
                 "a cell of at most {} places, each counted as often as objects use it",
                 self.most_places
             );
             let remedy = "allow more memory, or report the cell to its producer";
-            return Err(Invalid::new(feature.named(), found, expected, remedy));
+            return Err(Invalid::new(feature.named(), excess, expected, remedy));
         };
         self.left.set(left);
         Ok(())
@@ -89,8 +89,8 @@ impl Topology<'_> {
     fn quality(&self, pointers: &[Pointer], feature: &Feature) -> Result<Vec<u8>, Invalid> {
         let mut all = Vec::new();
         for pointer in pointers {
-            let own = self.vector(pointer.name, feature)?.attributes.get(&QUAPOS.0);
-            all.extend(own.and_then(|text| text.trim().parse::<u8>().ok()));
+            let quality = self.vector(pointer.name, feature)?.attributes.get(&QUAPOS.0);
+            all.extend(quality.and_then(|text| text.trim().parse::<u8>().ok()));
         }
         all.sort_unstable();
         all.dedup();
@@ -120,12 +120,12 @@ impl Topology<'_> {
         let (inside, outside): (Vec<Pointer>, Vec<Pointer>) =
             pointers.iter().partition(|p| p.usage == INSIDE);
         let (outside, inside) = (self.edges(&outside, feature)?, self.edges(&inside, feature)?);
-        let closed = |edges: Vec<Run>| {
+        let closed = |edges: Vec<EdgeRun>| {
             rings(edges).map_err(|[lon, lat]| {
                 let [lon, lat] = self.degree([lon, lat]);
-                let found = format!("a boundary that ends at {lon}, {lat}");
+                let boundary = format!("a boundary that ends at {lon}, {lat}");
                 let remedy = "take base cell and updates of one edition, as their producer issued them";
-                Invalid::new(feature.named(), found, "closed rings", remedy)
+                Invalid::new(feature.named(), boundary, "closed rings", remedy)
             })
         };
         let count = |looked_at: usize| self.count(looked_at / MOST_TESTED, feature);
@@ -134,15 +134,15 @@ impl Topology<'_> {
     }
 
     /// The edges that pointers refer to, in their direction.
-    fn edges(&self, pointers: &[Pointer], feature: &Feature) -> Result<Vec<Run>, Invalid> {
+    fn edges(&self, pointers: &[Pointer], feature: &Feature) -> Result<Vec<EdgeRun>, Invalid> {
         pointers.iter().map(|pointer| self.edge(pointer, feature)).collect()
     }
 
-    fn edge(&self, pointer: &Pointer, feature: &Feature) -> Result<Run, Invalid> {
+    fn edge(&self, pointer: &Pointer, feature: &Feature) -> Result<EdgeRun, Invalid> {
         let edge = self.vector(pointer.name, feature)?;
         if edge.name.0 != EDGE {
-            let found = format!("node {}-{}", edge.name.0, edge.name.1);
-            return Err(Invalid::new(feature.named(), found, "edges", "report it to the chart's producer"));
+            let node = format!("node {}-{}", edge.name.0, edge.name.1);
+            return Err(Invalid::new(feature.named(), node, "edges", "report it to the chart's producer"));
         }
         self.count(edge.points.items.len() + edge.ends.items.len(), feature)?;
         let end = |topology: u8| -> Result<Option<Place>, Invalid> {
@@ -156,10 +156,10 @@ impl Topology<'_> {
         let (first, last) = (end(BEGINNING)?, end(END)?);
         let mut places: Vec<Place> = first.into_iter().chain(between).chain(last).collect();
         if places.len() < 2 {
-            let found = format!("edge {}-{} of {} places", edge.name.0, edge.name.1, places.len());
+            let short = format!("edge {}-{} of {} places", edge.name.0, edge.name.1, places.len());
             return Err(Invalid::new(
                 feature.named(),
-                found,
+                short,
                 "at least two",
                 "report it to the chart's producer",
             ));
@@ -167,7 +167,7 @@ impl Topology<'_> {
         if pointer.orientation == AGAINST {
             places.reverse();
         }
-        Ok(Run { places, either_way: pointer.orientation == NEITHER })
+        Ok(EdgeRun { places, either_way: pointer.orientation == NEITHER })
     }
 
     fn degrees(&self, lines: Vec<Vec<Place>>) -> Vec<Vec<[f64; 2]>> {
@@ -185,7 +185,7 @@ impl Topology<'_> {
 pub(crate) type Place = [i32; 2];
 
 /// An edge in its direction.
-struct Run {
+struct EdgeRun {
     pub places: Vec<Place>,
     /// Whether it may also be traversed backwards.
     pub either_way: bool,
@@ -195,7 +195,7 @@ struct Run {
 pub(crate) type Rings = Vec<Vec<Place>>;
 
 /// Edges as lines: consecutive ones are joined.
-fn runs(edges: Vec<Run>) -> Rings {
+fn runs(edges: Vec<EdgeRun>) -> Rings {
     let mut lines: Rings = Vec::new();
     for edge in edges {
         match lines.last_mut() {
@@ -247,12 +247,12 @@ fn holds<E>(ring: &[Place], hole: &[Place], count: impl Fn(usize) -> Result<(), 
 ///
 /// # Errors
 /// Where a ring ends without being closed.
-fn rings(edges: Vec<Run>) -> Result<Rings, Place> {
+fn rings(edges: Vec<EdgeRun>) -> Result<Rings, Place> {
     let mut ends = Ends::of(&edges);
-    let mut left: Vec<Option<Run>> = edges.into_iter().map(Some).collect();
+    let mut left: Vec<Option<EdgeRun>> = edges.into_iter().map(Some).collect();
     let mut rings = Vec::new();
     for first in 0..left.len() {
-        let Some(Run { places: mut ring, .. }) = left[first].take() else { continue };
+        let Some(EdgeRun { places: mut ring, .. }) = left[first].take() else { continue };
         while ring.first() != ring.last() {
             let [.., end] = ring[..] else { break };
             let next = ends.next_at(end, &left).and_then(|k| left[k].take()).ok_or(end)?;
@@ -271,23 +271,23 @@ fn rings(edges: Vec<Run>) -> Result<Rings, Place> {
 struct Ends(HashMap<Place, VecDeque<usize>>);
 
 impl Ends {
-    fn of(edges: &[Run]) -> Self {
-        let mut own: HashMap<Place, VecDeque<usize>> = HashMap::new();
+    fn of(edges: &[EdgeRun]) -> Self {
+        let mut ends: HashMap<Place, VecDeque<usize>> = HashMap::new();
         for (k, edge) in edges.iter().enumerate() {
             let back = edge.places.last().filter(|_| edge.either_way);
             edge.places
                 .first()
                 .into_iter()
                 .chain(back)
-                .for_each(|end| own.entry(*end).or_default().push_back(k));
+                .for_each(|end| ends.entry(*end).or_default().push_back(k));
         }
-        Self(own)
+        Self(ends)
     }
 
     /// The first remaining edge that may be traversed from `end`.
-    fn next_at(&mut self, end: Place, left: &[Option<Run>]) -> Option<usize> {
-        let own = self.0.get_mut(&end)?;
-        while let Some(k) = own.pop_front() {
+    fn next_at(&mut self, end: Place, left: &[Option<EdgeRun>]) -> Option<usize> {
+        let edges = self.0.get_mut(&end)?;
+        while let Some(k) = edges.pop_front() {
             if left[k].is_some() {
                 return Some(k);
             }

@@ -244,7 +244,7 @@ impl Feature {
     /// A feature with the entries of `properties`; without any where that is no object.
     pub fn new(geometry: Geometry, properties: serde_json::Value) -> Self {
         let properties =
-            if let serde_json::Value::Object(own) = properties { own } else { JsonObject::new() };
+            if let serde_json::Value::Object(entries) = properties { entries } else { JsonObject::new() };
         Self { geometry, properties }
     }
 }
@@ -349,10 +349,10 @@ fn track(xml: &mut Xml, track: &Track, departure: Option<Timestamp>) -> io::Resu
         element(xml, "name", &track.name)?;
         xml.create_element("trkseg").write_inner_content(|xml| {
             track.points.iter().enumerate().try_for_each(|(index, place)| {
-                let own = point(xml, "trkpt", *place);
+                let point = point(xml, "trkpt", *place);
                 match time(index) {
-                    Some(time) => own.write_inner_content(|xml| element(xml, "time", &time))?,
-                    None => own.write_empty()?,
+                    Some(time) => point.write_inner_content(|xml| element(xml, "time", &time))?,
+                    None => point.write_empty()?,
                 };
                 Ok(())
             })

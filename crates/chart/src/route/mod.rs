@@ -117,14 +117,14 @@ impl Route {
     pub(crate) fn check(&self) -> Result<(), Invalid> {
         text("route name", &self.name)?;
         if self.waypoints.len() < 2 {
-            let found = format!("{} waypoints", self.waypoints.len());
-            return Err(Invalid::new("route", found, "at least two", "add a start and an end"));
+            let count = format!("{} waypoints", self.waypoints.len());
+            return Err(Invalid::new("route", count, "at least two", "add a start and an end"));
         }
         let mut ids: Vec<u32> = self.waypoints.iter().map(|w| w.id).collect();
         ids.sort_unstable();
         if let Some(twice) = ids.windows(2).find(|w| w[0] == w[1]) {
-            let found = format!("id {} twice", twice[0]);
-            return Err(Invalid::new("route", found, "every id once", "number the waypoints"));
+            let repeated = format!("id {} twice", twice[0]);
+            return Err(Invalid::new("route", repeated, "every id once", "number the waypoints"));
         }
         self.check_times()?;
         self.waypoints.iter().enumerate().try_for_each(|(index, w)| self.check_waypoint(index, w))
@@ -210,16 +210,16 @@ fn place(thing: &str, [lon, lat]: [f64; 2]) -> Result<(), Invalid> {
     if lon.abs() <= 180.0 && lat.abs() <= 90.0 {
         return Ok(());
     }
-    let found = format!("longitude {lon}, latitude {lat}");
-    Err(Invalid::new(thing, found, "degrees within ±180 and ±90", "correct it"))
+    let position = format!("longitude {lon}, latitude {lat}");
+    Err(Invalid::new(thing, position, "degrees within ±180 and ±90", "correct it"))
 }
 
 /// At least `least` positions, to 10⁻⁹ degrees (0.1 mm); `thing` names them in refusals.
 fn rounded(places: &[[f64; 2]], least: usize, thing: &str) -> Result<Vec<[f64; 2]>, Invalid> {
     places.iter().try_for_each(|p| place(thing, *p))?;
     if places.len() < least {
-        let (found, expected) = (format!("{} points", places.len()), format!("at least {least}"));
-        return Err(Invalid::new(thing, found, expected, "add points"));
+        let (count, expected) = (format!("{} points", places.len()), format!("at least {least}"));
+        return Err(Invalid::new(thing, count, expected, "add points"));
     }
     Ok(places.iter().map(|p| p.map(|v| (v * 1e9).round() / 1e9)).collect())
 }
@@ -230,8 +230,8 @@ fn text(thing: &str, text: &str) -> Result<(), Invalid> {
     match text.chars().find(|c| bad(*c)) {
         None => Ok(()),
         Some(c) => {
-            let found = format!("character {:?}", u32::from(c));
-            Err(Invalid::new(thing, found, "one line of text", "remove the character"))
+            let character = format!("character {:?}", u32::from(c));
+            Err(Invalid::new(thing, character, "one line of text", "remove the character"))
         }
     }
 }

@@ -6,9 +6,9 @@ use std::io::Read;
 use refusal::{Invalid, foreign};
 
 use super::definition::leaves;
-use super::{Effort, Part, database};
+use super::{BagPart, Effort, database};
 use crate::Format;
-use crate::bag::BagError;
+use crate::LogError;
 use crate::bag::database::DatabaseFile;
 use crate::bag::decoder::{Decoder, shape};
 use crate::bag::definition::LONGEST;
@@ -78,7 +78,7 @@ impl Channel {
 }
 
 /// The channels of the topic that is read.
-pub(crate) struct Channels<'a> {
+pub(crate) struct TopicChannels<'a> {
     /// The wanted publisher.
     publisher: Option<&'a str>,
     known: BTreeMap<u32, Channel>,
@@ -89,7 +89,7 @@ pub(crate) struct Channels<'a> {
     effort: &'a Effort,
 }
 
-impl<'a> Channels<'a> {
+impl<'a> TopicChannels<'a> {
     /// No channels yet; all of the topic count, or those of one publisher.
     pub(crate) fn new(publisher: Option<&'a str>, effort: &'a Effort) -> Self {
         Self { publisher, known: BTreeMap::new(), called: BTreeMap::new(), last: None, effort }
@@ -153,11 +153,11 @@ impl<'a> Channels<'a> {
 
     fn several(&self, topic: &str) -> Invalid {
         let called: Vec<&str> = self.called.values().take(4).map(String::as_str).collect();
-        let found = format!("{} channels, {}", self.called.len(), called.join(", "));
+        let listed = format!("{} channels, {}", self.called.len(), called.join(", "));
         let first = called.first().and_then(|called| called.split('`').nth(1)).unwrap_or_default();
         Invalid::new(
             format!("publishers of topic `{}`", foreign(topic)),
-            found,
+            listed,
             "messages of one",
             format!("name one by its channel or its metadata: `publisher = \"{first}\"` in its [[file]]"),
         )
@@ -225,26 +225,32 @@ pub struct Topic {
     pub messages: usize,
 }
 
-/// The topics of a bag and the first of their messages, by means of `memory` bytes.
+/// The topics of a bag and the first of their messages, by means of `memory` bytes; `format` as in [`crate::read_bag`].
 ///
 /// # Errors
 /// Bytes that cannot be read or are not a bag.
-pub fn census(bytes: &mut dyn Read, format: Format, memory: f64) -> Result<Vec<Topic>, BagError> {
-    let effort = Effort::new(memory);
-    let mut census = Census::new(&effort);
-    each_part(bytes, format, &effort, &mut |part| census.take(part))?;
-    Ok(census.topics())
+pub fn bag_census(mut bytes: impl Read, format: Format, memory: f64) -> Result<Vec<Topic>, LogError> {
+    census(memory, |effort, each| each_part(&mut bytes, format, effort, each))
 }
 
-/// As [`census`], of a bag in SQLite.
+/// As [`bag_census`], of a bag in SQLite.
 ///
 /// # Errors
-/// As [`census`].
-pub fn census_of_database(database: &DatabaseFile, memory: f64) -> Result<Vec<Topic>, BagError> {
+/// As [`bag_census`].
+pub fn database_census(file: &DatabaseFile, memory: f64) -> Result<Vec<Topic>, LogError> {
+    census(memory, |effort, each| database::each_part(file, None, effort, each))
+}
+
+/// The topics of a bag, whose parts `pass` passes on.
+fn census(
+    memory: f64,
+    pass: impl FnOnce(&Effort, &mut dyn FnMut(BagPart) -> Result<(), LogError>) -> Result<(), LogError>,
+) -> Result<Vec<Topic>, LogError> {
     let effort = Effort::new(memory);
-    let mut census = Census::new(&effort);
-    database::each_part(database, None, &effort, &mut |part| census.take(part))?;
-    Ok(census.topics())
+    let (schemas, topics, channels) = (Schemas::default(), BTreeMap::new(), BTreeMap::new());
+    let mut census = Census { schemas, topics, channels, effort: &effort };
+    pass(&effort, &mut |part| census.take(part))?;
+    Ok(census.topics.into_values().map(|(topic, _)| topic).collect())
 }
 
 /// What was found so far.
@@ -257,24 +263,20 @@ struct Census<'a> {
     effort: &'a Effort,
 }
 
-impl<'a> Census<'a> {
-    fn new(effort: &'a Effort) -> Self {
-        Self { schemas: Schemas::default(), topics: BTreeMap::new(), channels: BTreeMap::new(), effort }
-    }
-
+impl Census<'_> {
     /// Takes the next part of a bag.
-    fn take(&mut self, part: Part) -> Result<(), BagError> {
+    fn take(&mut self, part: BagPart) -> Result<(), LogError> {
         match part {
-            Part::Schema { id, name, encoding, data } => {
+            BagPart::Schema { id, name, encoding, data } => {
                 self.schemas.add(id, [name, encoding], data, self.effort)?;
             }
-            Part::Channel { id, number, schema, topic, encoding, .. } => {
+            BagPart::Channel { id, number, schema, topic, encoding, .. } => {
                 if self.topics.len() < MOST_TOPICS {
                     self.channel([id, number, schema], topic, encoding)?;
                 }
             }
-            Part::Message { channel, log_time, data, .. } => self.message(channel, log_time, data),
-            Part::Chunk { .. } | Part::Other => {}
+            BagPart::Message { channel, log_time, data, .. } => self.message(channel, log_time, data),
+            BagPart::Chunk { .. } | BagPart::Other => {}
         }
         Ok(())
     }
@@ -297,16 +299,16 @@ impl<'a> Census<'a> {
             let fields = shape.map_or(Ok(Vec::new()), |shape| leaves(&shape, FEW, effort))?;
             let decoder = Decoder::new(topic, encoding, parts, &fields, effort).ok();
             let kind = parts.map(|(name, ..)| name.to_owned()).unwrap_or_default();
-            let own = Topic { name: topic.to_owned(), kind, fields, ..Topic::default() };
-            self.topics.insert(topic.to_owned(), (own, decoder));
+            let listed = Topic { name: topic.to_owned(), kind, fields, ..Topic::default() };
+            self.topics.insert(topic.to_owned(), (listed, decoder));
         }
-        self.topics.entry(topic.to_owned()).and_modify(|(own, _)| own.publishers.push(number));
+        self.topics.entry(topic.to_owned()).and_modify(|(listed, _)| listed.publishers.push(number));
         Ok(())
     }
 
     fn message(&mut self, channel: u32, log_time: u64, data: &[u8]) {
-        let own = self.channels.get(&channel).and_then(|topic| self.topics.get_mut(topic));
-        let Some((topic, decoder)) = own else { return };
+        let entry = self.channels.get(&channel).and_then(|topic| self.topics.get_mut(topic));
+        let Some((topic, decoder)) = entry else { return };
         let logged_s = 1e-9 * log_time as f64;
         if topic.messages == 0 {
             topic.logged_s[0] = logged_s;
@@ -322,10 +324,5 @@ impl<'a> Census<'a> {
         {
             topic.rows.push(row);
         }
-    }
-
-    /// The topics in the order of their names.
-    fn topics(self) -> Vec<Topic> {
-        self.topics.into_values().map(|(topic, _)| topic).collect()
     }
 }

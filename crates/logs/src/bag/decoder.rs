@@ -7,7 +7,7 @@ use refusal::{Invalid, foreign, nearest, some_of};
 use serde_json::Value;
 
 use super::Effort;
-use super::definition::{Primitive, Shape, Step, Wrong, known, leaves, steps};
+use super::definition::{PathStep, Primitive, Shape, Wrong, known, leaves, steps};
 use crate::bag::binary::{Cursor, Node};
 use crate::bag::definition::{Dialect, definition};
 
@@ -21,7 +21,7 @@ pub(crate) enum Decoder {
     /// Values without gaps, as ROS 1 and ULog have them, by the definition of the message.
     Packed(Node),
     /// JSON: the paths to the fields, and whether each was found in any message.
-    Json(Vec<(Vec<Step>, bool)>),
+    Json(Vec<(Vec<PathStep>, bool)>),
 }
 
 impl Decoder {
@@ -43,7 +43,7 @@ impl Decoder {
         }
         let schema = schema.unwrap_or(("", "", &[]));
         let shape = shape(topic, encoding, schema, effort)?;
-        let wanted: Vec<(usize, &[Step])> = steps.iter().map(Vec::as_slice).enumerate().collect();
+        let wanted: Vec<(usize, &[PathStep])> = steps.iter().map(Vec::as_slice).enumerate().collect();
         let node = Node::new(&shape, &wanted).map_err(|slot| {
             let known = leaves(&shape, 1, effort).unwrap_or_default();
             let path = &paths[slot];
@@ -76,11 +76,11 @@ impl Decoder {
 
     /// Refuses a field that none of the messages had.
     pub(crate) fn check_found(&self, paths: &[String], messages: usize) -> Result<(), Invalid> {
-        let Self::Json(found) = self else { return Ok(()) };
-        match found.iter().zip(paths).find(|((_, found), _)| messages > 0 && !found) {
+        let Self::Json(fields) = self else { return Ok(()) };
+        match fields.iter().zip(paths).find(|((_, is_found), _)| messages > 0 && !is_found) {
             Some((_, path)) => {
-                let found = format!("`{path}` in none of {messages} messages");
-                Err(Invalid::new("column", found, "a field of the messages", "correct the path"))
+                let counted = format!("`{path}` in none of {messages} messages");
+                Err(Invalid::new("column", counted, "a field of the messages", "correct the path"))
             }
             None => Ok(()),
         }
@@ -109,21 +109,21 @@ pub(crate) fn shape(
         ("ulog", "ulog") => format(name, &text, effort),
         _ => return Err(unknown(topic, encoding, kind)),
     };
-    let shape = made.map_err(|found| {
+    let shape = made.map_err(|problem| {
         let expected = "a definition of each type in it, as the bag's recorder writes them";
         let remedy = "record the bag with its message definitions";
         let thing = format!("schema `{}` of topic `{}`", foreign(name), foreign(topic));
-        Invalid::new(thing, found, expected, remedy)
+        Invalid::new(thing, problem, expected, remedy)
     })?;
     effort.keep(shape.fields() * FIELD_BYTES)?;
     Ok(shape)
 }
 
 fn undefined(topic: &str, name: &str, kind: &str) -> Invalid {
-    let found = if kind.is_empty() { "none in the bag".to_owned() } else { format!("one in {kind}") };
+    let definition = if kind.is_empty() { "none in the bag".to_owned() } else { format!("one in {kind}") };
     let remedy = "convert it where its package is installed: `ros2 bag convert`, to the storage `mcap`";
     let thing = format!("definition of `{}` of topic `{}`", foreign(name), foreign(topic));
-    Invalid::new(thing, found, "one in ros2msg, or a common type", remedy)
+    Invalid::new(thing, definition, "one in ros2msg, or a common type", remedy)
 }
 
 fn unknown(topic: &str, encoding: &str, kind: &str) -> Invalid {
@@ -148,7 +148,7 @@ const VALUES: usize = 16;
 /// Puts the numbers at `paths` of the message `data` into `row`, and notes which paths were found.
 fn decode(
     data: &[u8],
-    paths: &mut [(Vec<Step>, bool)],
+    paths: &mut [(Vec<PathStep>, bool)],
     row: &mut [f64],
     effort: &Effort,
 ) -> Result<(), Wrong> {
@@ -158,9 +158,9 @@ fn decode(
     }
     let message: Value = serde_json::from_slice(data)
         .map_err(|error| (foreign(&error.to_string()), "a message in JSON".to_owned()))?;
-    for ((path, found), cell) in paths.iter_mut().zip(row) {
+    for ((path, is_found), cell) in paths.iter_mut().zip(row) {
         let Some(value) = path.iter().try_fold(&message, step) else { continue };
-        *found = true;
+        *is_found = true;
         *cell = match value {
             Value::Number(number) => number.as_f64().unwrap_or(f64::NAN),
             Value::Bool(is) => f64::from(u8::from(*is)),
@@ -171,10 +171,10 @@ fn decode(
     Ok(())
 }
 
-fn step<'a>(value: &'a Value, step: &Step) -> Option<&'a Value> {
+fn step<'a>(value: &'a Value, step: &PathStep) -> Option<&'a Value> {
     match step {
-        Step::Name(name) => value.get(name),
-        Step::Index(i) => value.get(i),
+        PathStep::Name(name) => value.get(name),
+        PathStep::Index(i) => value.get(i),
     }
 }
 

@@ -161,7 +161,7 @@ pub(crate) type Wrong = (String, String);
 
 /// A step of a path.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Step {
+pub(crate) enum PathStep {
     /// To a field.
     Name(String),
     /// To an element of a list.
@@ -169,17 +169,17 @@ pub(crate) enum Step {
 }
 
 /// The steps of a path such as `position[2].x`; `None` where it is not a path.
-pub(crate) fn steps(path: &str) -> Option<Vec<Step>> {
+pub(crate) fn steps(path: &str) -> Option<Vec<PathStep>> {
     let mut steps = Vec::new();
     for part in path.split('.') {
         let (name, mut rest) = part.split_at(part.find('[').unwrap_or(part.len()));
         if name.is_empty() {
             return None;
         }
-        steps.push(Step::Name(name.to_owned()));
+        steps.push(PathStep::Name(name.to_owned()));
         while !rest.is_empty() {
             let (index, after) = rest.strip_prefix('[')?.split_once(']')?;
-            steps.push(Step::Index(index.parse().ok()?));
+            steps.push(PathStep::Index(index.parse().ok()?));
             rest = after;
         }
     }
@@ -232,9 +232,9 @@ impl Shape {
 /// # Errors
 /// More paths, to anything or to nothing, than `effort` allows.
 pub(crate) fn leaves(shape: &Shape, few: usize, effort: &Effort) -> Result<Vec<String>, Invalid> {
-    let mut found = Vec::new();
-    collect(shape, "", few, effort, &mut found)?;
-    Ok(found)
+    let mut leaves = Vec::new();
+    collect(shape, "", few, effort, &mut leaves)?;
+    Ok(leaves)
 }
 
 fn collect(
@@ -335,9 +335,9 @@ const KNOWN: &[(&str, &str)] = &[
 /// The definition of the type `name`, as bags have them; `None` if it is not known.
 pub(crate) fn known(name: &str) -> Option<String> {
     let short = name.replace("/msg/", "/");
-    let (_, own) = KNOWN.iter().find(|(known, _)| *known == short)?;
+    let (_, fields) = KNOWN.iter().find(|(known, _)| *known == short)?;
     let others = KNOWN.iter().map(|(name, fields)| format!("\n====\nMSG: {name}\n{fields}"));
-    Some(others.fold((*own).to_owned(), |all, other| all + &other))
+    Some(others.fold((*fields).to_owned(), |all, other| all + &other))
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
-//! Bags of robots: files with topics, each of which has messages. [`each_message`] passes the messages of a topic on with
-//! the numbers at the wanted paths, [`census`] says what is in a file. Each kind of file has a reader that passes
+//! Bags of robots: files with topics, each of which has messages. [`crate::read_bag`] reads
+//! the numbers at the wanted paths, [`bag_census`] says what is in a file. Each kind of file has a reader that passes
 //! parts on: MCAP, bags of ROS 1, those of ROS 2 in SQLite, ULog.
 //!
 //! The crate `mcap` finds the records of MCAP, SQLite the rows of a `.db3`; all others are parsed and chunks decompressed
-//! here, where their lengths are not trusted. What a bag may cost is counted in one place, [`effort`]. Messages are decoded by the definition in the bag, or they are JSON.
+//! here, where their lengths are not trusted. What a bag may cost is counted in one place, [`Effort`]. Messages are decoded by the definition in the bag, or they are JSON.
 
 mod binary;
 pub(crate) mod channels;
@@ -12,37 +12,13 @@ mod decoder;
 mod definition;
 mod rosbag;
 pub(crate) mod stream;
-mod ulog;
 
 use std::cell::Cell;
-use std::io;
 
 use refusal::Invalid;
 
-pub use crate::topics::{Message, Wanted, each_message, each_message_of_database};
-pub use channels::{Topic, census, census_of_database};
+pub use channels::{Topic, bag_census, database_census};
 pub use database::DatabaseFile;
-
-/// Why bytes are not a bag.
-#[derive(Debug)]
-pub enum BagError {
-    /// They cannot be read.
-    Unreadable(io::Error),
-    /// They can be read, but are not a bag, or not one with what is wanted.
-    Invalid(Invalid),
-}
-
-impl From<io::Error> for BagError {
-    fn from(error: io::Error) -> Self {
-        Self::Unreadable(error)
-    }
-}
-
-impl From<Invalid> for BagError {
-    fn from(invalid: Invalid) -> Self {
-        Self::Invalid(invalid)
-    }
-}
 
 // Unread bytes of a record, least significant first. Lengths in them are not trusted.
 
@@ -90,12 +66,12 @@ impl<'a> Rest<'a> {
     /// Pairs of texts after the length of all; `None` where there are more than channels have.
     pub(crate) fn pairs(&mut self) -> Option<Vec<(&'a str, &'a str)>> {
         let length = self.u32()?;
-        let mut own = Rest(self.bytes(u64::from(length))?);
+        let mut inner = Rest(self.bytes(u64::from(length))?);
         let mut pairs = Vec::new();
-        while !own.0.is_empty() && pairs.len() <= MOST_PAIRS {
-            pairs.push((own.text()?, own.text()?));
+        while !inner.0.is_empty() && pairs.len() <= MOST_PAIRS {
+            pairs.push((inner.text()?, inner.text()?));
         }
-        own.0.is_empty().then_some(pairs)
+        inner.0.is_empty().then_some(pairs)
     }
 }
 
@@ -104,7 +80,7 @@ impl<'a> Rest<'a> {
 
 /// A part of a bag.
 #[derive(Debug, PartialEq)]
-pub(crate) enum Part<'a> {
+pub(crate) enum BagPart<'a> {
     /// A message definition.
     Schema { id: u32, name: &'a str, encoding: &'a str, data: &'a [u8] },
     /// Messages of a topic from one publisher, which `number` names.
@@ -125,29 +101,29 @@ pub(crate) enum Part<'a> {
 }
 
 /// The record in the bytes `data`; `None` where it ends too early.
-fn part(opcode: u8, data: &[u8]) -> Option<Part<'_>> {
+fn part(opcode: u8, data: &[u8]) -> Option<BagPart<'_>> {
     let mut rest = Rest(data);
     Some(match opcode {
         0x03 => {
             let (id, name, encoding) = (u32::from(rest.u16()?), rest.text()?, rest.text()?);
             let length = rest.u32()?;
-            Part::Schema { id, name, encoding, data: rest.bytes(u64::from(length))? }
+            BagPart::Schema { id, name, encoding, data: rest.bytes(u64::from(length))? }
         }
         0x04 => {
             let (id, schema) = (u32::from(rest.u16()?), u32::from(rest.u16()?));
             let (topic, encoding, metadata) = (rest.text()?, rest.text()?, rest.pairs()?);
-            Part::Channel { id, number: id, schema, topic, encoding, metadata }
+            BagPart::Channel { id, number: id, schema, topic, encoding, metadata }
         }
         0x05 => {
             let (channel, _sequence) = (u32::from(rest.u16()?), rest.u32()?);
-            Part::Message { channel, log_time: rest.u64()?, publish_time: rest.u64()?, data: rest.0 }
+            BagPart::Message { channel, log_time: rest.u64()?, publish_time: rest.u64()?, data: rest.0 }
         }
         0x06 => {
             let (_first, _last, size, crc) = (rest.u64()?, rest.u64()?, rest.u64()?, rest.u32()?);
             let (compression, length) = (rest.text()?, rest.u64()?);
-            Part::Chunk { size, crc, compression, data: rest.bytes(length)? }
+            BagPart::Chunk { size, crc, compression, data: rest.bytes(length)? }
         }
-        _ => Part::Other,
+        _ => BagPart::Other,
     })
 }
 
@@ -196,18 +172,18 @@ impl Effort {
     /// Counts `packed` bytes that become `unpacked` ones.
     pub(crate) fn unpack(&self, packed: usize, unpacked: u64) -> Result<(), Invalid> {
         if unpacked > self.largest as u64 {
-            let (found, expected) = (format!("{unpacked} bytes"), format!("at most {}", self.largest));
+            let (size, expected) = (format!("{unpacked} bytes"), format!("at most {}", self.largest));
             let remedy = "record in smaller chunks, or raise --memory-mib";
-            return Err(Invalid::new("chunk", found, expected, remedy));
+            return Err(Invalid::new("chunk", size, expected, remedy));
         }
         self.packed.set(self.packed.get() + packed as u64);
         self.unpacked.set(self.unpacked.get() + unpacked);
         let [packed, unpacked] = [&self.packed, &self.unpacked].map(Cell::get);
         if unpacked > EXPANSION * packed + IN_ANY_CASE {
-            let found = format!("{unpacked} bytes, of {packed} in the file");
+            let sizes = format!("{unpacked} bytes, of {packed} in the file");
             let expected = format!("at most {EXPANSION} times as many");
             let remedy = "record again: these hold nothing, or are damaged";
-            return Err(Invalid::new("chunks", found, expected, remedy));
+            return Err(Invalid::new("chunks", sizes, expected, remedy));
         }
         Ok(())
     }
@@ -252,9 +228,9 @@ impl Effort {
     }
 
     fn endless() -> Invalid {
-        let found = "definitions of more elements than the bag has bytes";
+        let excess = "definitions of more elements than the bag has bytes";
         let remedy = "record again: the bag is damaged, or was made to keep its readers busy";
-        Invalid::new("definitions", found, "elements that take bytes", remedy)
+        Invalid::new("definitions", excess, "elements that take bytes", remedy)
     }
 }
 
@@ -270,9 +246,9 @@ mod tests {
         let channel = [vec![7, 0, 3, 0], text("/fix"), text("cdr"), length, pairs].concat();
         let metadata = vec![("callerid", "/gps")];
         let expected =
-            Part::Channel { id: 7, number: 7, schema: 3, topic: "/fix", encoding: "cdr", metadata };
+            BagPart::Channel { id: 7, number: 7, schema: 3, topic: "/fix", encoding: "cdr", metadata };
         assert_eq!(part(0x04, &channel), Some(expected));
-        assert_eq!(part(0x0F, &[1]), Some(Part::Other));
+        assert_eq!(part(0x0F, &[1]), Some(BagPart::Other));
         for end in 0..channel.len() {
             assert_eq!(part(0x04, &channel[..end]), None, "{end}");
         }

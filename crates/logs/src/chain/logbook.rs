@@ -119,10 +119,10 @@ pub fn force_factors(vessel: &Vessel) -> Result<[f64; 3], NoLogs> {
     match factors.collect::<Option<Vec<f64>>>().as_deref() {
         Some([surge, sway, yaw]) if fits => Ok([*surge, *sway, *yaw]),
         _ => {
-            let found: Vec<String> = inputs.iter().map(|i| format!("{} [{}]", i.name, i.unit)).collect();
+            let listed: Vec<String> = inputs.iter().map(|i| format!("{} [{}]", i.name, i.unit)).collect();
             let expected = "tau1 [N], tau2 [N], tau3 [N m], the forces of azimuth thrusters";
             let remedy = "simulate another vessel";
-            Err(Fault::Vessel.is(Invalid::new("[[input]]", found.join(", "), expected, remedy)))
+            Err(Fault::Vessel.is(Invalid::new("[[input]]", listed.join(", "), expected, remedy)))
         }
     }
 }
@@ -226,13 +226,13 @@ fn no_logs(failed: Failed, maneuver: &str, repeat: u32, rate_hz: f64) -> NoLogs 
         }
         Failed::Unreachable { sample, what } => {
             let (force, unit) = FORCES[what.force.min(2)];
-            let found = format!(
+            let times = format!(
                 "thrusters that produce {force} = {:.4} {unit} where maneuver `{maneuver}` needs {:.4} at sample {sample}",
                 what.made, what.wanted
             );
             let expected = "thrusters that can produce surge, sway and yaw together";
             let remedy = "add a thruster elsewhere, or couple the inputs with `follows`";
-            Fault::Thrusters.is(Invalid::new("[[thruster]]", found, expected, remedy))
+            Fault::Thrusters.is(Invalid::new("[[thruster]]", times, expected, remedy))
         }
     }
 }

@@ -27,8 +27,8 @@ pub(crate) fn keep_alive(channels: &mut Channels, omitted: &mut Omissions) {
         && let [Some(first), Some(second)] = names.map(|name| channels.get(name))
     {
         let holds = Holds::of(first, Some(second), metres);
-        let found: Vec<Hold> = holds.long().filter(|hold| is_stuck(hold, &holds, channels)).collect();
-        frozen.extend(names.map(|name| (name, found.clone())));
+        let stuck: Vec<Hold> = holds.long().filter(|hold| is_stuck(hold, &holds, channels)).collect();
+        frozen.extend(names.map(|name| (name, stuck.clone())));
     }
     for (name, holds) in frozen.iter().filter(|(_, holds)| !holds.is_empty()) {
         let Some(series) = channels.get_mut(*name) else { continue };
@@ -252,14 +252,14 @@ impl Holds {
             match &mut hold {
                 Some(hold) if !gap && next == value => (hold.times[1], hold.rows) = (time, hold.rows + 1),
                 _ => {
-                    let own = if gap { f64::NAN } else { step(value, next) };
+                    let change = if gap { f64::NAN } else { step(value, next) };
                     if let Some(hold) = hold.take() {
-                        counting.close(Hold { step_out: own, ..hold });
+                        counting.close(Hold { step_out: change, ..hold });
                     }
                     let begun = Hold {
                         value: first_value,
                         times: [time; 2],
-                        step_in: own,
+                        step_in: change,
                         step_out: f64::NAN,
                         rows: 1,
                     };

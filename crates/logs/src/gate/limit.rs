@@ -93,7 +93,7 @@ fn of_kind(channel: &str, unit: &Unit, fastest: f64) -> (f64, &'static str) {
         ("longitude_deg", _) => (just * TAU, "longitudes"),
         ("y_u" | "y_v" | "v_x" | "v_y", _) => (just * fastest, "a ship's speed, `max_speed_m_s`"),
         ("y_r", _) => (FASTEST_TURN, "yaw rates"),
-        (name, "rad") if ["delta", "rudder"].iter().any(|own| name.starts_with(own)) => {
+        (name, "rad") if ["delta", "rudder"].iter().any(|kind| name.starts_with(kind)) => {
             (just * FRAC_PI_2, "rudder angles")
         }
         (_, "m/s") => (FASTEST_WIND, "speeds of wind and water"),
@@ -111,20 +111,20 @@ pub(crate) fn check_share(
     most: f64,
     limit: Option<&Limit>,
 ) -> Result<(), Invalid> {
-    let own = || omitted.iter().filter(|omission| omission.channel == channel);
-    let count: u64 = own().map(|omission| omission.count).sum();
+    let of_channel = || omitted.iter().filter(|omission| omission.channel == channel);
+    let count: u64 = of_channel().map(|omission| omission.count).sum();
     if count as f64 <= most * values as f64 {
         return Ok(());
     }
-    let reasons: Vec<String> = own().map(|one| format!("{} {}", one.count, one.reason)).collect();
+    let reasons: Vec<String> = of_channel().map(|one| format!("{} {}", one.count, one.reason)).collect();
     let share = 100.0 * count as f64 / values as f64;
-    let found = format!("{count} of {values} values left out ({share:.0} %): {}", reasons.join(", "));
+    let counted = format!("{count} of {values} values left out ({share:.0} %): {}", reasons.join(", "));
     let within = limit.map(|Limit { numbers: [low, high], of }| {
         format!("; the column's numbers within {} to {}, {of}", five(*low), five(*high))
     });
     Err(Invalid::new(
         format!("channel `{channel}`"),
-        found,
+        counted,
         format!("at most {} % left out{}", five(100.0 * most), within.unwrap_or_default()),
         "correct its `unit` or `scale`, set `valid` and `missing`, or raise its `max_omitted`",
     ))
@@ -226,7 +226,7 @@ impl Tracks {
             (off <= self.fastest * (time - track.time) + SLACK_M).then_some((i, off))
         };
         let near = self.tracks.iter().enumerate().filter_map(near).min_by(|a, b| a.1.total_cmp(&b.1));
-        let own = match near {
+        let index = match near {
             Some((i, _)) => i,
             None if self.tracks.len() < MOST_TRACKS => {
                 self.tracks.push(Track { time, place, count: 0, null: true });
@@ -235,12 +235,12 @@ impl Tracks {
             // One of many that continue no track: the shortest track begins anew.
             None => (0..MOST_TRACKS).min_by_key(|i| self.tracks[*i].count).unwrap_or(0),
         };
-        let track = &mut self.tracks[own];
+        let track = &mut self.tracks[index];
         (track.time, track.place, track.count, track.null) =
             (time, place, track.count + 1, track.null && null);
-        match self.stays.last_mut().filter(|stay| stay.track == own && stay.null == null) {
+        match self.stays.last_mut().filter(|stay| stay.track == index && stay.null == null) {
             Some(stay) => stay.times[1] = time,
-            None => self.stays.push(Stay { times: [time; 2], track: own, null }),
+            None => self.stays.push(Stay { times: [time; 2], track: index, null }),
         }
     }
 

@@ -112,7 +112,7 @@ const IN_A_ROW: usize = 5;
 struct Beyond {
     /// A turn, in the column's unit.
     turn: f64,
-    start: Start,
+    start: ColumnStart,
     /// The last number that was kept.
     kept: Option<f64>,
     /// The last number that was not kept, and how many of these continue each other.
@@ -124,7 +124,7 @@ struct Beyond {
 
 /// How a column begins.
 #[derive(Clone, Copy, PartialEq)]
-enum Start {
+enum ColumnStart {
     /// Beyond a turn; the last number so far.
     Open(Option<f64>),
     /// With angles.
@@ -137,7 +137,7 @@ impl Beyond {
     /// For a column whose angles have this `turn`.
     fn new(turn: f64, is_heading: bool) -> Self {
         let seen = (!is_heading).then_some([0; 2]);
-        Self { turn, start: Start::Open(None), kept: None, dropped: (f64::NAN, 0), seen }
+        Self { turn, start: ColumnStart::Open(None), kept: None, dropped: (f64::NAN, 0), seen }
     }
 
     fn is_beyond(&self, number: f64) -> bool {
@@ -155,11 +155,11 @@ impl Beyond {
             *beyond += usize::from(number.abs() > 1.001 * self.turn);
             *all += 1;
         }
-        if let Start::Open(last) = self.start {
+        if let ColumnStart::Open(last) = self.start {
             self.start = match last {
-                Some(last) if !self.continues(last, number) => Start::Wrong,
-                _ if self.is_beyond(number) => Start::Open(Some(number)),
-                _ => Start::Fine,
+                Some(last) if !self.continues(last, number) => ColumnStart::Wrong,
+                _ if self.is_beyond(number) => ColumnStart::Open(Some(number)),
+                _ => ColumnStart::Fine,
             };
         }
     }
@@ -173,7 +173,7 @@ impl Beyond {
         let keeps = !self.is_beyond(number)
             || match self.kept {
                 Some(kept) => self.continues(kept, number) || self.again(number),
-                None => self.start != Start::Wrong || self.again(number),
+                None => self.start != ColumnStart::Wrong || self.again(number),
             };
         if keeps {
             (self.kept, self.dropped) = (Some(number), (f64::NAN, 0));
@@ -263,7 +263,7 @@ struct Sentinels {
     before: f64,
     /// Sum of the moduli of all steps, and how many.
     steps: (f64, u64),
-    found: Vec<Found>,
+    candidates: Vec<Candidate>,
     /// The candidate that the last number is.
     open: Option<usize>,
     /// Whether the first pass is over.
@@ -271,7 +271,7 @@ struct Sentinels {
 }
 
 /// A candidate.
-struct Found {
+struct Candidate {
     number: f64,
     /// The step to its last occurrence.
     entry: f64,
@@ -286,7 +286,7 @@ impl Sentinels {
             of_instruments,
             before: f64::NAN,
             steps: (0.0, 0),
-            found: Vec::new(),
+            candidates: Vec::new(),
             open: None,
             all_seen: false,
         }
@@ -308,10 +308,10 @@ impl Sentinels {
     #[inline]
     fn see(&mut self, number: f64) {
         if let Some(open) = self.open {
-            if number == self.found[open].number {
+            if number == self.candidates[open].number {
                 return;
             }
-            self.leave(open, self.step(self.found[open].number, number));
+            self.leave(open, self.step(self.candidates[open].number, number));
         }
         let step = self.step(self.before, number);
         let near = self.steps.1 >= FEW && step <= CANDIDATE * self.mean();
@@ -327,14 +327,18 @@ impl Sentinels {
 
     /// Notes a candidate that is `step` away from the previous number; `false` if there are too many.
     fn enter(&mut self, number: f64, step: f64) -> bool {
-        let place = self.found.iter().position(|found| found.number == number).unwrap_or(self.found.len());
+        let place = self
+            .candidates
+            .iter()
+            .position(|candidate| candidate.number == number)
+            .unwrap_or(self.candidates.len());
         if place == MOST {
             return false;
         }
-        if place == self.found.len() {
-            self.found.push(Found { number, entry: f64::NAN, apart: 0.0 });
+        if place == self.candidates.len() {
+            self.candidates.push(Candidate { number, entry: f64::NAN, apart: 0.0 });
         }
-        self.found[place].entry = step;
+        self.candidates[place].entry = step;
         self.open = Some(place);
         true
     }
@@ -342,15 +346,15 @@ impl Sentinels {
     /// Notes that the number after candidate `place` is `step` away from it; NaN at the end, like the step to
     /// the very first number.
     fn leave(&mut self, place: usize, step: f64) {
-        let found = &mut self.found[place];
-        found.apart = found.apart.max(found.entry.min(step));
+        let candidate = &mut self.candidates[place];
+        candidate.apart = candidate.apart.max(candidate.entry.min(step));
         self.open = None;
     }
 
     /// Second pass: whether a number is a value.
     #[inline]
     fn keeps(&mut self, number: f64) -> bool {
-        if self.found.is_empty() {
+        if self.candidates.is_empty() {
             return true;
         }
         self.keeps_among_candidates(number)
@@ -365,10 +369,10 @@ impl Sentinels {
             // Candidates that do not stand apart are ordinary numbers, unless there are no others; from here on `before` is that
             // of this pass.
             let has_others = self.before.is_finite();
-            self.found.retain(|found| !has_others || found.apart > SENTINEL * mean);
+            self.candidates.retain(|candidate| !has_others || candidate.apart > SENTINEL * mean);
             (self.all_seen, self.before) = (true, f64::NAN);
         }
-        let known = self.found.iter().any(|found| found.number == number);
+        let known = self.candidates.iter().any(|candidate| candidate.number == number);
         let is_near = self.step(self.before, number) <= CANDIDATE * mean;
         if known && !is_near {
             return false;

@@ -47,22 +47,22 @@ impl Guess {
             free[*at] = false;
         }
         let (mut placed, mut missing) = (Vec::<Placed>::new(), Vec::new());
-        let wanted = needed.iter().map(|own| (own.channel.as_str(), own.unit.as_str()));
+        let wanted = needed.iter().map(|need| (need.channel.as_str(), need.unit.as_str()));
         let motion = ROLES.iter().filter(|role| !role.is_optional).map(|role| (role.channel, role.unit));
         let further = ROLES.iter().filter(|role| role.is_optional).map(|role| (role.channel, role.unit));
         for (channel, unit) in motion.chain(wanted.clone()).chain(further) {
             // A position is logged one way: what else tells it is left out.
-            let is_told = channel.ends_with("tude_deg") && placed.iter().any(|own| own.channel == "x");
+            let is_told = channel.ends_with("tude_deg") && placed.iter().any(|known| known.channel == "x");
             match best(&names, &free, channel, unit).filter(|_| !is_told) {
                 Some(at) => {
                     free[at] = false;
                     placed.push(place(head, &names[at], at, (channel, unit)));
                 }
-                None => missing.extend(needed.iter().find(|own| own.channel == channel).cloned()),
+                None => missing.extend(needed.iter().find(|need| need.channel == channel).cloned()),
             }
         }
-        for own in &mut placed {
-            own.is_optional &= !wanted.clone().any(|(channel, _)| channel == own.channel);
+        for column in &mut placed {
+            column.is_optional &= !wanted.clone().any(|(channel, _)| channel == column.channel);
         }
         let left = head.columns.iter().zip(free).filter(|(_, free)| *free);
         let unplaced = left.map(|(column, _)| column.clone()).collect();
@@ -216,15 +216,19 @@ impl SentenceGuess {
         // A clock that speaks seldom leaves long gaps.
         let is_clock = |kind: &&str| spoken.timed.get(*kind).is_some_and(|count| 2 * count >= *most);
         let clock = CLOCKS.into_iter().find(is_clock)?;
-        let mut search = Search { fields: &spoken.fields, needed, placed: Vec::new() };
+        let mut search = FieldSearch { fields: &spoken.fields, needed, placed: Vec::new() };
         KNOWN.iter().for_each(|together| search.known(together));
         search.steered();
         let placed = search.placed;
-        let is_missing = |own: &&Needed| placed.iter().all(|known| known.channel != own.channel);
+        let is_missing = |need: &&Needed| placed.iter().all(|known| known.channel != need.channel);
         let missing = needed.iter().filter(is_missing).cloned().collect();
-        let is_placed = |own: &&SpokenField| placed.iter().any(|known| known.column == own.column);
-        let mut unused: Vec<String> =
-            spoken.fields.iter().filter(|field| !is_placed(field)).map(|own| own.column.clone()).collect();
+        let is_placed = |field: &&SpokenField| placed.iter().any(|known| known.column == field.column);
+        let mut unused: Vec<String> = spoken
+            .fields
+            .iter()
+            .filter(|field| !is_placed(field))
+            .map(|field| field.column.clone())
+            .collect();
         unused.dedup();
         let (mut fastest, mut slowest) = (f64::INFINITY, 0.0_f64);
         for field in spoken.fields.iter().filter(is_placed) {
@@ -236,7 +240,7 @@ impl SentenceGuess {
         let untimed = spoken.fields.iter().filter(is_placed).filter(|field| !is_timed(field));
         Some(Self {
             clock,
-            is_spread: untimed.map(|own| own.values as f64).any(|values| values > SPREAD * clocked),
+            is_spread: untimed.map(|field| field.values as f64).any(|values| values > SPREAD * clocked),
             is_unchecked: spoken.sentences[1] > spoken.sentences[0] / 2,
             prefer: talkers(spoken.fields.iter().filter(is_placed)),
             placed,
@@ -251,23 +255,23 @@ impl SentenceGuess {
 /// The talkers of fields that several talkers have, those with most values first.
 fn talkers<'a>(fields: impl Iterator<Item = &'a SpokenField>) -> Vec<String> {
     let mut by_column = BTreeMap::<&str, Vec<&SpokenField>>::new();
-    fields.for_each(|own| by_column.entry(own.column.as_str()).or_default().push(own));
+    fields.for_each(|field| by_column.entry(field.column.as_str()).or_default().push(field));
     let mut values = BTreeMap::<&str, usize>::new();
-    for own in by_column.values().filter(|several| several.len() > 1).flatten() {
-        *values.entry(own.talker.as_str()).or_default() += own.values;
+    for field in by_column.values().filter(|several| several.len() > 1).flatten() {
+        *values.entry(field.talker.as_str()).or_default() += field.values;
     }
     let mut talkers: Vec<(&str, usize)> = values.into_iter().collect();
     talkers.sort_by_key(|(_, values)| usize::MAX - values);
     talkers.into_iter().map(|(talker, _)| talker.to_owned()).collect()
 }
 
-struct Search<'a> {
+struct FieldSearch<'a> {
     fields: &'a [SpokenField],
     needed: &'a [Needed],
     placed: Vec<Placed>,
 }
 
-impl Search<'_> {
+impl FieldSearch<'_> {
     /// Places the fields of `together` of the first kind that has values of all of them.
     fn known(&mut self, together: &Together) {
         let Together { fields, kinds, is_optional } = together;
@@ -276,16 +280,17 @@ impl Search<'_> {
             |kind: &&&str| fields.iter().all(|(field, _)| self.find(&column(kind, field)).is_some());
         let Some(kind) = kinds.iter().find(has_all) else { return };
         for (field, channel) in *fields {
-            let is_needed = self.needed.iter().any(|own| own.channel == *channel);
+            let is_needed = self.needed.iter().any(|need| need.channel == *channel);
             self.place(&column(kind, field), channel, (false, *is_optional && !is_needed));
         }
     }
 
     /// Places rudders and propellers: those of the model in its order, by the numbers that their names and the sentences have.
     fn steered(&mut self) {
-        for own in self.needed.iter().filter(|own| !self.is_placed(&own.channel)).cloned().collect::<Vec<_>>()
+        for need in
+            self.needed.iter().filter(|need| !self.is_placed(&need.channel)).cloned().collect::<Vec<_>>()
         {
-            let name = own.channel.as_str();
+            let name = need.channel.as_str();
             let number = name.rsplit('_').next().filter(|part| part.chars().all(|c| c.is_ascii_digit()));
             let fits = |field: &&SpokenField| {
                 let is_kind = match name {
@@ -296,7 +301,7 @@ impl Search<'_> {
                     _ => false,
                 };
                 let measures =
-                    factor(field.unit, &own.unit).or(shaft_factor(field.unit, &own.unit)).is_some();
+                    factor(field.unit, &need.unit).or(shaft_factor(field.unit, &need.unit)).is_some();
                 let has_number = number.is_none_or(|number| {
                     !field.column.starts_with("RPM-") || field.column.ends_with(&format!("{number}.speed"))
                 });
@@ -306,23 +311,23 @@ impl Search<'_> {
                     && self.placed.iter().all(|known| known.column != field.column)
             };
             // The sole rudder of a ship is the one to starboard.
-            let found = self.fields.iter().filter(fits).min_by_key(|field| field.column.ends_with(".port"));
-            if let Some(column) = found.map(|field| field.column.clone()) {
+            let field = self.fields.iter().filter(fits).min_by_key(|field| field.column.ends_with(".port"));
+            if let Some(column) = field.map(|field| field.column.clone()) {
                 self.place(&column, name, (true, false));
             }
         }
     }
 
     fn find(&self, column: &str) -> Option<&SpokenField> {
-        self.fields.iter().find(|own| own.column == column)
+        self.fields.iter().find(|field| field.column == column)
     }
 
     fn is_placed(&self, channel: &str) -> bool {
-        self.placed.iter().any(|own| own.channel == channel)
+        self.placed.iter().any(|known| known.channel == channel)
     }
 
     fn place(&mut self, column: &str, channel: &str, (is_channel_guessed, is_optional): (bool, bool)) {
-        let Some(unit) = self.find(column).map(|own| own.unit.to_owned()) else { return };
+        let Some(unit) = self.find(column).map(|field| field.unit.to_owned()) else { return };
         self.placed.push(Placed {
             column: column.to_owned(),
             channel: channel.to_owned(),

@@ -148,7 +148,7 @@ impl Named {
     pub fn is_time(&self) -> bool {
         const TIMES: [&str; 7] = ["t", "time", "timestamp", "datetime", "utc", "stamp", "seconds"];
         self.words.iter().any(|word| TIMES.contains(&word.as_str()))
-            && self.unit.is_none_or(|own| unit(own).is_some_and(|own| own.si == "s"))
+            && self.unit.is_none_or(|name| unit(name).is_some_and(|unit| unit.si == "s"))
     }
 
     /// Whether it says which ship the log is of.
@@ -189,7 +189,7 @@ impl Named {
         if self.words.join("_") == channel.to_lowercase() {
             return Some(0);
         }
-        let says = |word: &str| self.words.iter().any(|own| own == word);
+        let says = |word: &str| self.words.iter().any(|other| other == word);
         let is_other =
             |word: &String| is_among(word, OTHERS) || parts[0] != "thrust" && is_among(word, FORCES);
         if self.words.iter().any(is_other) {
@@ -218,7 +218,7 @@ impl Named {
     /// Whether all words of `set` are in it; a single letter must come first, and symbols beside no other things.
     fn has(&self, set: &[&str]) -> bool {
         let is_own = |symbol: &str| {
-            let known = SYMBOLS.iter().find(|(own, _)| *own == symbol);
+            let known = SYMBOLS.iter().find(|(other, _)| *other == symbol);
             known.is_none_or(|(_, beside)| {
                 self.words[self.field..].iter().all(|word| {
                     word == symbol
@@ -233,7 +233,7 @@ impl Named {
                 self.words.first().is_some_and(|word| word == letter) && is_own(letter)
             }
             words => {
-                words.iter().all(|word| self.words.iter().any(|own| own == word))
+                words.iter().all(|word| self.words.iter().any(|other| other == word))
                     && (words.len() > 1 || words.iter().all(|word| is_own(word)))
             }
         }
@@ -241,7 +241,7 @@ impl Named {
 }
 
 fn is_among(word: &str, words: &str) -> bool {
-    words.split(' ').any(|own| own == word)
+    words.split(' ').any(|other| other == word)
 }
 
 /// A unit in brackets at the end: `speed [m/s]`, `heading (deg)`.
@@ -250,8 +250,8 @@ fn in_brackets(column: &str) -> Option<(&str, Option<&'static str>)> {
     let (open, close) = [('[', ']'), ('(', ')')].into_iter().find(|(_, close)| column.ends_with(*close))?;
     let (name, inside) = column.rsplit_once(open)?;
     let inside = inside.trim_end_matches(close).trim();
-    let foreign = || FOREIGN.split(' ').find(|own| *own == inside);
-    Some((name, UNITS.iter().find(|own| own.name == inside).map(|own| own.name).or_else(foreign)))
+    let foreign = || FOREIGN.split(' ').find(|other| *other == inside);
+    Some((name, UNITS.iter().find(|unit| unit.name == inside).map(|unit| unit.name).or_else(foreign)))
 }
 
 /// A unit after the last underscore: `u_mps`, `delta_rad`.
@@ -302,11 +302,11 @@ impl Head {
                 && below.iter().all(|line| width(line, *separator) == width(first, *separator))
         };
         // A comma may stand before decimals, too.
-        let found = [';', '\t', '|', ',']
+        let likely = [';', '\t', '|', ',']
             .into_iter()
             .find(fits)
             .or(SEPARATORS.into_iter().find(|c| width(first, *c) > 1));
-        let Some(separator) = found else { return Err(refused("a first line without separators")) };
+        let Some(separator) = likely else { return Err(refused("a first line without separators")) };
         let cells =
             |line: &str| line.split(separator).map(|cell| cell.trim().trim_matches('"').to_owned()).collect();
         let columns: Vec<String> = cells(first);
@@ -323,7 +323,8 @@ impl Head {
     /// The columns of a table that is not text: their names, and the first cells of each as text.
     pub fn of_cells(columns: Vec<String>, cells: &[Vec<String>]) -> Self {
         let rows = cells.iter().map(Vec::len).max().unwrap_or(0);
-        let row = |at: usize| cells.iter().map(|own| own.get(at).cloned().unwrap_or_default()).collect();
+        let row =
+            |at: usize| cells.iter().map(|column| column.get(at).cloned().unwrap_or_default()).collect();
         Self { separator: ',', decimal: '.', columns, rows: (0..rows.min(ROWS)).map(row).collect() }
     }
 

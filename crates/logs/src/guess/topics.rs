@@ -43,41 +43,41 @@ pub struct BagGuess {
 impl BagGuess {
     /// What the bag of `format` with `topics` is likely to have for a model with the channels `needed`.
     pub fn of(format: Format, topics: &[Topic], needed: &[Needed]) -> Self {
-        let mut search = Search { format, topics, found: Vec::new(), placed: BTreeSet::new() };
+        let mut search = TopicSearch { format, topics, guesses: Vec::new(), placed: BTreeSet::new() };
         KNOWN.iter().for_each(|known| search.by_type(known));
         let motion = ROLES.iter().filter(|role| !role.is_optional).map(|role| (role.channel, role.unit));
-        let wanted = needed.iter().map(|own| (own.channel.as_str(), own.unit.as_str()));
+        let wanted = needed.iter().map(|need| (need.channel.as_str(), need.unit.as_str()));
         for (channel, unit) in motion {
             search.by_name(channel, unit);
         }
         for (channel, unit) in wanted {
             search.by_name(channel, unit);
         }
-        let is_missing = |own: &&Needed| !search.placed.contains(own.channel.as_str());
+        let is_missing = |need: &&Needed| !search.placed.contains(need.channel.as_str());
         let missing = needed.iter().filter(is_missing).cloned().collect();
-        let unused = topics.iter().filter(|topic| search.found.iter().all(|used| used.topic != topic.name));
+        let unused = topics.iter().filter(|topic| search.guesses.iter().all(|used| used.topic != topic.name));
         let length_s = topics.iter().map(|topic| times(format, topic)[1]).fold(0.0, f64::max);
         Self {
             format,
-            unused: unused.map(|own| own.name.clone()).collect(),
-            topics: search.found,
+            unused: unused.map(|topic| topic.name.clone()).collect(),
+            topics: search.guesses,
             missing,
             length_s,
         }
     }
 }
 
-struct Search<'a> {
+struct TopicSearch<'a> {
     format: Format,
     topics: &'a [Topic],
-    found: Vec<TopicGuess>,
+    guesses: Vec<TopicGuess>,
     /// Channels so far.
     placed: BTreeSet<String>,
 }
 
-impl Search<'_> {
+impl TopicSearch<'_> {
     /// Places the fields of the first topic whose messages are `known`.
-    fn by_type(&mut self, known: &Known) {
+    fn by_type(&mut self, known: &KnownMessage) {
         let is_known = |topic: &&Topic| topic.kind.replace("/msg/", "/") == known.kind && topic.messages > 0;
         let Some(topic) = self.topics.iter().find(is_known) else { return };
         if let Some(fields) = known.quaternion.filter(|fields| has_turns(topic, *fields))
@@ -144,9 +144,9 @@ impl Search<'_> {
     fn is_free(&self, channel: &str) -> bool {
         const SAME: [[&str; 2]; 4] =
             [["x", "latitude_deg"], ["y", "longitude_deg"], ["y_u", "v_x"], ["y_v", "v_y"]];
-        let own = SAME.iter().find(|pair| pair.contains(&channel));
-        let all = own.map_or([channel, channel], |pair| *pair);
-        all.iter().all(|own| !self.placed.contains(*own))
+        let same = SAME.iter().find(|pair| pair.contains(&channel));
+        let all = same.map_or([channel, channel], |pair| *pair);
+        all.iter().all(|name| !self.placed.contains(*name))
     }
 
     fn place(&mut self, topic: &Topic, placed: Placed) {
@@ -156,11 +156,11 @@ impl Search<'_> {
 
     /// The guess for `topic`, a new one at first.
     fn topic(&mut self, topic: &Topic) -> &mut TopicGuess {
-        let at = self.found.iter().position(|own| own.topic == topic.name).unwrap_or_else(|| {
-            self.found.push(begun(self.format, topic));
-            self.found.len() - 1
+        let at = self.guesses.iter().position(|guess| guess.topic == topic.name).unwrap_or_else(|| {
+            self.guesses.push(begun(self.format, topic));
+            self.guesses.len() - 1
         });
-        &mut self.found[at]
+        &mut self.guesses[at]
     }
 }
 
@@ -203,7 +203,7 @@ fn times(format: Format, topic: &Topic) -> [f64; 2] {
 
 /// The finite values of a field in the first messages.
 fn values<'a>(topic: &'a Topic, field: &str) -> impl Iterator<Item = f64> + 'a {
-    let at = topic.fields.iter().position(|own| own == field);
+    let at = topic.fields.iter().position(|name| name == field);
     let rows = at.map(|at| topic.rows.iter().map(move |row| row[at]));
     rows.into_iter().flatten().filter(|value| value.is_finite())
 }
@@ -234,7 +234,7 @@ fn is_clock(field: &str) -> bool {
 // What is known of common messages: which of their fields is which channel.
 
 /// Messages of a type.
-struct Known {
+struct KnownMessage {
     /// Its name.
     pub(super) kind: &'static str,
     /// Field, channel, unit.
@@ -247,13 +247,13 @@ const fn known(
     kind: &'static str,
     fields: &'static [(&'static str, &'static str, &'static str)],
     quaternion: Option<[&'static str; 4]>,
-) -> Known {
-    Known { kind, fields, quaternion }
+) -> KnownMessage {
+    KnownMessage { kind, fields, quaternion }
 }
 
 /// Those that tell a motion, the fullest first. Those of ROS are in its axes, east, north, up; those of PX4 are
 /// north, east, down.
-const KNOWN: &[Known] = &[
+const KNOWN: &[KnownMessage] = &[
     known(
         "nav_msgs/Odometry",
         &[

@@ -5,7 +5,7 @@ use std::io::BufRead;
 
 use refusal::Invalid;
 
-use super::fields::{Column, Value, fields_of};
+use super::fields::{FieldColumn, Value, fields_of};
 use super::sentence::{Accepted, Checksum, Sentence, raw_sentences};
 use super::timeline::{DAY, has_time, reported_time};
 use crate::encoding::Lines;
@@ -17,7 +17,7 @@ pub(super) struct Census {
     is_optional: bool,
     /// Endings of the addresses of wanted sentences.
     wanted: Vec<String>,
-    by_address: BTreeMap<String, Known>,
+    by_address: BTreeMap<String, KnownAddress>,
     /// Wanted sentences, as far as can be seen; those that are not intact, and the line of the first.
     all: usize,
     broken: usize,
@@ -31,7 +31,7 @@ pub(super) struct Census {
 
 /// What is known of an address.
 #[derive(Default)]
-struct Known {
+struct KnownAddress {
     /// Most fields of its sentences.
     fields: usize,
     /// Whether they have checksums.
@@ -39,7 +39,7 @@ struct Known {
 }
 
 impl Census {
-    pub(super) fn new(spec: &FileSpec, wanted: &[Column]) -> Self {
+    pub(super) fn new(spec: &FileSpec, wanted: &[FieldColumn]) -> Self {
         let clock = has_time(&spec.time.column).then(|| spec.time.column.clone());
         Self {
             is_optional: spec.checksums == Checksums::Optional || spec.max_wrong_checksums >= 1.0,
@@ -97,7 +97,7 @@ impl Census {
 
     fn know(&mut self, sentence: &Sentence, checksum: Checksum) {
         if !self.by_address.contains_key(sentence.address) {
-            self.by_address.insert(sentence.address.to_owned(), Known::default());
+            self.by_address.insert(sentence.address.to_owned(), KnownAddress::default());
         }
         if let Some(known) = self.by_address.get_mut(sentence.address) {
             known.fields = known.fields.max(sentence.fields());
@@ -171,7 +171,7 @@ pub struct Spoken {
 /// # Errors
 /// Bytes that cannot be read.
 pub fn sentence_census(bytes: impl BufRead) -> Result<Spoken, LogError> {
-    let mut counted = Counted::default();
+    let mut counted = SpokenCounts::default();
     let mut lines = Lines::new(bytes)?;
     while let Some((number, line)) = lines.bytes()? {
         for raw in raw_sentences(&String::from_utf8_lossy(line)) {
@@ -191,18 +191,18 @@ pub fn has_sentences(text: &str) -> bool {
 }
 
 /// A clock: its last time of day, how far it went \[s\], how often it spoke.
-type Clock = (f64, f64, usize);
+type ClockCount = (f64, f64, usize);
 
 #[derive(Default)]
-struct Counted {
+struct SpokenCounts {
     /// Values by column and talker.
     fields: BTreeMap<(String, String), (&'static str, usize)>,
     /// By address.
-    clocks: BTreeMap<String, Clock>,
+    clocks: BTreeMap<String, ClockCount>,
     sentences: [usize; 2],
 }
 
-impl Counted {
+impl SpokenCounts {
     fn take(&mut self, sentence: &Sentence, is_unchecked: bool, line: usize) {
         let Some((talker, _)) = sentence.address.split_at_checked(2) else { return };
         for (column, unit, value) in fields_of(sentence, line, &Accepted::default()) {

@@ -7,7 +7,7 @@ use crate::Reason;
 use crate::columns::cell_of;
 
 /// A kind of sentence.
-pub(super) struct Kind {
+pub(super) struct FieldKind {
     name: &'static str,
     /// Fields that distinguish sentences of this kind, such as the number of the propeller.
     qualifier: &'static [usize],
@@ -15,7 +15,7 @@ pub(super) struct Kind {
 }
 
 /// A quantity in a sentence.
-pub(super) struct Field {
+pub(crate) struct Field {
     pub(crate) name: &'static str,
     pub(super) unit: &'static str,
     read: Read,
@@ -51,15 +51,15 @@ const fn field(name: &'static str, unit: &'static str, read: Read, valid: Valid)
     Field { name, unit, read, valid }
 }
 
-const fn kind(name: &'static str, fields: &'static [Field]) -> Kind {
-    Kind { name, qualifier: &[], fields }
+const fn kind(name: &'static str, fields: &'static [Field]) -> FieldKind {
+    FieldKind { name, qualifier: &[], fields }
 }
 
 const RMC: Valid = Mode { status: Some(1), mode: 11 };
 const GLL: Valid = Mode { status: Some(5), mode: 6 };
 const VTG: Valid = Mode { status: None, mode: 8 };
 
-const KINDS: [Kind; 16] = [
+const KINDS: [FieldKind; 16] = [
     kind(
         "GGA",
         &[
@@ -118,12 +118,12 @@ const KINDS: [Kind; 16] = [
     ),
     kind("ROT", &[field("rate", "deg/min", Number(0), A(1))]),
     kind("RSA", &[field("starboard", "deg", Number(0), A(1)), field("port", "deg", Number(2), A(3))]),
-    Kind {
+    FieldKind {
         name: "RPM",
         qualifier: &[0, 1],
         fields: &[field("speed", "rpm", Number(2), A(4)), field("pitch", "%", Number(3), A(4))],
     },
-    Kind {
+    FieldKind {
         name: "MWV",
         qualifier: &[1],
         fields: &[field("angle", "deg", Number(0), A(4)), field("speed", "m/s", Speed(2), A(4))],
@@ -132,16 +132,16 @@ const KINDS: [Kind; 16] = [
 ];
 
 /// A field of a kind of sentence, of one talker or of all: `HDT.heading`, `HEHDT.heading`, `RPM-S1.speed`.
-pub(crate) struct Column {
+pub(crate) struct FieldColumn {
     pub(crate) name: String,
     /// The ending of the address: `HDT`, or `HEHDT`.
     pub(crate) address: String,
     qualifier: String,
-    kind: &'static Kind,
+    kind: &'static FieldKind,
     pub(crate) field: &'static Field,
 }
 
-impl Column {
+impl FieldColumn {
     /// `None` where there is no such field.
     pub(crate) fn parse(name: &str) -> Option<Self> {
         let (of, field) = name.split_once('.')?;
@@ -167,8 +167,8 @@ impl Column {
 
     /// Whether `sentence` has it.
     pub(super) fn is_of(&self, sentence: &Sentence) -> bool {
-        let own = || self.kind.qualifier.iter().flat_map(|place| sentence.field(*place).chars());
-        self.fits(sentence.address) && own().eq(self.qualifier.chars())
+        let qualifier = || self.kind.qualifier.iter().flat_map(|place| sentence.field(*place).chars());
+        self.fits(sentence.address) && qualifier().eq(self.qualifier.chars())
     }
 
     /// Whether it is a heading from magnetic north.
@@ -218,7 +218,7 @@ pub(super) fn columns_like(name: &str) -> Vec<String> {
 
 /// The names of all fields.
 fn columns() -> impl Iterator<Item = String> {
-    let of = |kind: &'static Kind| {
+    let of = |kind: &'static FieldKind| {
         let qualified: &[&str] = match kind.name {
             "RPM" => &["-S1", "-E1"],
             "MWV" => &["-R", "-T"],

@@ -24,13 +24,12 @@ use crate::{
     Apart, ChannelSpec, Columns, FileSpec, LogError, Plan, Store, WarningKind, WarningSummary, factor,
 };
 use census::Census;
-use clockwork::Clock;
-use fields::{Column, columns_like};
+use clockwork::SentenceClock;
+use fields::{FieldColumn, columns_like};
 use sentence::raw_sentences;
-use table::{Heard, Table};
+use table::{Heard, SensorTable};
 use timeline::has_time;
 
-pub(crate) use crate::positions::positions_in_sentences;
 pub use census::{Spoken, SpokenField, has_sentences, sentence_census};
 pub use sentence::Accepted;
 
@@ -46,11 +45,11 @@ pub fn read_nmea(
     store: Option<&Arc<dyn Store>>,
 ) -> Result<Columns, LogError> {
     let spec = &plan.setup.files[group];
-    let wanted: Vec<Column> = spec.plain().iter().map(column).collect::<Result<_, _>>()?;
-    let clock = Clock::new(spec, plan.setup.max_gap_s, plan.stamps(group))?;
+    let wanted: Vec<FieldColumn> = spec.plain().iter().map(column).collect::<Result<_, _>>()?;
+    let clock = SentenceClock::new(spec, plan.setup.max_gap_s, plan.stamps(group))?;
     let census = Census::new(spec, &wanted);
     let (tables, heard) = (Vec::new(), Heard::default());
-    let mut reading = Reading { plan, spec, wanted, store, clock, census, tables, heard, unused: 0 };
+    let mut reading = SentenceReading { plan, spec, wanted, store, clock, census, tables, heard, unused: 0 };
     let mut lines = Lines::new(bytes)?;
     while let Some((number, line)) = lines.bytes()? {
         // Undecodable bytes fail their checksum.
@@ -61,9 +60,9 @@ pub fn read_nmea(
 
 /// The column of a channel; refuses another unit than the sentence's, and a magnetic heading in place of a
 /// true one.
-fn column(spec: &ChannelSpec) -> Result<Column, Invalid> {
+fn column(spec: &ChannelSpec) -> Result<FieldColumn, Invalid> {
     let name = &spec.column;
-    let Some(column) = Column::parse(name) else {
+    let Some(column) = FieldColumn::parse(name) else {
         let known = columns_like(name);
         let near = nearest(name, known.iter().map(String::as_str));
         let remedy = near.map_or("correct it".to_owned(), |near| format!("did you mean `{near}`?"));
@@ -92,19 +91,19 @@ fn column(spec: &ChannelSpec) -> Result<Column, Invalid> {
 }
 
 /// The state of reading.
-struct Reading<'a> {
+struct SentenceReading<'a> {
     plan: &'a Plan,
     spec: &'a FileSpec,
-    wanted: Vec<Column>,
+    wanted: Vec<FieldColumn>,
     store: Option<&'a Arc<dyn Store>>,
-    clock: Clock<'a>,
+    clock: SentenceClock<'a>,
     census: Census,
-    tables: Vec<Table>,
+    tables: Vec<SensorTable>,
     heard: Heard,
     unused: usize,
 }
 
-impl Reading<'_> {
+impl SentenceReading<'_> {
     /// Reads a line; one without a sentence is skipped.
     fn line(&mut self, line: &str, number: usize) -> Result<(), LogError> {
         let mut prefix = "";
@@ -127,7 +126,7 @@ impl Reading<'_> {
             let known = self.tables.iter().position(|table| table.is_of(&sentence, &self.wanted));
             let table = match known {
                 Some(table) => table,
-                None => match Table::of(&sentence, &self.wanted, self.store) {
+                None => match SensorTable::of(&sentence, &self.wanted, self.store) {
                     Some(table) => {
                         self.tables.push(table);
                         self.tables.len() - 1
@@ -140,7 +139,7 @@ impl Reading<'_> {
             }
             let how = (self.wanted.as_slice(), &self.spec.quality);
             let to = (table, &mut self.tables[table]);
-            self.heard.hear(to, &sentence, (number, timing.own()), how)?;
+            self.heard.hear(to, &sentence, (number, timing.reported()), how)?;
         }
         Ok(())
     }
@@ -178,7 +177,7 @@ impl Reading<'_> {
 
     /// The refusal where a wanted sentence, or the one with the time, never came.
     fn missing(&self) -> Option<Invalid> {
-        let came = |column: &&Column| self.census.addresses().any(|address| column.fits(address));
+        let came = |column: &&FieldColumn| self.census.addresses().any(|address| column.fits(address));
         let lacking = self.wanted.iter().find(|column| !came(column)).map(|column| column.name.as_str());
         let lacking = lacking.or_else(|| self.clock.lacks(self.census.addresses()))?;
         let known: Vec<String> = self.census.addresses().map(foreign).collect();
@@ -203,7 +202,7 @@ impl Reading<'_> {
 
 /// The tables that the channels are taken from.
 struct Sources<'a> {
-    wanted: &'a [Column],
+    wanted: &'a [FieldColumn],
     specs: &'a [ChannelSpec],
     /// Talkers, best first.
     prefer: &'a [String],
@@ -221,8 +220,8 @@ impl Sources<'_> {
     /// Several sensors for a channel; times that are not the clock's.
     fn apart(
         &self,
-        tables: Vec<Table>,
-        clock: &Clock,
+        tables: Vec<SensorTable>,
+        clock: &SentenceClock,
         warnings: &mut Vec<WarningSummary>,
     ) -> Result<Vec<Apart>, Invalid> {
         let mut ranks: Vec<Vec<(usize, usize)>> = tables.iter().map(|_| Vec::new()).collect();
@@ -238,7 +237,9 @@ impl Sources<'_> {
             let channels: Vec<(usize, Option<usize>)> = table
                 .places
                 .iter()
-                .map(|place| (*place, ranks.iter().find(|(own, _)| own == place).map(|(_, rank)| *rank)))
+                .map(|place| {
+                    (*place, ranks.iter().find(|(ranked, _)| ranked == place).map(|(_, rank)| *rank))
+                })
                 .collect();
             let is_sorted = clock.is_in_order() && has_time(&table.address);
             Apart {
@@ -254,23 +255,24 @@ impl Sources<'_> {
     fn of_channel(
         &self,
         place: usize,
-        tables: &[Table],
+        tables: &[SensorTable],
         warnings: &mut Vec<WarningSummary>,
     ) -> Result<Vec<usize>, Invalid> {
-        let values = |table: &Table| {
-            let column = table.places.iter().position(|own| *own == place);
+        let values = |table: &SensorTable| {
+            let column = table.places.iter().position(|candidate| *candidate == place);
             column.map(|column| table.seen[column].values)
         };
-        let own: Vec<(usize, usize)> =
+        let candidates: Vec<(usize, usize)> =
             (0..tables.len()).filter_map(|i| Some((i, values(&tables[i])?))).collect();
-        let known: Vec<usize> = own.iter().filter(|(_, values)| *values > 0).map(|(i, _)| *i).collect();
+        let known: Vec<usize> =
+            candidates.iter().filter(|(_, values)| *values > 0).map(|(i, _)| *i).collect();
         let address = |i: &usize| tables[*i].address.as_str();
         let rank = |i: &usize| self.prefer.iter().position(|talker| address(i).starts_with(talker.as_str()));
         let mut named: Vec<usize> = known.iter().copied().filter(|i| rank(i).is_some()).collect();
         named.sort_by_key(rank);
         match (known.as_slice(), named.as_slice()) {
-            ([], _) if own.iter().any(|(i, _)| tables[*i].is_incomplete(&self.wanted[place].name)) => {
-                let addresses: Vec<&str> = own.iter().map(|(i, _)| address(i)).collect();
+            ([], _) if candidates.iter().any(|(i, _)| tables[*i].is_incomplete(&self.wanted[place].name)) => {
+                let addresses: Vec<&str> = candidates.iter().map(|(i, _)| address(i)).collect();
                 Err(Invalid::new(
                     format!("column `{}`", self.wanted[place].name),
                     format!("no variation with its E or W in any sentence {}", addresses.join(", ")),
@@ -278,10 +280,10 @@ impl Sources<'_> {
                     "name `HDG.magnetic` and set its `offset` to deviation and variation in rad, east above 0, or name HDT or THS",
                 ))
             }
-            ([], _) => Ok(own.first().map(|(i, _)| *i).into_iter().collect()),
+            ([], _) => Ok(candidates.first().map(|(i, _)| *i).into_iter().collect()),
             ([only], _) => {
                 let empty: Vec<&str> =
-                    own.iter().filter(|(i, _)| i != only).map(|(i, _)| address(i)).collect();
+                    candidates.iter().filter(|(i, _)| i != only).map(|(i, _)| address(i)).collect();
                 if !empty.is_empty() {
                     let text =
                         format!("is from {} alone: {} never has a value", address(only), empty.join(", "));
@@ -312,12 +314,12 @@ impl Sources<'_> {
         )
     }
 
-    fn warn(&self, table: &Table, ranks: &[(usize, usize)], warnings: &mut Vec<WarningSummary>) {
+    fn warn(&self, table: &SensorTable, ranks: &[(usize, usize)], warnings: &mut Vec<WarningSummary>) {
         for (place, seen) in table.places.iter().zip(&table.seen) {
-            if !ranks.iter().any(|(own, _)| own == place) {
+            if !ranks.iter().any(|(ranked, _)| ranked == place) {
                 continue;
             }
-            if let Some((count, away)) = seen.alternation.found() {
+            if let Some((count, away)) = seen.alternation.two_sensors() {
                 let text = format!(
                     "alternates by {away:.4} deg {count} times: two sensors may send {} under one name",
                     table.address
@@ -342,7 +344,7 @@ impl Sources<'_> {
 }
 
 /// Refuses a table whose times often differ from the clock's.
-fn check_times(table: &Table, clock: &str) -> Result<(), Invalid> {
+fn check_times(table: &SensorTable, clock: &str) -> Result<(), Invalid> {
     let all = table.far + table.rows();
     match table.first_far.filter(|_| table.far as f64 > FEW * all as f64) {
         Some((line, away)) => Err(Invalid::new(

@@ -33,7 +33,7 @@ impl<'a> Sentence<'a> {
 }
 
 /// The text from one `$` to the next.
-pub(super) struct RawSentence<'a> {
+pub(crate) struct RawSentence<'a> {
     /// The text before it on the line that belongs to no other sentence.
     pub(super) prefix: &'a str,
     /// From `$` to the end of the checksum.
@@ -58,8 +58,8 @@ pub(crate) fn raw_sentences(line: &str) -> impl Iterator<Item = RawSentence<'_>>
     std::iter::from_fn(move || {
         while !rest.is_empty() {
             let next = start(&rest[1..]);
-            let own = &rest[..rest.len() - next.len()];
-            let (text, after) = own.split_at(end(own));
+            let whole = &rest[..rest.len() - next.len()];
+            let (text, after) = whole.split_at(end(whole));
             let raw = RawSentence { prefix: before, text, is_followed: !next.is_empty() };
             (rest, before) = (next, after);
             if text.starts_with('$') {
@@ -75,7 +75,7 @@ fn start(text: &str) -> &str {
     let bytes = text.as_bytes();
     let begins = |i: &usize| match bytes[*i] {
         b'$' => true,
-        b'!' => bytes.get(i + 1..i + 4).is_some_and(|own| own.iter().all(u8::is_ascii_uppercase)),
+        b'!' => bytes.get(i + 1..i + 4).is_some_and(|letters| letters.iter().all(u8::is_ascii_uppercase)),
         _ => false,
     };
     (0..bytes.len()).find(begins).map_or("", |i| &text[i..])
@@ -209,7 +209,7 @@ impl Accepted {
             Valid::Mode { status, mode } => {
                 let mode = sentence.field(mode);
                 let is_a = status.is_none_or(|place| sentence.field(place) == "A");
-                let named = self.0.iter().any(|own| mode.chars().eq([own.0]));
+                let named = self.0.iter().any(|quality| mode.chars().eq([quality.0]));
                 let old = mode.is_empty() && !self.names(|c| c.is_ascii_alphabetic());
                 named || is_a && (old || self.is_mode(mode))
             }
@@ -221,15 +221,15 @@ impl Accepted {
     }
 
     fn names(&self, kind: fn(&char) -> bool) -> bool {
-        self.0.iter().any(|own| kind(&own.0))
+        self.0.iter().any(|quality| kind(&quality.0))
     }
 
     /// Whether there is a quality and every character of it is accepted: those of the `kind` that are named,
     /// or by default all but `none`.
     fn all(&self, quality: &str, kind: fn(&char) -> bool, none: &str) -> bool {
         let named = self.names(kind);
-        let own = |c: char| if named { self.0.contains(&Quality(c)) } else { !none.contains(c) };
-        !quality.is_empty() && quality.chars().all(own)
+        let accepts = |c: char| if named { self.0.contains(&Quality(c)) } else { !none.contains(c) };
+        !quality.is_empty() && quality.chars().all(accepts)
     }
 }
 
@@ -246,8 +246,8 @@ mod quality_tests {
     #[test]
     fn no_fix_and_guesses_count_where_they_are_accepted() {
         let fix = |accepted: &str, fix: &str| counts(accepted, Valid::Fix(0), &format!("$GPGGA,{fix}"));
-        assert!(["1", "2", "3", "4", "5", "9"].into_iter().all(|own| fix("", own) && fix("E", own)));
-        assert!(["", "0", "6", "7", "8"].into_iter().all(|own| !fix("", own)));
+        assert!(["1", "2", "3", "4", "5", "9"].into_iter().all(|digit| fix("", digit) && fix("E", digit)));
+        assert!(["", "0", "6", "7", "8"].into_iter().all(|digit| !fix("", digit)));
         assert!(fix("46", "6") && !fix("46", "5") && !fix("4", "44x"));
         let mode = Valid::Mode { status: Some(0), mode: 1 };
         let modes = |accepted: &str, text: &str| counts(accepted, mode, &format!("$GPRMC,{text}"));
@@ -256,8 +256,8 @@ mod quality_tests {
         assert!(modes("E", "V,E") && !modes("E", "A,A") && !modes("D", "A,"));
         let any = |text: &str| counts("", Valid::AnyMode(0), &format!("$GNGNS,{text}"));
         assert!(any("AN") && any("NRN") && !any("NN") && !any("EN") && !any(""));
-        let own = |text: &str| counts("", Valid::OwnMode(0), &format!("$HETHS,{text}"));
-        assert!(own("A") && !own("") && !own("E") && !own("V"));
+        let heading = |text: &str| counts("", Valid::OwnMode(0), &format!("$HETHS,{text}"));
+        assert!(heading("A") && !heading("") && !heading("E") && !heading("V"));
     }
 }
 
@@ -266,11 +266,11 @@ mod tests {
     use super::*;
 
     fn checksums(line: &str) -> Vec<(String, bool)> {
-        let own = |raw: RawSentence| {
+        let read = |raw: RawSentence| {
             let (sentence, checksum) = raw.sentence();
             (sentence.address.to_owned(), checksum == Checksum::Right)
         };
-        raw_sentences(line).map(own).collect()
+        raw_sentences(line).map(read).collect()
     }
 
     #[test]
@@ -301,11 +301,11 @@ mod tests {
     #[test]
     fn sentences_that_share_a_line_are_separated() {
         let line = "12:00 $HEHDT,68.755,T*16$HEROT,275.0212:01 !AIVDM,1,1,,A,0,0*16[5] $HEHDT,69.672,T*13 ";
-        let found: Vec<(&str, String, bool)> = raw_sentences(line)
+        let read: Vec<(&str, String, bool)> = raw_sentences(line)
             .map(|raw| (raw.prefix, raw.sentence().0.address.to_owned(), raw.is_followed))
             .collect();
         let expected = [("12:00 ", "HEHDT", true), ("", "HEROT", true), ("[5] ", "HEHDT", false)];
-        assert_eq!(found, expected.map(|(prefix, address, followed)| (prefix, address.to_owned(), followed)));
+        assert_eq!(read, expected.map(|(prefix, address, followed)| (prefix, address.to_owned(), followed)));
         assert!(
             raw_sentences("nothing! $").count() == 1
                 && raw_sentences("").count() == 0

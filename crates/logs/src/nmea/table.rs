@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use refusal::Invalid;
 
-use super::fields::{Column, Value};
+use super::fields::{FieldColumn, Value};
 use super::sentence::{Accepted, Sentence};
 use super::timeline::{Reported, Stamp, own_time};
 use crate::{Cells, Columns, Numbering, Omissions, Reason, Samples, Store};
 
 /// The rows of one address.
-pub(super) struct Table {
+pub(super) struct SensorTable {
     /// Talker and kind.
     pub(super) address: String,
     /// Indices of its columns among the wanted ones.
@@ -18,7 +18,7 @@ pub(super) struct Table {
     times: Samples,
     lines: Numbering,
     cells: Vec<Samples>,
-    pub(super) seen: Vec<Seen>,
+    pub(super) seen: Vec<ColumnState>,
     omitted: Omissions,
     /// The last row, and how many exact repetitions came.
     last: (f64, Vec<f64>),
@@ -30,7 +30,7 @@ pub(super) struct Table {
 
 /// How a column of a table looks.
 #[derive(Default)]
-pub(super) struct Seen {
+pub(super) struct ColumnState {
     /// The number of values, and how many of them are headings without a deviation.
     pub(super) values: usize,
     pub(super) undeviated: usize,
@@ -39,9 +39,13 @@ pub(super) struct Seen {
     pub(super) alternation: Alternation,
 }
 
-impl Table {
+impl SensorTable {
     /// An empty table for the columns of `wanted` that occur in `sentence`; `None` where none do.
-    pub(super) fn of(sentence: &Sentence, wanted: &[Column], store: Option<&Arc<dyn Store>>) -> Option<Self> {
+    pub(super) fn of(
+        sentence: &Sentence,
+        wanted: &[FieldColumn],
+        store: Option<&Arc<dyn Store>>,
+    ) -> Option<Self> {
         let places: Vec<usize> = (0..wanted.len()).filter(|i| wanted[*i].is_of(sentence)).collect();
         let none = || store.map_or_else(Samples::default, Samples::new);
         (!places.is_empty()).then(|| Self {
@@ -49,7 +53,7 @@ impl Table {
             times: none(),
             lines: Numbering::default(),
             cells: places.iter().map(|_| none()).collect(),
-            seen: places.iter().map(|_| Seen::default()).collect(),
+            seen: places.iter().map(|_| ColumnState::default()).collect(),
             places,
             omitted: Omissions::default(),
             last: (f64::NAN, Vec::new()),
@@ -60,7 +64,7 @@ impl Table {
     }
 
     /// Whether `sentence` is one of its rows.
-    pub(super) fn is_of(&self, sentence: &Sentence, wanted: &[Column]) -> bool {
+    pub(super) fn is_of(&self, sentence: &Sentence, wanted: &[FieldColumn]) -> bool {
         self.address == sentence.address && self.places.iter().all(|place| wanted[*place].is_of(sentence))
     }
 
@@ -74,7 +78,7 @@ impl Table {
         &mut self,
         sentence: &Sentence,
         line: usize,
-        (wanted, accepted): (&[Column], &Accepted),
+        (wanted, accepted): (&[FieldColumn], &Accepted),
         values: &mut Vec<f64>,
     ) -> Result<(), Invalid> {
         for (place, seen) in self.places.iter().zip(&mut self.seen) {
@@ -129,7 +133,7 @@ impl Table {
     }
 
     /// Leaves out a row whose own time is `away` from the clock's \[s\].
-    fn leave(&mut self, away: f64, line: usize, values: &[f64], wanted: &[Column]) {
+    fn leave(&mut self, away: f64, line: usize, values: &[f64], wanted: &[FieldColumn]) {
         self.far += 1;
         self.first_far.get_or_insert((line, away));
         for (place, _) in self.places.iter().zip(values).filter(|(_, value)| value.is_finite()) {
@@ -138,7 +142,7 @@ impl Table {
     }
 
     /// Removes the times of the rows in `ranges`, and moves all others by `weeks_s`.
-    pub(super) fn correct(&mut self, ranges: &[[usize; 2]], weeks_s: f64, wanted: &[Column]) {
+    pub(super) fn correct(&mut self, ranges: &[[usize; 2]], weeks_s: f64, wanted: &[FieldColumn]) {
         if weeks_s != 0.0 {
             self.times = self.times.made(self.times.iter().map(|time| time + weeks_s));
         }
@@ -206,7 +210,7 @@ const SOME: usize = 6;
 impl Alternation {
     /// Takes the next value of a field called `name`.
     fn see(&mut self, value: f64, name: &str) {
-        let Some((_, apart)) = APART.into_iter().find(|(own, _)| *own == name) else { return };
+        let Some((_, apart)) = APART.into_iter().find(|(field, _)| *field == name) else { return };
         let [previous, first] = self.last;
         let turned = |difference: f64| difference - 360.0 * (difference / 360.0).round();
         // A steady turn keeps every value at the mean of its neighbours.
@@ -223,7 +227,7 @@ impl Alternation {
     }
 
     /// The number of returns and the mean jump, if there seem to be two sensors.
-    pub(super) fn found(&self) -> Option<(usize, f64)> {
+    pub(super) fn two_sensors(&self) -> Option<(usize, f64)> {
         let often = self.returns >= SOME && self.returns as f64 > SHARE * self.count as f64;
         often.then_some((self.returns, self.away))
     }
@@ -243,7 +247,7 @@ struct One {
     table: usize,
     line: usize,
     /// The sentence's own time.
-    own: Option<Reported>,
+    reported: Option<Reported>,
     /// The index of its first value.
     from: usize,
 }
@@ -265,27 +269,33 @@ impl Heard {
         self.sentences.len()
     }
 
-    /// Reads a sentence of `table`, which stands on `line` and has the time `own`.
+    /// Reads a sentence of `table`, which stands on `line` and has the time `reported`.
     pub(super) fn hear(
         &mut self,
-        (place, table): (usize, &mut Table),
+        (place, table): (usize, &mut SensorTable),
         sentence: &Sentence,
-        (line, own): (usize, Option<Reported>),
-        how: (&[Column], &Accepted),
+        (line, reported): (usize, Option<Reported>),
+        how: (&[FieldColumn], &Accepted),
     ) -> Result<(), Invalid> {
         let from = self.values.len();
         table.read(sentence, line, how, &mut self.values)?;
-        self.sentences.push(One { table: place, line, own, from });
+        self.sentences.push(One { table: place, line, reported, from });
         Ok(())
     }
 
     /// Puts the first `count` sentences into their tables.
-    pub(super) fn put(&mut self, count: usize, between: &Between, tables: &mut [Table], wanted: &[Column]) {
+    pub(super) fn put(
+        &mut self,
+        count: usize,
+        between: &Between,
+        tables: &mut [SensorTable],
+        wanted: &[FieldColumn],
+    ) {
         for one in &self.sentences[..count] {
             let table = &mut tables[one.table];
             let values = &self.values[one.from..one.from + table.places.len()];
-            let own = one.own.map(|reported| own_time(&reported, between.before, between.after));
-            match own {
+            let time = one.reported.map(|reported| own_time(&reported, between.before, between.after));
+            match time {
                 None => table.push(between.time, one.line, values),
                 Some(None) => table.push(f64::NAN, one.line, values),
                 Some(Some((_, away))) if away > FAR && values.iter().any(|value| value.is_finite()) => {
@@ -305,10 +315,10 @@ impl Heard {
 mod tests {
     use super::*;
 
-    fn found(values: impl Iterator<Item = f64>) -> Option<f64> {
+    fn distance(values: impl Iterator<Item = f64>) -> Option<f64> {
         let mut alternation = Alternation::default();
         values.for_each(|value| alternation.see(value, "heading"));
-        alternation.found().map(|(_, away)| away)
+        alternation.two_sensors().map(|(_, away)| away)
     }
 
     fn turning(k: usize) -> f64 {
@@ -322,16 +332,16 @@ mod tests {
         assert!(
             [2, 3, 5]
                 .into_iter()
-                .all(|every| found(mixed(every)).is_some_and(|away| (away - 3.0).abs() < 0.5))
+                .all(|every| distance(mixed(every)).is_some_and(|away| (away - 3.0).abs() < 0.5))
         );
-        assert!(found((0..300).map(turning)).is_none());
+        assert!(distance((0..300).map(turning)).is_none());
         // White noise of a degree, and occasional spikes.
         let mut seed = 1_u64;
         let mut noise = move || {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (seed >> 40) as f64 / (1_u64 << 23) as f64 - 1.0
         };
-        assert!(found((0..300).map(|k| turning(k) + noise())).is_none());
-        assert!(found((0..300).map(|k| turning(k) + if k % 40 == 0 { 20.0 } else { 0.0 })).is_none());
+        assert!(distance((0..300).map(|k| turning(k) + noise())).is_none());
+        assert!(distance((0..300).map(|k| turning(k) + if k % 40 == 0 { 20.0 } else { 0.0 })).is_none());
     }
 }

@@ -20,7 +20,7 @@ pub(super) struct Stamp {
 
 /// The effect of a reported time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Step {
+pub(super) enum ClockStep {
     /// No time is known.
     Unknown,
     /// Time advances.
@@ -83,13 +83,13 @@ fn wrapped(difference: f64) -> f64 {
 
 impl Timeline {
     /// Takes the next reported time; `is_dated` says whether such sentences have a date.
-    pub(crate) fn next(&mut self, reported: Option<Reported>, is_dated: bool) -> Step {
+    pub(crate) fn next(&mut self, reported: Option<Reported>, is_dated: bool) -> ClockStep {
         let Some(reported) = reported.filter(|reported| reported.midnight.is_some() || !is_dated) else {
-            return Step::Unknown;
+            return ClockStep::Unknown;
         };
         let Some(last) = self.last else {
             let raw = reported.midnight.unwrap_or(0.0) + reported.of_day;
-            return Step::To(self.set(self.stamp(raw, &reported), &reported));
+            return ClockStep::To(self.set(self.stamp(raw, &reported), &reported));
         };
         self.count_leap(&last, &reported);
         let raw = reported
@@ -107,11 +107,11 @@ impl Timeline {
         let far = !(0.0..=NEAR).contains(&step);
         let knew = self.eras.last().is_some_and(|era| era.fixes > 0);
         match reported.is_fix {
-            false if knew && far => Step::Unknown,
-            true if !knew && far => Step::Set(self.set(stamp, &reported)),
-            _ if step.abs() > YEAR => Step::Set(self.set(stamp, &reported)),
+            false if knew && far => ClockStep::Unknown,
+            true if !knew && far => ClockStep::Set(self.set(stamp, &reported)),
+            _ if step.abs() > YEAR => ClockStep::Set(self.set(stamp, &reported)),
             _ if step < 0.0 => self.late(stamp, &last, &reported),
-            _ => Step::To(self.advance(stamp, step, &reported)),
+            _ => ClockStep::To(self.advance(stamp, step, &reported)),
         }
     }
 
@@ -155,16 +155,16 @@ impl Timeline {
     }
 
     /// A time before the last.
-    fn late(&mut self, stamp: Stamp, last: &Stamp, reported: &Reported) -> Step {
+    fn late(&mut self, stamp: Stamp, last: &Stamp, reported: &Reported) -> ClockStep {
         let (count, latest) = self.late;
         let in_row = if stamp.time > latest { count + 1 } else { 1 };
         if in_row >= MANY || last.time - stamp.time > LATEST {
-            return Step::Back(self.advance(stamp, f64::NAN, reported));
+            return ClockStep::Back(self.advance(stamp, f64::NAN, reported));
         }
         self.late = (in_row, stamp.time);
         let [before, step] = self.steps;
         let is_long = step > LONG * before;
-        Step::Late { in_doubt: is_long && last.time - stamp.time < step }
+        ClockStep::Late { in_doubt: is_long && last.time - stamp.time < step }
     }
 
     /// The weeks to be added to all times so that most of them are as reported \[s\], and how many are not
@@ -234,7 +234,7 @@ fn wrapped_weeks(difference: f64) -> f64 {
 
 /// A time that a sentence reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Reported {
+pub(crate) struct Reported {
     /// Since midnight \[s\]; from 86,400 in a leap second.
     pub(crate) of_day: f64,
     /// From 1970 to that midnight, if the date is reported \[s\].
@@ -349,7 +349,7 @@ mod tests {
     fn advanced(times: &[f64]) -> Vec<f64> {
         let mut timeline = Timeline::default();
         let step = |time: &f64| timeline.next(reported(*time, None, true), false);
-        let time = |step| if let Step::To(stamp) = step { Some(stamp.time) } else { None };
+        let time = |step| if let ClockStep::To(stamp) = step { Some(stamp.time) } else { None };
         times.iter().map(step).filter_map(time).collect()
     }
 
@@ -367,9 +367,9 @@ mod tests {
         let mut timeline = Timeline::default();
         let mut step = |time: f64| timeline.next(reported(time, Some(1.7e9), true), true);
         step(100.0);
-        assert_eq!([step(83.0), step(84.0)], [Step::Late { in_doubt: false }; 2]);
-        assert!(matches!(step(85.0), Step::Back(stamp) if stamp.time == 1.7e9 + 85.0));
-        assert!(matches!(step(86.0), Step::To(_)));
+        assert_eq!([step(83.0), step(84.0)], [ClockStep::Late { in_doubt: false }; 2]);
+        assert!(matches!(step(85.0), ClockStep::Back(stamp) if stamp.time == 1.7e9 + 85.0));
+        assert!(matches!(step(86.0), ClockStep::To(_)));
     }
 
     #[test]
@@ -382,9 +382,9 @@ mod tests {
             true,
         );
         let after = timeline.next(reported(0.0, Some(day + DAY), true), true);
-        assert!(matches!(after, Step::To(stamp) if stamp.time == day + DAY + 1.0), "{after:?}");
+        assert!(matches!(after, ClockStep::To(stamp) if stamp.time == day + DAY + 1.0), "{after:?}");
         let earlier = timeline.next(reported(1.0, Some(day + DAY - WEEKS), true), true);
-        assert!(matches!(earlier, Step::To(stamp) if stamp.time == day + DAY + 2.0), "{earlier:?}");
+        assert!(matches!(earlier, ClockStep::To(stamp) if stamp.time == day + DAY + 2.0), "{earlier:?}");
         assert_eq!((timeline.leaps, timeline.weeks()), (1, (0.0, 1)));
     }
 
@@ -393,20 +393,20 @@ mod tests {
         let mut timeline = Timeline::default();
         timeline.next(reported(12.0, Some(315_964_800.0), false), true);
         let set = timeline.next(reported(33_000.0, Some(1.7e9), true), true);
-        assert!(matches!(set, Step::Set(_)), "{set:?}");
-        assert_eq!(timeline.next(reported(13.0, Some(315_964_800.0), false), true), Step::Unknown);
+        assert!(matches!(set, ClockStep::Set(_)), "{set:?}");
+        assert_eq!(timeline.next(reported(13.0, Some(315_964_800.0), false), true), ClockStep::Unknown);
         assert_eq!(timeline.eras.iter().map(|era| era.fixes).collect::<Vec<_>>(), [0, 1]);
     }
 
     #[test]
     fn the_time_of_a_sentence_is_that_next_to_the_clocks() {
         let stamp = |time| Stamp { time, raw: time, added: 0.0, is_sixty: false };
-        let own = |of_day, before, after| own_time(&reported(of_day, None, true).unwrap(), before, after);
+        let time_of = |of_day, before, after| own_time(&reported(of_day, None, true).unwrap(), before, after);
         let day = 1_700_006_400.0;
-        assert_eq!(own(10.0, None, None), None);
-        assert_eq!(own(0.5, Some(stamp(day)), Some(stamp(day + 1.0))), Some((day + 0.5, 0.0)));
-        assert_eq!(own(86_399.0, Some(stamp(day)), None), Some((day - 1.0, 1.0)));
-        assert_eq!(own(3600.0, Some(stamp(day)), Some(stamp(day + 1.0))), Some((day + 3600.0, 3599.0)));
+        assert_eq!(time_of(10.0, None, None), None);
+        assert_eq!(time_of(0.5, Some(stamp(day)), Some(stamp(day + 1.0))), Some((day + 0.5, 0.0)));
+        assert_eq!(time_of(86_399.0, Some(stamp(day)), None), Some((day - 1.0, 1.0)));
+        assert_eq!(time_of(3600.0, Some(stamp(day)), Some(stamp(day + 1.0))), Some((day + 3600.0, 3599.0)));
     }
 
     #[test]

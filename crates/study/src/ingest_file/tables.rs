@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use files::{Error, ForeignTable, Timed};
 use logs::{
-    Cells, ClockNotes, Columns, Content, Labels, Moments, Numbering, Plan, Samples, Store, TimeUnit, Wanted,
+    Cells, ClockNotes, Columns, Content, Labels, Moments, Numbering, Plan, Samples, Store, TimeUnit, WantedColumn,
     places,
 };
 use refusal::{Invalid, foreign};
@@ -27,7 +27,7 @@ pub(super) fn parquet(
         return Err(refused(plan.too_many_rows(table.rows())));
     }
     let mut clock = ClockNotes::default();
-    let mut column = |(place, w): (usize, &Wanted)| {
+    let mut column = |(place, w): (usize, &WantedColumn)| {
         let timed = table.timed(&w.column).filter(|_| place == 0);
         Ok::<_, Error>(match w.content {
             _ if timed.is_some() => {
