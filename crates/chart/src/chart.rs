@@ -169,8 +169,7 @@ impl Chart {
         self.grids.iter().map(PlacedGrid::bytes).sum::<usize>() as u64
     }
 
-    /// Whole polygons that meet the area, in the order of the layers; those around points and lines follow a
-    /// layer's own.
+    /// Whole polygons that meet the area, in the order of the layers; those around points and lines follow a layer's own.
     pub fn polygons(&self) -> &[Polygon] {
         &self.polygons
     }
@@ -216,8 +215,7 @@ impl Chart {
         &self.charted
     }
 
-    /// The charted area, regardless of how places without any layer are treated; `None` where everything is
-    /// charted.
+    /// The charted area, regardless of how places without any layer are treated; `None` where everything is charted.
     pub(crate) fn covered(&self) -> Option<Cow<'_, Charted>> {
         match (self.known_by, self.uncharted) {
             (KnownBy::Land, _) => None,

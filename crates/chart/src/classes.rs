@@ -26,8 +26,7 @@ pub enum Treatment {
 pub enum Judged {
     /// It charts water of a least depth (DRVAL1).
     Depth,
-    /// It is an obstacle unless the depth over it (VALSOU) is known and sufficient, and it is under water
-    /// (WATLEV).
+    /// It is an obstacle unless the depth over it (VALSOU) is known and sufficient, and it is under water (WATLEV).
     Danger,
     /// So is every sounding.
     Sounding,
@@ -37,8 +36,7 @@ pub enum Judged {
     Land,
     /// It is solid or afloat: an obstacle unless it stands on land.
     Body,
-    /// It is an obstacle unless it stands on land, or its clearance is known and exceeds the ship's air
-    /// draught.
+    /// It is an obstacle unless it stands on land, or its clearance is known and exceeds the ship's air draught.
     Clearance,
     /// By its area and the restrictions there (RESTRN).
     Place,

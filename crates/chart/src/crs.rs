@@ -58,8 +58,7 @@ impl Crs {
         Ok(Self { name, definition: text, projection: Box::new(projection), wgs84: Box::new(wgs84) })
     }
 
-    /// Whether coordinates are longitudes and latitudes, by definition within a metre or two of those of
-    /// WGS84.
+    /// Whether coordinates are longitudes and latitudes, by definition within a metre or two of those of WGS84.
     pub fn is_near_wgs84(&self) -> bool {
         let value = |key: &str| self.value(key);
         let datum = value("datum");

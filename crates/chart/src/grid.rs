@@ -29,8 +29,7 @@ pub struct Grid {
     pub measured: Option<Measured>,
     /// The columns and rows that are kept.
     pub(crate) window: Block,
-    /// Per cell of the window, row by row from the south: depth \[m\], or 1 for land and 0 for water, or NaN
-    /// without data.
+    /// Per cell of the window, row by row from the south: depth \[m\], or 1 for land and 0 for water, or NaN without data.
     pub(crate) cells: Arc<[f32]>,
 }
 
@@ -71,8 +70,7 @@ impl GridCell {
     }
 }
 
-/// The shortest decimal number that is kept as `value`: the one in the file, if that has at most seven
-/// digits.
+/// The shortest decimal number that is kept as `value`: the one in the file, if that has at most seven digits.
 fn decimal(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }
@@ -91,8 +89,7 @@ pub enum GridKind {
     LandMask,
 }
 
-/// Farther from the sea's surface than any ground \[m\]: such numbers mean no data in files that do not
-/// declare it.
+/// Farther from the sea's surface than any ground \[m\]: such numbers mean no data in files that do not declare it.
 pub(crate) const FARTHEST: f64 = 12_000.0;
 
 /// How a grid file is to be read.

@@ -1,6 +1,5 @@
 //! Cells of a grid while it is read, and whether they are depths at all.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use crate::grid::{
@@ -84,9 +83,12 @@ impl<'a> Cells<'a> {
         mut numbers: impl FnMut(&Block) -> Result<N, Unread>,
     ) -> Result<Grid, Unread> {
         let window = self.window.clone();
-        let is_within = move |block: &Block| (0..2).all(|k| meet(&block[k], &window[k]));
+        let is_within = move |block: &Block| {
+            (0..2).all(|k| block[k].start < window[k].end && window[k].start < block[k].end)
+        };
         let beyond = blocks.clone().filter(|block| !is_within(block));
-        let stride = beyond.clone().map(|block| cells_of(&block)).sum::<usize>().div_ceil(MOST_BEYOND).max(1);
+        let sizes = beyond.clone().map(|[columns, rows]| columns.len() * rows.len());
+        let stride = sizes.sum::<usize>().div_ceil(MOST_BEYOND).max(1);
         for block in blocks.filter(&is_within) {
             self.reading.check_time()?;
             self.take(&block, numbers(&block)?);
@@ -229,14 +231,6 @@ fn nothing([columns, rows]: [usize; 2], reading: &Reading) -> Result<Vec<f32>, U
     }
     cells.resize(columns * rows, f32::NAN);
     Ok(cells)
-}
-
-fn cells_of([columns, rows]: &Block) -> usize {
-    columns.len() * rows.len()
-}
-
-fn meet(a: &Range<usize>, b: &Range<usize>) -> bool {
-    a.start < b.end && b.start < a.end
 }
 
 // ESRI ASCII: grids as text, one line per row, from north to south.

@@ -1,9 +1,7 @@
-//! Sea charts: polygons and grids on a local plane, obstacles and clearance for a ship's hull, output of
-//! routes and tracks.
+//! Sea charts: polygons and grids on a local plane, obstacles and clearance for a ship's hull, output of routes and tracks.
 //!
-//! Not for navigation. Coordinates on the plane are x east and y north \[m\]; headings are compass headings
-//! (0 north, clockwise) \[rad\]; longitude comes before latitude, in degrees of WGS84; depths are positive
-//! down \[m\].
+//! Not for navigation. Coordinates on the plane are x east and y north \[m\]; headings are compass headings (0 north,
+//! clockwise) \[rad\]; longitude comes before latitude, in degrees of WGS84; depths are positive down \[m\].
 //!
 //! Objects of electronic charts (S-57) come from the crate `enc`, each judged by the rule of its class
 //! ([`RULES`]). GDAL converts a cell to GeoJSON, one object class at a time:

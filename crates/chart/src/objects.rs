@@ -6,8 +6,8 @@ use geojson::{Feature as GeojsonFeature, JsonObject, JsonValue, Position};
 
 use crate::classes::{Called, is, judged};
 use crate::enc::{
-    ALL, Attribute, DRVAL1, DUNITS, Feature, Feature as Object, Geometry, HORDAT, HUNITS, Polygon, VALDCO,
-    VALSOU, WATLEV, class as class_code, class_name,
+    ALL, Attribute, DRVAL1, DUNITS, Feature, Geometry, HORDAT, HUNITS, Polygon, VALDCO, VALSOU, WATLEV,
+    class as class_code, class_name,
 };
 use crate::grid::FARTHEST;
 use crate::polygons::{Geometries, features, of_mark, positions, rings};
@@ -152,8 +152,7 @@ fn class(object: &Feature, treatment: Treatment) -> Result<Option<Class>, Invali
     })
 }
 
-/// Whether a depth over an object means that there is water over it: it does not if the object is dry or
-/// afloat.
+/// Whether a depth over an object means that there is water over it: it does not if the object is dry or afloat.
 fn is_under_water(object: &Feature) -> bool {
     let level = object.list(WATLEV);
     ![1, 2, 7].iter().any(|dry| level.contains(dry))
@@ -190,14 +189,13 @@ fn check_rings(object: &Feature, rings: &Polygon) -> Result<(), Invalid> {
     ring_fault(rings).map_or(Ok(()), |fault| Err(crate::polygons::faulty(&object.named(), &fault)))
 }
 
-// Objects of an electronic chart that `ogr2ogr` wrote as GeoJSON: their class in `OBJL`, attributes by their
-// acronyms.
+// Objects of an electronic chart that `ogr2ogr` wrote as GeoJSON: their class in `OBJL`, attributes by their acronyms.
 
 /// The objects of a GeoJSON file. Such files do not contain the quality of positions.
 ///
 /// # Errors
 /// Corrupt JSON; coordinates other than WGS84; a feature without the code of its class; rings that are open or cross.
-pub fn objects_of_geojson(text: &str) -> Result<Vec<Object>, Invalid> {
+pub fn objects_of_geojson(text: &str) -> Result<Vec<Feature>, Invalid> {
     read_objects(text, &Reading::whole()).map_err(Unread::into_invalid)
 }
 
@@ -205,7 +203,7 @@ pub fn objects_of_geojson(text: &str) -> Result<Vec<Object>, Invalid> {
 ///
 /// # Errors
 /// As [`objects_of_geojson`]; the end of the time limit.
-pub fn read_objects(text: &str, reading: &Reading) -> Result<Vec<Object>, Unread> {
+pub fn read_objects(text: &str, reading: &Reading) -> Result<Vec<Feature>, Unread> {
     let features = features(text, reading)?;
     let objects = features.iter().enumerate().map(|(index, feature)| {
         reading.check_time()?;
@@ -214,7 +212,7 @@ pub fn read_objects(text: &str, reading: &Reading) -> Result<Vec<Object>, Unread
     objects.collect()
 }
 
-fn object(feature: &GeojsonFeature, index: usize, reading: &Reading) -> Result<Object, Unread> {
+fn object(feature: &GeojsonFeature, index: usize, reading: &Reading) -> Result<Feature, Unread> {
     let properties = feature.properties.as_ref();
     let value =
         |name: &str| properties.and_then(|properties| properties.get(name)).filter(|value| !value.is_null());
@@ -229,7 +227,7 @@ fn object(feature: &GeojsonFeature, index: usize, reading: &Reading) -> Result<O
         .into());
     };
     let attributes = ALL.iter().filter_map(|(code, name)| Some((*code, text(value(name)?)?))).collect();
-    let mut object = Object {
+    let mut object = Feature {
         class: code,
         id: id(properties, index),
         attributes,

@@ -2,8 +2,7 @@ use crate::occupancy::{Activity, Occupancy};
 use crate::plane::MOST_CELLS;
 use crate::{Causes, Chart, Footprint, Invalid, Mask, Raster};
 
-/// The distance of every cell of a raster to the nearest charted obstacle: the part of [`Obstacles`] that a
-/// clearance needs.
+/// The distance of every cell of a raster to the nearest charted obstacle: the part of [`Obstacles`] that a clearance needs.
 #[derive(Clone, Debug)]
 pub struct Distances {
     raster: Raster,
@@ -14,8 +13,7 @@ impl Distances {
     /// Approximate bytes per cell, including those around the raster, while distances are computed.
     pub const FOUND_BYTES: u64 = 9;
 
-    /// [`Obstacles::new`] for a least depth \[m\], with distances up to `sight_m`; `None` once `keep_going`
-    /// returns false.
+    /// [`Obstacles::new`] for a least depth \[m\], with distances up to `sight_m`; `None` once `keep_going` returns false.
     ///
     /// # Errors
     /// As [`Obstacles::new`].
@@ -112,11 +110,10 @@ impl Distances {
 
 /// The area that is closed to the ship: blocked cells of a raster, and the distance to what blocks them.
 ///
-/// A cell is an *obstacle* when any part of it is land, no-go, shoaler than the least depth, or not
-/// charted. It is *blocked* when the least distance between any of its points and any point of an obstacle
-/// cell is below the margin. So a free cell keeps all its points at least the margin away from everything
-/// charted; because whole cells are compared, the kept distance may be larger by up to one diagonal of the
-/// obstacle's cell and one of its own (70 m in all at 25 m).
+/// A cell is an *obstacle* when any part of it is land, no-go, shoaler than the least depth, or not charted. It is *blocked*
+/// when the least distance between any of its points and any point of an obstacle cell is below the margin. So a free cell
+/// keeps all its points at least the margin away from everything charted; because whole cells are compared, the kept
+/// distance may be larger by up to one diagonal of the obstacle's cell and one of its own (70 m in all at 25 m).
 #[derive(Clone, Debug)]
 pub struct Obstacles {
     distances: Distances,
@@ -128,8 +125,7 @@ impl Obstacles {
     /// Obstacles of a chart for a least depth \[m\] and a margin \[m\], for informative maneuvers, including
     /// areas that only these avoid. A greater least depth and a greater margin only add blocked cells.
     ///
-    /// Obstacles up to the margin outside the raster are included. The least depth has no effect on charts of
-    /// land only.
+    /// Obstacles up to the margin outside the raster are included. The least depth has no effect on charts of land only.
     ///
     /// # Errors
     /// A raster without cells or with too many (its margin included); a least depth or margin that is not
@@ -138,8 +134,7 @@ impl Obstacles {
         Self::of(chart, raster, [least_depth_m, margin_m], Activity::Maneuvers)
     }
 
-    /// The same for transit, which may cross areas that are kept free of maneuvers
-    /// ([`crate::Class::TransitOnly`]).
+    /// The same for transit, which may cross areas that are kept free of maneuvers ([`crate::Class::TransitOnly`]).
     ///
     /// # Errors
     /// As [`Obstacles::new`].
@@ -175,8 +170,7 @@ impl Obstacles {
         self.distances.index(col, row).is_none_or(|k| self.blocked.closed()[k])
     }
 
-    /// Why a cell is an obstacle, regardless of the margin; `NONE` for cells that are free or blocked by the
-    /// margin only.
+    /// Why a cell is an obstacle, regardless of the margin; `NONE` for cells that are free or blocked by the margin only.
     pub fn causes(&self, col: usize, row: usize) -> Causes {
         self.distances.index(col, row).map_or(Causes::UNCHARTED, |k| self.causes[k])
     }
@@ -286,8 +280,7 @@ fn vertical_gaps(
         keep_going().then_some(())
     };
     (0..ny).try_for_each(&mut sweep)?;
-    // After the first sweep a distance in the last row counts from below: it is too long for any row above,
-    // so harmless.
+    // After the first sweep a distance in the last row counts from below: it is too long for any row above, so harmless.
     (0..ny).rev().try_for_each(sweep)?;
     Some(rows)
 }

@@ -44,8 +44,7 @@ impl Occupancy {
         occupancy
     }
 
-    /// Blocks cells where nothing is charted, or a grid has no data, regardless of how uncharted places are
-    /// treated.
+    /// Blocks cells where nothing is charted, or a grid has no data, regardless of how uncharted places are treated.
     pub(crate) fn of_uncharted(chart: &Chart, raster: Raster) -> Self {
         let mut occupancy = Self::open(raster);
         chart.grids().iter().for_each(|grid| occupancy.block_grid(grid, f64::NEG_INFINITY));
@@ -91,8 +90,7 @@ impl Occupancy {
         each_strip(grid, least_depth_m, |strip, cause| self.block(strip, cause));
     }
 
-    /// Blocks every cell that is not entirely charted: by one polygon, or by several that share the borders
-    /// inside it.
+    /// Blocks every cell that is not entirely charted: by one polygon, or by several that share the borders inside it.
     fn block_uncharted(&mut self, charted: &Charted) {
         let nx = self.raster.nx;
         let (size, slack) = (self.size, self.slack);

@@ -86,8 +86,7 @@ impl Polygon {
         if inside { nearest } else { -nearest }
     }
 
-    /// The area within the radius of a point or line: one polygon for the point, or for each straight segment
-    /// of the line.
+    /// The area within the radius of a point or line: one polygon for the point, or for each straight segment of the line.
     pub(crate) fn buffer(mark: &Mark, plane: &Plane) -> Vec<Self> {
         let line = place_line(&mark.positions, plane);
         let segments = line.windows(line.len().clamp(1, 2));
@@ -171,8 +170,7 @@ fn between(a: [f64; 2], b: [f64; 2]) -> Vec<[f64; 2]> {
 
 // The part of a grid that covers the chart's area, on the plane.
 
-/// Corners on a side of a block of cells whose corners are not kept: a side between two of them is nearly
-/// straight.
+/// Corners on a side of a block of cells whose corners are not kept: a side between two of them is nearly straight.
 const PER_BLOCK: usize = 64;
 
 /// A window of a grid: cells row by row from the south, and the positions of their corners.

@@ -4,11 +4,10 @@ use crate::Invalid;
 
 /// A local plane about an origin, x east and y north \[m\]: the azimuthal equidistant projection of WGS84.
 ///
-/// Distances and directions from the origin are those of the geodesic. Across the radius, at a distance r of
-/// the origin, lengths are too long by r²/(6 R²): 4·10⁻⁷ at 10 km, 1·10⁻⁵ at 50 km, 4·10⁻⁵ at 100 km.
-/// Distances between any two points within r are wrong by no more than that share. North on the plane is true
-/// north at the origin only: elsewhere it differs by the convergence [`Plane::north_rad`], about x
-/// tan(latitude)/R (0.16° at x = 10 km, 60° north).
+/// Distances and directions from the origin are those of the geodesic. Across the radius, at a distance r of the origin,
+/// lengths are too long by r²/(6 R²): 4·10⁻⁷ at 10 km, 1·10⁻⁵ at 50 km, 4·10⁻⁵ at 100 km. Distances between any two points
+/// within r are wrong by no more than that share. North on the plane is true north at the origin only: elsewhere it differs
+/// by the convergence [`Plane::north_rad`], about x tan(latitude)/R (0.16° at x = 10 km, 60° north).
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
     lon_deg: f64,
@@ -220,8 +219,7 @@ impl Raster {
     }
 }
 
-// Which cells segments and polygons cover. Coordinates are in units of cells; a span is (row, first, last
-// column).
+// Which cells segments and polygons cover. Coordinates are in units of cells; a span is (row, first, last column).
 
 /// Number of columns and rows.
 #[derive(Clone, Copy, Debug)]
@@ -242,8 +240,7 @@ impl Size {
     }
 }
 
-/// All cells within `slack` of a segment: those that it passes or touches, and no cell farther than `slack`
-/// from it.
+/// All cells within `slack` of a segment: those that it passes or touches, and no cell farther than `slack` from it.
 pub(crate) fn along(
     a: [f64; 2],
     b: [f64; 2],

@@ -9,8 +9,7 @@ use crate::grid::FARTHEST;
 use crate::ring::{RingFault, ring_fault_while};
 use crate::{Crs, DepthUnit, Invalid, Reading, Unread};
 
-/// Default radius of the danger around a charted point or line \[m\]: the positional accuracy of older
-/// surveys.
+/// Default radius of the danger around a charted point or line \[m\]: the positional accuracy of older surveys.
 pub const DANGER_M: f64 = 50.0;
 
 /// Features, and bytes, between two checks of the time limit.
@@ -152,9 +151,8 @@ impl PolygonLayer {
         Self::read(text, (kind, DepthUnit::Metre), filter, &Reading::whole()).map_err(Unread::into_invalid)
     }
 
-    /// Reads GeoJSON (RFC 7946) of any geometry, with depths in any unit. Points and lines are dangers within
-    /// [`DANGER_M`], unless [`PolygonLayer::with_danger`] sets another radius; in a layer of depths they have
-    /// a depth, and chart no water.
+    /// Reads GeoJSON (RFC 7946) of any geometry, with depths in any unit. Points and lines are dangers within [`DANGER_M`],
+    /// unless [`PolygonLayer::with_danger`] sets another radius; in a layer of depths they have a depth, and chart no water.
     ///
     /// # Errors
     /// Corrupt JSON; a `crs` member other than WGS84 or coordinates outside ±180 and ±90; features without a

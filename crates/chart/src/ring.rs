@@ -1,5 +1,4 @@
-//! Conditions for a ring of a polygon: closed, with area, without crossing itself or another ring of the same
-//! polygon.
+//! Conditions for a ring of a polygon: closed, with area, without crossing itself or another ring of the same polygon.
 
 use std::cmp::Ordering;
 
@@ -32,8 +31,7 @@ pub enum RingFault {
     },
 }
 
-/// The first fault of a polygon's rings (closed: the last position repeats the first), in any plane
-/// coordinates.
+/// The first fault of a polygon's rings (closed: the last position repeats the first), in any plane coordinates.
 ///
 /// Rings may touch themselves and each other at points and along edges; only proper crossings are faults.
 /// Edges are swept along the axis on which they are shorter: n log n for coastlines.

@@ -60,8 +60,7 @@ pub(crate) fn on_one_clock(
 }
 
 impl Assembled {
-    /// How many gaps split it: between sections, and between these and isolated rows before the first or
-    /// after the last.
+    /// How many gaps split it: between sections, and between these and isolated rows before the first or after the last.
     pub(crate) fn splits(&self) -> usize {
         let (Some(first), Some(last)) = (self.sections.first(), self.sections.last()) else { return 0 };
         let is_known = |channel: &Samples| channel.range(0..1).next().is_some_and(f64::is_finite);
@@ -72,7 +71,9 @@ impl Assembled {
 
     /// Without the last rows at which the states are not known.
     fn trimmed(mut self) -> Self {
-        let rows = known_rows(&self.measured);
+        let mut values = all(&self.measured);
+        let known = (0..self.measured[0].len()).filter(|_| next_known(&mut values));
+        let rows = known.last().map_or(0, |row| row + 1);
         self.grid.rows = rows;
         let channels = self.measured.iter_mut().chain(&mut self.exogenous).chain(&mut self.further);
         channels.for_each(|channel| channel.truncate(rows));
@@ -232,8 +233,7 @@ impl Grid {
     }
 }
 
-/// A gap-free section of rows that can be one run: N samples with inputs, and the state after the last of
-/// them.
+/// A gap-free section of rows that can be one run: N samples with inputs, and the state after the last of them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Section {
     /// First row.
@@ -242,9 +242,8 @@ pub struct Section {
     pub samples: usize,
 }
 
-/// The longest sections of at least one sample in which every state (`measured`) and every input
-/// (`exogenous`) is known; after the last sample only the states. Channels have equally many rows, NaN where
-/// unknown.
+/// The longest sections of at least one sample in which every state (`measured`) and every input (`exogenous`) is known;
+/// after the last sample only the states. Channels have equally many rows, NaN where unknown.
 pub fn sections(measured: &[Samples; 3], exogenous: &[Samples]) -> Vec<Section> {
     let (mut states, mut inputs) = (all(measured), all(exogenous));
     let (mut out, mut start) = (Vec::new(), None);
@@ -264,12 +263,6 @@ pub fn sections(measured: &[Samples; 3], exogenous: &[Samples]) -> Vec<Section> 
         }
     }
     out
-}
-
-/// Rows up to the last at which all `channels` are known.
-fn known_rows(channels: &[Samples; 3]) -> usize {
-    let mut values = all(channels);
-    (0..channels[0].len()).filter(|_| next_known(&mut values)).last().map_or(0, |row| row + 1)
 }
 
 fn all(channels: &[Samples]) -> Vec<Values<'_>> {

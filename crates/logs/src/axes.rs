@@ -141,8 +141,7 @@ const MOMENTS: usize = 20;
 struct Squares {
     moments: usize,
     speed: f64,
-    /// Of the difference from the derivative of position along the ship's axes; along north and east; along
-    /// east and north.
+    /// Of the difference from the derivative of position along the ship's axes; along north and east; along east and north.
     off: [f64; 3],
     /// Of the measured velocities; their inner and outer products with the derivatives along the ship's axes.
     measured: f64,
@@ -263,9 +262,8 @@ pub(crate) fn drift(channels: &Channels, derivatives: &Derivatives) -> Option<f6
 
 // Quaternions to heading, roll and pitch.
 
-/// Heading, roll and pitch \[rad\] of the quaternion in `cells` (w, x, y, z), as far as `spec` names channels
-/// for them: rotations about the vertical, the forward and the transverse axis, in this order. `line` says on
-/// which line a row stands.
+/// Heading, roll and pitch \[rad\] of the quaternion in `cells` (w, x, y, z), as far as `spec` names channels for them:
+/// rotations about the vertical, the forward and the transverse axis, in this order. `line` says on which line a row stands.
 ///
 /// # Errors
 /// The first row whose quaternion is not of unit length or puts the ship upside down, which means that its

@@ -87,8 +87,7 @@ pub struct Backwards {
     pub latest: f64,
 }
 
-/// Orders rows by their `times` (\[s\]) and leaves out rows without a time (not finite). Sorting holds all
-/// times in memory.
+/// Orders rows by their `times` (\[s\]) and leaves out rows without a time (not finite). Sorting holds all times in memory.
 ///
 /// # Errors
 /// The first row that is earlier than a row before it, where `policy` refuses that.
@@ -159,8 +158,7 @@ const YEAR: f64 = 365.0 * DAY;
 /// Clocks that were set do not show times before 2001 \[s\].
 const SET: f64 = 978_307_200.0;
 
-/// Whether a clock that advanced by `step_s` \[s\], which is below 0, began anew with the next row within
-/// `near_s`.
+/// Whether a clock that advanced by `step_s` \[s\], which is below 0, began anew with the next row within `near_s`.
 pub fn begins_anew(step_s: f64, near_s: f64) -> bool {
     PERIODS.iter().any(|period| (0.0..=near_s).contains(&(step_s + period)))
 }
@@ -273,10 +271,9 @@ struct Shared {
 /// Steps that are longer than this many usual ones are gaps.
 const GAP: f64 = 1.5;
 
-/// `times` \[s\] with the rows of each spread evenly until the next, and how many were moved. In an
-/// incomplete second, at the ends of a recording and at gaps, rows keep the usual distance: at an end they
-/// follow their time, at a beginning they lead up to the next one, unless all rows follow a stamp with their
-/// time (`is_stamped`).
+/// `times` \[s\] with the rows of each spread evenly until the next, and how many were moved. In an incomplete second, at
+/// the ends of a recording and at gaps, rows keep the usual distance: at an end they follow their time, at a beginning they
+/// lead up to the next one, unless all rows follow a stamp with their time (`is_stamped`).
 pub(crate) fn spread(times: Samples, is_stamped: bool) -> (Samples, usize) {
     let shared = shared(&times);
     let known = times.iter().filter(|time| time.is_finite()).count();

@@ -140,8 +140,7 @@ impl Columns {
         self.clock.fractions.append(clock.fractions);
     }
 
-    /// Appends the columns of the sensors of `others`; dateless ones continue a day later where they begin
-    /// anew.
+    /// Appends the columns of the sensors of `others`; dateless ones continue a day later where they begin anew.
     fn append_apart(&mut self, others: &mut Self) {
         let begins_anew = match (self.span(), others.span()) {
             (Some([_, last]), Some([first, _])) => others.clock.of_day && first < last - 0.5 * DAY,
@@ -154,7 +153,8 @@ impl Columns {
             if let (true, Some(Cells::Numbers(times))) = (moved > 0.0, other.columns.cells.first_mut()) {
                 *times = times.made(times.iter().map(|time| time + moved));
             }
-            let same = |apart: &&mut Apart| apart.source == other.source && apart.has_channels_of(&other);
+            let places = |apart: &Apart| apart.channels.iter().map(|(place, _)| *place).collect::<Vec<_>>();
+            let same = |apart: &&mut Apart| apart.source == other.source && places(apart) == places(&other);
             match self.apart.iter_mut().find(same) {
                 Some(apart) => apart.columns.append(other.columns),
                 None => self.apart.push(other),
@@ -173,12 +173,6 @@ pub struct Apart {
     pub channels: Vec<(usize, Option<usize>)>,
     /// The columns.
     pub columns: Columns,
-}
-
-impl Apart {
-    fn has_channels_of(&self, other: &Self) -> bool {
-        self.channels.iter().map(|(channel, _)| channel).eq(other.channels.iter().map(|(channel, _)| channel))
-    }
 }
 
 /// A day \[s\].
@@ -275,8 +269,7 @@ pub fn places(header: &[String], wanted: &[WantedColumn]) -> Result<Vec<usize>, 
     ))
 }
 
-// Times whose decimals are a whole number of nano- or microseconds, printed without leading zeros: `12.5`
-// for 12 s and 5 µs.
+// Times whose decimals are a whole number of nano- or microseconds, printed without leading zeros: `12.5` for 12 s and 5 µs.
 
 /// How many decimals the times of a file have, as long as they may be such numbers.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,8 +1,7 @@
 //! Logs as CSV: the requested columns.
 //!
-//! A row is a line: an unclosed quote spoils its own row and not the rest of the file, line numbers are those
-//! of an editor, and blank lines are counted. Hence no general CSV reader: its rows extend over lines and it
-//! silently skips blank ones.
+//! A row is a line: an unclosed quote spoils its own row and not the rest of the file, line numbers are those of an editor,
+//! and blank lines are counted. Hence no general CSV reader: its rows extend over lines and it silently skips blank ones.
 
 use std::io::BufRead;
 use std::sync::Arc;
@@ -19,9 +18,8 @@ const SEPARATORS: [char; 4] = [';', '\t', ',', '|'];
 /// Rows after which the usual length of a row is known.
 const TYPICAL: usize = 1024;
 
-/// Reads the columns of CSV with a header that `plan` wants of files of group `group`; `store` takes blocks
-/// of numbers. Where the text's `length` in bytes is known, too many rows are refused before all of them are
-/// read.
+/// Reads the columns of CSV with a header that `plan` wants of files of group `group`; `store` takes blocks of numbers.
+/// Where the text's `length` in bytes is known, too many rows are refused before all of them are read.
 ///
 /// # Errors
 /// Bytes that cannot be read or are not text, missing columns (all at once), a cell that is not a number, a

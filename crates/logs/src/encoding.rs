@@ -1,9 +1,6 @@
-//! Text in UTF-8 or UTF-16, with any line endings: read as UTF-8 whose lines end with `
-//! ` or `\r
-//! `.
+//! Text in UTF-8 or UTF-16, with any line endings: read as UTF-8 whose lines end with ` ` or `\r `.
 //!
-//! Text that already has this form passes through unchanged. The first bytes decide, and are held back only
-//! until then.
+//! Text that already has this form passes through unchanged. The first bytes decide, and are held back only until then.
 
 use std::io::{self, BufRead, Cursor, Read};
 
@@ -144,8 +141,7 @@ impl<R: BufRead, C: Convert> Read for Converted<R, C> {
     }
 }
 
-/// Any line endings to `
-/// `: carriage returns before a line feed belong to it, every other one ends a line.
+/// Any line endings to ` `: carriage returns before a line feed belong to it, every other one ends a line.
 #[derive(Default)]
 struct Ends {
     /// Carriage returns whose meaning depends on the next byte.

@@ -3,14 +3,12 @@
 //! Knows no files. Axes: earth x north, y east, heading `psi` clockwise from north; body x forward, y starboard, z down
 //! (NED and FRD). Numbers are in SI units and radians once [`unit()`] has converted them.
 //!
-//! A [`Setup`] says how the logs were made; a [`Plan`] decides which channels a vessel needs. [`sources`]
-//! finds the files of each recording by their names, [`read_csv`], [`read_nmea`] and [`read_bag`] read their
-//! columns, [`Log`] puts these on a clock, and [`record`] makes runs of the logs of a recording and assesses
-//! their data.
+//! A [`Setup`] says how the logs were made; a [`Plan`] decides which channels a vessel needs. [`sources`] finds the files of
+//! each recording by their names, [`read_csv`], [`read_nmea`] and [`read_bag`] read their columns, [`Log`] puts these on a
+//! clock, and [`record`] makes runs of the logs of a recording and assesses their data.
 //!
-//! A recording is a set of [`Series`], one per channel, each with a clock of its own. [`assemble`] turns it
-//! into channels on one clock; [`Segmentation`] cuts them into sub-experiments; [`consistency`] and
-//! [`noise_std`] measure their quality.
+//! A recording is a set of [`Series`], one per channel, each with a clock of its own. [`assemble`] turns it into channels on
+//! one clock; [`Segmentation`] cuts them into sub-experiments; [`consistency`] and [`noise_std`] measure their quality.
 //!
 //! In the other direction, [`Allocation`] turns forces into thruster settings, and [`chain`] into what a
 //! ship's instruments would have logged.

@@ -196,10 +196,10 @@ impl Log {
             channel.map_or(column, |channel| &channel.channel)
         });
         let (mut channels, mut seen) = (Vec::with_capacity(judged.len()), Vec::with_capacity(judged.len()));
-        for channel in judged {
-            omitted.append(&channel.omitted, |name| name);
-            channels.push(channel.series);
-            seen.push(channel.seen);
+        for (series, shape, impossible) in judged {
+            omitted.append(&impossible, |name| name);
+            channels.push(series);
+            seen.push(shape);
         }
         Ok(Self {
             rows: vec![rows.times.len(); channels.len()],
@@ -352,14 +352,6 @@ fn check_seams(times: &Samples, lines: &Numbering, plan: &Plan) -> Result<(), In
     Ok(())
 }
 
-/// A channel whose numbers have been judged.
-struct JudgedChannel {
-    series: Series,
-    /// How it looked as logged.
-    seen: LoggedShape,
-    omitted: Omissions,
-}
-
 /// The kept rows of a file, in order of time.
 struct KeptRows {
     rows: Kept,
@@ -369,15 +361,15 @@ struct KeptRows {
 }
 
 impl KeptRows {
-    /// The channel in `cells` in SI units, and how it looked as logged; impossible values are left out, and
-    /// angles are unwrapped before they are scaled.
+    /// The channel in `cells` in SI units, how it looked as logged, and what is left out because it is impossible; angles
+    /// are unwrapped before they are scaled.
     fn channel(
         &self,
         cells: Cells,
         spec: &ChannelSpec,
         unit: &Unit,
         limit: &Limit,
-    ) -> Result<JudgedChannel, Invalid> {
+    ) -> Result<(Series, LoggedShape, Omissions), Invalid> {
         let Cells::Numbers(numbers) = cells else { unreachable!("channels are read as numbers") };
         let numbers = self.rows.gathered(numbers);
         let (mut turns, mut gate) = (Turns::new(unit), Gate::new(spec, unit, limit));
@@ -386,8 +378,7 @@ impl KeptRows {
         let delayed = || Arc::new(numbers.made(self.times.iter().map(|time| time - spec.delay_s)));
         let times = if spec.delay_s == 0.0 { Arc::clone(&self.times) } else { delayed() };
         let mut unwrapping = (unit.si == "rad").then(Unwrapping::default);
-        // For angles beyond a turn the scale belongs to the unit; else it is a gear ratio, and the angle
-        // wraps before it.
+        // For angles beyond a turn the scale belongs to the unit; else it is a gear ratio, and the angle wraps before it.
         let of_unit = spec.scale != 1.0 && turns.go_beyond();
         let [inner, outer] =
             if of_unit { [unit.factor * spec.scale, 1.0] } else { [unit.factor, spec.scale] };
@@ -402,7 +393,7 @@ impl KeptRows {
         let series = Series::shared(&times, numbers.made(values), spec.max_gap_s.unwrap_or(self.max_gap_s));
         let (values, omitted) = gate.counted();
         check_share(&spec.channel, values, omitted.as_slice(), spec.max_omitted, Some(limit))?;
-        Ok(JudgedChannel { series, seen: turns.seen(), omitted })
+        Ok((series, turns.seen(), omitted))
     }
 
     fn labels(&self, cells: Cells) -> Labels {
@@ -441,8 +432,7 @@ fn times(
     Ok(times.made(both.map(|(time, ns)| time * unit + 1e-9 * ns)))
 }
 
-/// The cells of all channels: those that have a column of their own, and after them the angles of the
-/// quaternions.
+/// The cells of all channels: those that have a column of their own, and after them the angles of the quaternions.
 fn with_angles(mut cells: Vec<Cells>, spec: &FileSpec, lines: &Numbering) -> Result<Vec<Cells>, Invalid> {
     let mut parts = cells.split_off(spec.plain().len().min(cells.len())).into_iter();
     for quaternion in &spec.quaternion {

@@ -179,7 +179,7 @@ impl Plan {
 }
 
 /// Unit of a channel of motion.
-fn motion_unit(name: &str) -> Option<&'static str> {
+pub(crate) fn motion_unit(name: &str) -> Option<&'static str> {
     KINEMATIC.into_iter().find(|(known, _)| *known == name).map(|(_, unit)| unit)
 }
 
@@ -293,8 +293,7 @@ fn check_summand(of: &str, source: &str, sum_unit: &str, provided: &[Provided]) 
     }
 }
 
-/// Refuses a thruster's channel `source` that is not in `unit`: the force is defined in N per unit of its
-/// speed.
+/// Refuses a thruster's channel `source` that is not in `unit`: the force is defined in N per unit of its speed.
 fn check_thruster_unit(source: &str, unit: &str, provided: &[Provided]) -> Result<(), Invalid> {
     match provided.iter().find(|channel| channel.name == source && factor(&channel.unit, unit).is_none()) {
         Some(other) => {

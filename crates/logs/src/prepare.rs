@@ -116,8 +116,7 @@ pub fn prepare(mut channels: Channels, conventions: &Conventions) -> Result<Chan
     Ok(channels)
 }
 
-/// Latitude and longitude to x north and y east on the plane about the first point; `false` if there are
-/// none.
+/// Latitude and longitude to x north and y east on the plane about the first point; `false` if there are none.
 fn plane(channels: &mut Channels) -> Result<bool, Unassembled> {
     let (Some(latitude), Some(longitude)) =
         (channels.remove("latitude_deg"), channels.remove("longitude_deg"))
@@ -276,8 +275,7 @@ pub enum Unassembled {
     /// Geographic positions that start beyond 89° of latitude, where a plane has no north.
     #[error("positions that start beyond 89 deg of latitude")]
     NoPlane,
-    /// There is no time at which all channels are known: they start after others end, or there is a gap
-    /// everywhere.
+    /// There is no time at which all channels are known: they start after others end, or there is a gap everywhere.
     #[error("no two neighbouring samples at which all channels are known")]
     NoOverlap,
     /// A thruster leaves its table.
@@ -374,8 +372,7 @@ pub enum Axis {
     Pitch,
 }
 
-/// The interval of `places` that contains `at`, and the fraction along it; the whole range where `at` lies
-/// outside.
+/// The interval of `places` that contains `at`, and the fraction along it; the whole range where `at` lies outside.
 fn place(places: &[f64], at: f64) -> Result<(usize, f64), [f64; 2]> {
     let (first, last) = (places[0], places[places.len() - 1]);
     if !(first..=last).contains(&at) {

@@ -17,9 +17,8 @@ const FOLLOWED: f64 = 89.0 / 429.0;
 /// Standard deviation of normal noise from the median of its modulus.
 const FROM_MEDIAN: f64 = 1.482_602_218_505_602;
 
-/// Robust standard deviation of a channel's residuals from parabolas through 11 neighbours, in its unit: it
-/// contains white noise in full, and nothing that moves more slowly than some 11 samples. `None` if no
-/// section without gaps has 11 samples.
+/// Robust standard deviation of a channel's residuals from parabolas through 11 neighbours, in its unit: it contains white
+/// noise in full, and nothing that moves more slowly than some 11 samples. `None` if no section without gaps has 11 samples.
 pub fn noise_std(series: &Series) -> Option<f64> {
     let mut residuals = series.values.none();
     for section in series.sections().into_iter().filter(|section| section.len() >= WINDOW) {
@@ -125,8 +124,7 @@ impl Derivatives {
         Some(Self { psi, r, over_ground })
     }
 
-    /// Compares measured surge, sway and yaw rate with these. `None` where either is unknown or they never
-    /// overlap.
+    /// Compares measured surge, sway and yaw rate with these. `None` where either is unknown or they never overlap.
     pub(crate) fn compared(&self, channels: &Channels) -> [Option<MotionSummary>; 3] {
         let Self { psi, r, over_ground } = self;
         [("y_u", State::U), ("y_v", State::V), ("y_r", State::R)].map(|(name, state)| {

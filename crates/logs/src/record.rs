@@ -191,7 +191,9 @@ pub fn record(
 ) -> Result<Recorded, Invalid> {
     check_leaps(source, &logs)?;
     let start_s = logs.iter().filter_map(|log| log.times.first()).fold(f64::INFINITY, f64::min);
-    let labels = logs.iter().find_map(|log| labels(log, start_s));
+    let labels = logs.iter().find_map(|log| {
+        Some(Labelled { times: Arc::clone(&log.times), start_s, labels: log.labels.clone()? })
+    });
     let setup = &plan.setup;
     let rows_of = rows_of(plan, &logs);
     let seen: Vec<LoggedShape> = logs.iter().flat_map(|log| &log.seen).copied().collect();
@@ -302,10 +304,6 @@ fn refused(source: &Source, why: &Unassembled, slowest: Option<(String, f64)>) -
     Invalid::new(called(&source.name), why.to_string(), expected, remedy)
 }
 
-fn labels(log: &Log, start_s: f64) -> Option<Labelled> {
-    Some(Labelled { times: Arc::clone(&log.times), start_s, labels: log.labels.clone()? })
-}
-
 /// Per channel of the files, the number of rows.
 fn rows_of(plan: &Plan, logs: &[Log]) -> Vec<(String, usize)> {
     let rows = logs.iter().flat_map(|log| log.rows.iter().copied());
@@ -314,12 +312,11 @@ fn rows_of(plan: &Plan, logs: &[Log]) -> Vec<(String, usize)> {
 
 /// Of these, the number without a value.
 fn missing(rows_of: Vec<(String, usize)>, channels: &Channels) -> Vec<(String, usize)> {
-    let known = |name: &String| channels.get(name).map_or(0, |series| series.t.len());
-    let lacking = |(name, rows): (String, usize)| {
-        let lacking = rows.saturating_sub(known(&name));
-        (name, lacking)
-    };
-    rows_of.into_iter().map(lacking).collect()
+    let mut lacking = rows_of;
+    for (name, rows) in &mut lacking {
+        *rows = rows.saturating_sub(channels.get(name).map_or(0, |series| series.t.len()));
+    }
+    lacking
 }
 
 /// Share of a channel's values from which on leaving them out makes the rest doubtful.
@@ -391,54 +388,44 @@ fn slowest(plan: &Plan, summaries: &[ChannelSummary]) -> Option<(String, f64)> {
 
 /// The runs that consist of `parts` each, which follow each other without a break.
 fn cut(plan: &Plan, made: Assembled, parts: &[Vec<SubExperiment>]) -> Vec<RecordedRun> {
-    let (made, factors) = (Arc::new(made), plan.exogenous.iter().map(|input| input.factor).collect());
-    let derived = plan.derived.as_slice().into();
-    parts.iter().map(|parts| run_of(parts, &made, &factors, &derived)).collect()
-}
-
-fn run_of(
-    parts: &[SubExperiment],
-    made: &Arc<Assembled>,
-    factors: &Arc<[f64]>,
-    derived: &Arc<[DerivedChannel]>,
-) -> RecordedRun {
-    let start = parts[0].samples.start;
-    let segment =
-        |part: &SubExperiment| Segment { maneuver: part.maneuver.clone(), start: part.samples.start - start };
-    RecordedRun {
-        number: 0,
-        segments: parts.iter().map(segment).collect(),
-        // A run has one row more than samples.
-        rows: start..parts[parts.len() - 1].samples.end + 1,
-        made: Arc::clone(made),
-        factors: Arc::clone(factors),
-        derived: Arc::clone(derived),
-    }
-}
-
-/// Properties of a clock, which many channels share.
-struct SharedClock {
-    t: Arc<Samples>,
-    rate_hz: Option<f64>,
+    let factors: Arc<[f64]> = plan.exogenous.iter().map(|input| input.factor).collect();
+    let (made, derived) = (Arc::new(made), Arc::<[DerivedChannel]>::from(plan.derived.as_slice()));
+    let run = |parts: &Vec<SubExperiment>| {
+        let start = parts[0].samples.start;
+        let segments = parts
+            .iter()
+            .map(|part| Segment { maneuver: part.maneuver.clone(), start: part.samples.start - start });
+        RecordedRun {
+            number: 0,
+            segments: segments.collect(),
+            // A run has one row more than samples.
+            rows: start..parts[parts.len() - 1].samples.end + 1,
+            made: Arc::clone(&made),
+            factors: Arc::clone(&factors),
+            derived: Arc::clone(&derived),
+        }
+    };
+    parts.iter().map(run).collect()
 }
 
 /// Channels that are summarized in parallel: each holds a few blocks in memory.
 const SIDE_BY_SIDE: usize = 16;
 
 fn summaries(plan: &Plan, channels: &Channels, missing: &[(String, usize)]) -> Vec<ChannelSummary> {
-    let mut clocks: Vec<SharedClock> = Vec::new();
+    // Many channels share a clock.
+    let mut clocks: Vec<(Arc<Samples>, Option<f64>)> = Vec::new();
     for series in channels.values() {
-        if !clocks.iter().any(|clock| Arc::ptr_eq(&clock.t, &series.t)) {
-            clocks.push(SharedClock { t: Arc::clone(&series.t), rate_hz: series.rate_hz() });
+        if !clocks.iter().any(|(t, _)| Arc::ptr_eq(t, &series.t)) {
+            clocks.push((Arc::clone(&series.t), series.rate_hz()));
         }
     }
     let of = |(name, series): &(&String, &Series)| {
         let extreme = |f: fn(f64, f64) -> f64| series.values.iter().reduce(f);
-        let clock = clocks.iter().find(|clock| Arc::ptr_eq(&clock.t, &series.t));
+        let clock = clocks.iter().find(|(t, _)| Arc::ptr_eq(t, &series.t));
         ChannelSummary {
             name: (*name).clone(),
             unit: plan.unit_of(name).to_owned(),
-            rate_hz: clock.and_then(|clock| clock.rate_hz),
+            rate_hz: clock.and_then(|(_, rate_hz)| *rate_hz),
             missing: missing.iter().find(|(known, _)| known == *name).map_or(0, |(_, count)| *count as u64),
             gaps: series.gaps() as u64,
             noise: noise_std(series),

@@ -1,5 +1,4 @@
-//! Values of a channel or a clock in blocks, most of which may be in a store: a long recording does not fit
-//! into memory.
+//! Values of a channel or a clock in blocks, most of which may be in a store: a long recording does not fit into memory.
 
 use std::borrow::Cow;
 use std::fmt::Debug;

@@ -101,12 +101,16 @@ impl Segmentation {
         labels: Option<&Labelled>,
     ) -> (Vec<Vec<SubExperiment>>, usize) {
         let marked = self.cut.marked(source, &made.grid, labels);
+        let least = match self.cut {
+            Cut::Windows { tail, .. } => self.least.max(tail),
+            _ => self.least.max(1),
+        };
         let (mut runs, mut short) = (Vec::new(), 0);
         for section in &made.sections {
             let speeds = [&made.measured[0], &made.measured[1]];
             let parts = self.cut.parts(&source.kind, &marked, section, speeds);
             let count = parts.len();
-            let kept = self.long_enough(parts);
+            let kept: Vec<_> = parts.into_iter().filter(|part| part.samples.len() >= least).collect();
             short += count - kept.len();
             let joined = |a: &SubExperiment, b: &SubExperiment| {
                 !self.each_is_a_run && a.samples.end == b.samples.start
@@ -114,14 +118,6 @@ impl Segmentation {
             runs.extend(kept.chunk_by(joined).map(<[SubExperiment]>::to_vec));
         }
         (runs, short)
-    }
-
-    fn long_enough(&self, parts: Vec<SubExperiment>) -> Vec<SubExperiment> {
-        let least = match self.cut {
-            Cut::Windows { tail, .. } => self.least.max(tail),
-            _ => self.least.max(1),
-        };
-        parts.into_iter().filter(|part| part.samples.len() >= least).collect()
     }
 }
 
@@ -166,7 +162,11 @@ impl Cut {
                 all.clone().step_by((*samples).max(1)).map(window).collect()
             }
             Self::Labels | Self::Intervals(_) => {
-                marked.iter().filter_map(|part| overlap(part, &all)).collect()
+                let overlap = |part: &SubExperiment| {
+                    let samples = part.samples.start.max(all.start)..part.samples.end.min(all.end);
+                    (!samples.is_empty()).then(|| SubExperiment { samples, maneuver: part.maneuver.clone() })
+                };
+                marked.iter().filter_map(overlap).collect()
             }
         }
     }
@@ -199,11 +199,6 @@ pub fn check_intervals(intervals: &[Interval], sources: &[Source]) -> Result<(),
         }
     }
     Ok(())
-}
-
-fn overlap(part: &SubExperiment, all: &Range<usize>) -> Option<SubExperiment> {
-    let samples = part.samples.start.max(all.start)..part.samples.end.min(all.end);
-    (!samples.is_empty()).then(|| SubExperiment { samples, maneuver: part.maneuver.clone() })
 }
 
 /// The samples of `interval`, both its ends included, as one sub-experiment.

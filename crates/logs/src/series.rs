@@ -184,10 +184,9 @@ pub fn window_samples(window_s: f64, rate_hz: f64) -> usize {
     2 * ((0.5 * window_s * rate_hz).round() as usize).max(1) + 1
 }
 
-/// Fits a parabola by least squares to the `window` samples around each sample of a section; passes the fit's
-/// value and slope there to `each`, in order (in the unit of `values` and per second). At the ends the first
-/// and the last whole window is evaluated off its centre. With equal steps this is the filter of Savitzky &
-/// Golay (Analytical Chemistry 36, 1964).
+/// Fits a parabola by least squares to the `window` samples around each sample of a section; passes the fit's value and
+/// slope there to `each`, in order (in the unit of `values` and per second). At the ends the first and the last whole window
+/// is evaluated off its centre. With equal steps this is the filter of Savitzky & Golay (Analytical Chemistry 36, 1964).
 ///
 /// `t` increases \[s\]. Nothing is passed for fewer than three samples, or a shorter window.
 pub fn local_quadratic(

@@ -108,8 +108,7 @@ impl Stamps {
         text.match_indices("60").any(|(at, _)| is_second(at))
     }
 
-    /// Seconds since 1970-01-01 UTC of the local time `shown` in the zone, which is in seconds as if it were
-    /// UTC.
+    /// Seconds since 1970-01-01 UTC of the local time `shown` in the zone, which is in seconds as if it were UTC.
     ///
     /// # Errors
     /// See [`NoStamp`].
@@ -163,8 +162,7 @@ impl Stamps {
     }
 }
 
-/// Reads the times of consecutive rows. A leap second is a second of its own: all later times are a second
-/// later.
+/// Reads the times of consecutive rows. A leap second is a second of its own: all later times are a second later.
 pub struct Moments<'a> {
     pub(crate) stamps: &'a Stamps,
     /// When it began \[s\].

@@ -331,8 +331,7 @@ impl Omissions {
         others.0.iter().for_each(|other| self.add(named(&other.channel), other.reason, other.count));
     }
 
-    /// `14 values left out: 12 of psi (missing), 2 of y_u (range)`, naming only a few; `None` where there are
-    /// none.
+    /// `14 values left out: 12 of psi (missing), 2 of y_u (range)`, naming only a few; `None` where there are none.
     pub fn in_words(&self) -> Option<String> {
         const NAMED: usize = 6;
         let all: u64 = self.0.iter().map(|one| one.count).sum();

@@ -54,9 +54,8 @@ impl Thruster {
         [forward, starboard, x * starboard - y * forward]
     }
 
-    /// The setting that pushes with `force` (forward, to starboard) \[N\]: of the two, ahead and reversed,
-    /// the one whose direction is nearer to `alpha` \[rad\], within a quarter turn of it. Without force
-    /// `alpha` stays.
+    /// The setting that pushes with `force` (forward, to starboard) \[N\]: of the two, ahead and reversed, the one whose
+    /// direction is nearer to `alpha` \[rad\], within a quarter turn of it. Without force `alpha` stays.
     pub fn setting(&self, [forward, starboard]: [f64; 2], alpha: f64) -> Setting {
         let force = libm::hypot(forward, starboard);
         if force == 0.0 {
@@ -100,8 +99,7 @@ pub struct Allocation {
     thrusters: Vec<Thruster>,
     /// Orthonormal rows, 2 per thruster.
     q: Vec<Vec<f64>>,
-    /// Per force, its coefficients on the rows of `q`; the last coefficient belongs to a row of its own if
-    /// the flag is set.
+    /// Per force, its coefficients on the rows of `q`; the last coefficient belongs to a row of its own if the flag is set.
     l: Vec<(Vec<f64>, bool)>,
 }
 

@@ -54,8 +54,7 @@ impl Cell {
         Ok(cell)
     }
 
-    /// Applies the next update. One that the base file already contains, as a new issue does, changes
-    /// nothing.
+    /// Applies the next update. One that the base file already contains, as a new issue does, changes nothing.
     ///
     /// # Errors
     /// As [`Cell::read`]; an update that is not the next one, or of another edition; changes of missing

@@ -1,9 +1,8 @@
 //! Electronic navigational charts: a cell of IHO S-57 (edition 3.1) and its updates, from bytes to features.
 //!
-//! A cell is a file of ISO 8211 records (`US4MD81M.000`). Its vector records are nodes and edges, its feature
-//! records are objects of a class (`DEPARE`, `WRECKS`) that point to them. Updates (`.001`, `.002`, …)
-//! insert, delete and modify records, in order. Only cells of the ENC product are read: binary, chain-node
-//! topology, WGS84, metres.
+//! A cell is a file of ISO 8211 records (`US4MD81M.000`). Its vector records are nodes and edges, its feature records are
+//! objects of a class (`DEPARE`, `WRECKS`) that point to them. Updates (`.001`, `.002`, …) insert, delete and modify
+//! records, in order. Only cells of the ENC product are read: binary, chain-node topology, WGS84, metres.
 //!
 //! Longitude comes before latitude, in degrees of WGS84; depths are positive down \[m\], below the sounding datum.
 //!
@@ -56,8 +55,7 @@ pub const VERCLR: Attribute = (181, "VERCLR");
 pub const VERCCL: Attribute = (182, "VERCCL");
 /// See [`VERCLR`].
 pub const VERCSA: Attribute = (184, "VERCSA");
-/// Water level effect: 1 partly and 2 always dry, 3 always under water, 4 covers and uncovers, 5 awash, 7
-/// floating.
+/// Water level effect: 1 partly and 2 always dry, 3 always under water, 4 covers and uncovers, 5 awash, 7 floating.
 pub const WATLEV: Attribute = (187, "WATLEV");
 /// Datum of heights or depths in an area, see [`vertical_datum`].
 pub const VERDAT: Attribute = (185, "VERDAT");

@@ -121,7 +121,10 @@ impl Object {
         // Changes refer to the record by its number; its id is stated only once.
         let id = match Cursor::of(record, "FOID") {
             None if instruction != Instruction::Insert => (0, 0, 0),
-            _ => identifier(Cursor::needed(record, "FOID")?)?,
+            _ => {
+                let mut cursor = Cursor::needed(record, "FOID")?;
+                (cursor.u16()?, cursor.u32()?, cursor.u16()?)
+            }
         };
         let mut all = attributes(record, "ATTF", Lexical::Latin)?;
         all.extend(attributes(record, "NATF", national)?);
@@ -139,10 +142,6 @@ impl Object {
             },
         }))
     }
-}
-
-fn identifier(mut cursor: Cursor<'_>) -> Result<(u16, u32, u16), Invalid> {
-    Ok((cursor.u16()?, cursor.u32()?, cursor.u16()?))
 }
 
 /// All groups of subfields of a field; empty where the record lacks it.
@@ -206,8 +205,8 @@ pub(crate) trait Versioned: Clone {
     type Key: Ord + Clone;
     fn key(&self) -> Self::Key;
     fn named(&self) -> String;
-    fn version(&self) -> u16;
-    fn instruction(&self) -> Instruction;
+    /// Its version, and what it does to the record of the version before.
+    fn edition(&self) -> (u16, Instruction);
     /// Elements of this record's lists that `change` moves.
     fn moved(&self, change: &Self) -> u64;
     /// Applies `change`.
@@ -216,8 +215,8 @@ pub(crate) trait Versioned: Clone {
 
 /// Inserts, deletes or modifies a record of the cell.
 pub(crate) fn apply<T: Versioned>(all: &mut BTreeMap<T::Key, T>, change: T) -> Result<(), Invalid> {
-    let key = change.key();
-    if change.instruction() == Instruction::Insert {
+    let (key, (version, instruction)) = (change.key(), change.edition());
+    if instruction == Instruction::Insert {
         let named = change.named();
         return match all.insert(key, change) {
             None => Ok(()),
@@ -227,12 +226,12 @@ pub(crate) fn apply<T: Versioned>(all: &mut BTreeMap<T::Key, T>, change: T) -> R
     let Some(record) = all.get_mut(&key) else {
         return Err(refuse_change(change.named(), "a change of a missing record", "a record of the cell"));
     };
-    let next = record.version().wrapping_add(1);
-    if change.version() != next {
-        let version = format!("version {}", change.version());
+    let next = record.edition().0.wrapping_add(1);
+    if version != next {
+        let version = format!("version {version}");
         return Err(refuse_change(change.named(), &version, &format!("version {next}, the next one")));
     }
-    match change.instruction() {
+    match instruction {
         Instruction::Delete => {
             all.remove(&key);
             Ok(())
@@ -263,12 +262,8 @@ impl Versioned for Vector {
         format!("vector record {}-{}", self.name.0, self.name.1)
     }
 
-    fn version(&self) -> u16 {
-        self.version
-    }
-
-    fn instruction(&self) -> Instruction {
-        self.instruction
+    fn edition(&self) -> (u16, Instruction) {
+        (self.version, self.instruction)
     }
 
     fn moved(&self, change: &Self) -> u64 {
@@ -295,12 +290,8 @@ impl Versioned for Object {
         format!("feature record {}", self.number)
     }
 
-    fn version(&self) -> u16 {
-        self.version
-    }
-
-    fn instruction(&self) -> Instruction {
-        self.instruction
+    fn edition(&self) -> (u16, Instruction) {
+        (self.version, self.instruction)
     }
 
     fn moved(&self, change: &Self) -> u64 {

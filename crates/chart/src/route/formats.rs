@@ -84,9 +84,8 @@ fn schedule(xml: &mut Xml, route: &Route) -> io::Result<()> {
     Ok(())
 }
 
-/// A waypoint's times: the departure from the first, the arrival at others, and the departure from those where the ship stays.
-/// Version 1.0 of the schema spells
-/// the element this way.
+/// A waypoint's times: the departure from the first, the arrival at others, and the departure from those where the ship
+/// stays. Version 1.0 of the schema spells the element this way.
 fn scheduled(xml: &mut Xml, route: &Route, index: usize) -> io::Result<()> {
     let Some(time) = route.instant(index) else { return Ok(()) };
     let waypoint = &route.waypoints[index];

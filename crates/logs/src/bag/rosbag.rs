@@ -124,24 +124,21 @@ impl RosbagWalk<'_> {
     }
 }
 
-/// Header and data of a record.
-type Record = (Vec<u8>, Vec<u8>);
-
-/// The next record, of at most `largest` bytes; `None` at the end.
-fn record(bytes: &mut dyn Read, largest: usize) -> Result<Option<Record>, LogError> {
-    let Some(length) = length(bytes)? else { return Ok(None) };
-    if length > LONGEST_HEADER {
-        let header = format!("a header of {length} bytes");
+/// Header and data of the next record, of at most `largest` bytes; `None` at the end.
+fn record(bytes: &mut dyn Read, largest: usize) -> Result<Option<(Vec<u8>, Vec<u8>)>, LogError> {
+    let Some(header_length) = length(bytes)? else { return Ok(None) };
+    if header_length > LONGEST_HEADER {
+        let header = format!("a header of {header_length} bytes");
         return Err(Invalid::new("record", header, format!("at most {LONGEST_HEADER}"), COPY).into());
     }
-    let header = exactly(bytes, length)?;
-    let length = length_or_cut(bytes)?;
-    if length as usize > largest {
-        let size = format!("{length} bytes");
+    let header = exactly(bytes, header_length)?;
+    let data_length = length(bytes)?.ok_or_else(cut)?;
+    if data_length as usize > largest {
+        let size = format!("{data_length} bytes");
         let remedy = "record in smaller chunks, raise --memory-mib, or copy the file again";
         return Err(Invalid::new("record", size, format!("at most {largest}"), remedy).into());
     }
-    Ok(Some((header, exactly(bytes, length)?)))
+    Ok(Some((header, exactly(bytes, data_length)?)))
 }
 
 /// The length before a header or data; `None` at the end of the file.
@@ -153,10 +150,6 @@ fn length(bytes: &mut dyn Read) -> Result<Option<u32>, LogError> {
         [a, b, c, d] => Ok(Some(u32::from_le_bytes([a, b, c, d]))),
         _ => Err(cut().into()),
     }
-}
-
-fn length_or_cut(bytes: &mut dyn Read) -> Result<u32, LogError> {
-    length(bytes)?.ok_or_else(|| cut().into())
 }
 
 fn exactly(bytes: &mut dyn Read, length: u32) -> Result<Vec<u8>, LogError> {

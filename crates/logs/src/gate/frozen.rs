@@ -1,6 +1,6 @@
 //! Sensors that repeat a value while the ship moves.
 
-use super::limit::pair;
+use super::limit::{pair, without};
 use crate::{Channels, Omissions, Reason, Series};
 
 /// Velocities; where one stands still, the others show whether the ship did.
@@ -32,14 +32,22 @@ pub(crate) fn keep_alive(channels: &mut Channels, omitted: &mut Omissions) {
     }
     for (name, holds) in frozen.iter().filter(|(_, holds)| !holds.is_empty()) {
         let Some(series) = channels.get_mut(*name) else { continue };
-        let (kept, count) = without(series, holds);
-        *series = kept;
+        let mut count = 0;
+        *series = without(
+            series,
+            holds,
+            |hold| hold.times[1],
+            |hold, time| {
+                let repeats = hold.times[0] < time;
+                count += u64::from(repeats);
+                repeats
+            },
+        );
         omitted.add(name, Reason::Frozen, count);
     }
 }
 
-/// Whether the position stood still while the ship moved: by its speed, or by how abruptly the position
-/// stopped or resumed.
+/// Whether the position stood still while the ship moved: by its speed, or by how abruptly the position stopped or resumed.
 fn is_stuck(hold: &Hold, holds: &Holds, channels: &Channels) -> bool {
     let speed = ["y_u", "v_x"].iter().zip(["y_v", "v_y"]).find_map(|(first, second)| {
         let [first, second] = [channels.get(*first)?, channels.get(second)?];
@@ -81,7 +89,7 @@ fn is_frozen(name: &str, hold: &Hold, holds: &Holds, channels: &Channels) -> boo
             // ever smaller steps.
             let stopped = || {
                 hold.value != 0.0
-                    && holds.hardly_repeat()
+                    && holds.usual == 1
                     && hold.step_in > 0.25 * step
                     && all_stop(name, hold, channels)
             };
@@ -153,24 +161,6 @@ fn others<'a>(
     })
 }
 
-/// `series` without the repetitions in `holds`, and how many values these are.
-fn without(series: &Series, holds: &[Hold]) -> (Series, u64) {
-    let (mut count, mut next) = (0, 0);
-    let values = series.values.made(series.t.iter().zip(series.values.iter()).map(|(time, value)| {
-        while holds.get(next).is_some_and(|hold| hold.times[1] < time) {
-            next += 1;
-        }
-        match holds.get(next).filter(|hold| hold.times[0] < time) {
-            Some(_) => {
-                count += 1;
-                f64::NAN
-            }
-            None => value,
-        }
-    }));
-    (series.with(values), count)
-}
-
 // Holds: rows in which a channel has exactly the same value.
 
 /// Equal values in a row that may occur by chance, on a channel that hardly ever repeats one.
@@ -235,8 +225,7 @@ impl Hold {
 }
 
 impl Holds {
-    /// The holds of `first`, or of a position whose other coordinate is `second`; `step` is the distance
-    /// between two values.
+    /// The holds of `first`, or of a position whose other coordinate is `second`; `step` is the distance between two values.
     pub(super) fn of(
         first: &Series,
         second: Option<&Series>,
@@ -274,11 +263,6 @@ impl Holds {
     /// Those that are far longer than the channel's usual ones.
     fn long(&self) -> impl Iterator<Item = Hold> {
         self.candidates.iter().filter(|hold| hold.rows >= ROWS * self.usual).cloned()
-    }
-
-    /// Whether hardly any value repeats the previous one, as under the noise of a finely resolved sensor.
-    fn hardly_repeat(&self) -> bool {
-        self.usual == 1
     }
 }
 

@@ -3,7 +3,6 @@ use std::fmt::{self, Display};
 
 use refusal::Invalid;
 
-use crate::samples::Samples;
 use crate::{ChannelSpec, Channels, Omission, Omissions, Reason, Series, Unit};
 
 /// The allowed range of the numbers in a column, in its own unit.
@@ -102,8 +101,7 @@ fn of_kind(channel: &str, unit: &Unit, fastest: f64) -> (f64, &'static str) {
     }
 }
 
-/// Refuses a channel if more than the share `most` of its `values` are left out. `limit` is that of its
-/// numbers.
+/// Refuses a channel if more than the share `most` of its `values` are left out. `limit` is that of its numbers.
 pub(crate) fn check_share(
     channel: &str,
     values: u64,
@@ -196,8 +194,7 @@ fn on_earth(from: [f64; 2], to: [f64; 2]) -> f64 {
     EARTH_M * (north * north + east * east).sqrt()
 }
 
-/// Leaves out of `channels` the positions that a ship of at most `fastest` \[m/s\] cannot reach, and counts
-/// them.
+/// Leaves out of `channels` the positions that a ship of at most `fastest` \[m/s\] cannot reach, and counts them.
 pub(crate) fn keep_possible(channels: &mut Channels, fastest: f64, omitted: &mut Omissions) {
     let Some((names, metres)) = pair(channels) else { return };
     let [Some(first), Some(second)] = names.map(|name| channels.get(name)) else { return };
@@ -211,8 +208,18 @@ pub(crate) fn keep_possible(channels: &mut Channels, fastest: f64, omitted: &mut
     let wrong = tracks.wrong();
     for name in names.iter().filter(|_| !wrong.is_empty()) {
         let Some(series) = channels.get_mut(*name) else { continue };
-        let (kept, counts) = without(series, &wrong);
-        *series = kept;
+        // Those that are not 0 N 0 E, and those that are.
+        let mut counts = [0; 2];
+        *series = without(
+            series,
+            &wrong,
+            |stay| stay.times[1],
+            |stay, time| {
+                let is_wrong = stay.times[0] <= time;
+                counts[usize::from(stay.null)] += u64::from(is_wrong);
+                is_wrong
+            },
+        );
         omitted.add(name, Reason::Motion, counts[0]);
         omitted.add(name, Reason::NullIsland, counts[1]);
     }
@@ -244,8 +251,7 @@ impl Tracks {
         }
     }
 
-    /// The stays that are not on the longest track, in order; all that are 0 N 0 E where the longest track
-    /// is.
+    /// The stays that are not on the longest track, in order; all that are 0 N 0 E where the longest track is.
     fn wrong(self) -> Vec<Stay> {
         let longest = (0..self.tracks.len()).max_by_key(|i| (self.tracks[*i].count, std::cmp::Reverse(*i)));
         let Some(longest) = longest else { return Vec::new() };
@@ -254,21 +260,18 @@ impl Tracks {
     }
 }
 
-/// `series` without the values in `wrong`, and how many of these are not 0 N 0 E, and how many are.
-fn without(series: &Series, wrong: &[Stay]) -> (Series, [u64; 2]) {
-    let (mut counts, mut next) = ([0; 2], 0);
-    let values: Samples =
-        series.values.made(series.t.iter().zip(series.values.iter()).map(|(time, value)| {
-            while wrong.get(next).is_some_and(|stay| stay.times[1] < time) {
-                next += 1;
-            }
-            match wrong.get(next).filter(|stay| stay.times[0] <= time) {
-                Some(stay) => {
-                    counts[usize::from(stay.null)] += 1;
-                    f64::NAN
-                }
-                None => value,
-            }
-        }));
-    (series.with(values), counts)
+/// `series` without the values at which the first of `spans` that has not ended `is_out`; `end` is the end of a span \[s\].
+pub(super) fn without<T>(
+    series: &Series,
+    spans: &[T],
+    end: impl Fn(&T) -> f64,
+    mut is_out: impl FnMut(&T, f64) -> bool,
+) -> Series {
+    let mut next = 0;
+    series.with(series.values.made(series.t.iter().zip(series.values.iter()).map(|(time, value)| {
+        while spans.get(next).is_some_and(|span| end(span) < time) {
+            next += 1;
+        }
+        if spans.get(next).is_some_and(|span| is_out(span, time)) { f64::NAN } else { value }
+    })))
 }

@@ -104,8 +104,7 @@ impl<'a> Gate<'a> {
 
 // Angles beyond a turn: those of a heading that was logged unwrapped, or no headings at all.
 
-/// Consecutive numbers that continue each other before they are taken for a heading that kept counting over a
-/// gap.
+/// Consecutive numbers that continue each other before they are taken for a heading that kept counting over a gap.
 const IN_A_ROW: usize = 5;
 
 /// Judges angles beyond a turn, which are kept where they continue the previous ones.

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::names::{Named, ROLES};
 use super::{Needed, Placed, usual_unit};
+use crate::plan::motion_unit;
 use crate::{Format, Topic};
 
 /// A topic with channels.
@@ -44,15 +45,10 @@ impl BagGuess {
     /// What the bag of `format` with `topics` is likely to have for a model with the channels `needed`.
     pub fn of(format: Format, topics: &[Topic], needed: &[Needed]) -> Self {
         let mut search = TopicSearch { format, topics, guesses: Vec::new(), placed: BTreeSet::new() };
-        KNOWN.iter().for_each(|known| search.by_type(known));
+        KNOWN.into_iter().for_each(|known| search.by_type(known));
         let motion = ROLES.iter().filter(|role| !role.is_optional).map(|role| (role.channel, role.unit));
         let wanted = needed.iter().map(|need| (need.channel.as_str(), need.unit.as_str()));
-        for (channel, unit) in motion {
-            search.by_name(channel, unit);
-        }
-        for (channel, unit) in wanted {
-            search.by_name(channel, unit);
-        }
+        motion.chain(wanted).for_each(|(channel, unit)| search.by_name(channel, unit));
         let is_missing = |need: &&Needed| !search.placed.contains(need.channel.as_str());
         let missing = needed.iter().filter(is_missing).cloned().collect();
         let unused = topics.iter().filter(|topic| search.guesses.iter().all(|used| used.topic != topic.name));
@@ -76,18 +72,17 @@ struct TopicSearch<'a> {
 }
 
 impl TopicSearch<'_> {
-    /// Places the fields of the first topic whose messages are `known`.
-    fn by_type(&mut self, known: &KnownMessage) {
-        let is_known = |topic: &&Topic| topic.kind.replace("/msg/", "/") == known.kind && topic.messages > 0;
+    /// Places the `fields` and the `attitude` of the first topic whose messages are of a type.
+    fn by_type(&mut self, (kind, fields, attitude): (&str, &[[&str; 2]], &str)) {
+        let is_known = |topic: &&Topic| topic.kind.replace("/msg/", "/") == kind && topic.messages > 0;
         let Some(topic) = self.topics.iter().find(is_known) else { return };
-        if let Some(fields) = known.quaternion.filter(|fields| has_turns(topic, *fields))
-            && self.is_free("psi")
-        {
+        let quaternion = quaternion(attitude);
+        if !attitude.is_empty() && has_turns(topic, &quaternion) && self.is_free("psi") {
             self.placed.insert("psi".to_owned());
-            self.topic(topic).quaternion = Some(fields.map(str::to_owned));
+            self.topic(topic).quaternion = Some(quaternion);
         }
         let is_of_body = values(topic, "velocity_frame").next() == Some(BODY);
-        for (field, channel, unit) in known.fields {
+        for [field, channel] in fields {
             let channel = match *channel {
                 "v_x" if is_of_body => "y_u",
                 "v_y" if is_of_body => "y_v",
@@ -97,7 +92,7 @@ impl TopicSearch<'_> {
                 let placed = Placed {
                     column: (*field).to_owned(),
                     channel: channel.to_owned(),
-                    unit: (*unit).to_owned(),
+                    unit: unit_of(channel).to_owned(),
                     is_channel_guessed: false,
                     is_unit_guessed: false,
                     is_optional: false,
@@ -209,13 +204,13 @@ fn values<'a>(topic: &'a Topic, field: &str) -> impl Iterator<Item = f64> + 'a {
 }
 
 /// Whether the fields are an attitude that was measured: elsewhere they are zeros, or no numbers.
-fn has_turns(topic: &Topic, fields: [&str; 4]) -> bool {
-    let squares = fields.map(|field| values(topic, field).next().unwrap_or(f64::NAN).powi(2));
+fn has_turns(topic: &Topic, fields: &[String; 4]) -> bool {
+    let squares = fields.each_ref().map(|field| values(topic, field).next().unwrap_or(f64::NAN).powi(2));
     (squares.iter().sum::<f64>() - 1.0).abs() < 0.05
 }
 
 fn is_known(topic: &Topic) -> bool {
-    KNOWN.iter().any(|known| topic.kind.replace("/msg/", "/") == known.kind)
+    KNOWN.iter().any(|(kind, ..)| topic.kind.replace("/msg/", "/") == *kind)
 }
 
 /// A field as a column: a message of one value is called like its topic.
@@ -231,115 +226,71 @@ fn is_clock(field: &str) -> bool {
     field.starts_with("header.") || field.starts_with("timestamp")
 }
 
-// What is known of common messages: which of their fields is which channel.
-
-/// Messages of a type.
-struct KnownMessage {
-    /// Its name.
-    pub(super) kind: &'static str,
-    /// Field, channel, unit.
-    pub(super) fields: &'static [(&'static str, &'static str, &'static str)],
-    /// Fields of an attitude: w, x, y, z.
-    quaternion: Option<[&'static str; 4]>,
-}
-
-const fn known(
-    kind: &'static str,
-    fields: &'static [(&'static str, &'static str, &'static str)],
-    quaternion: Option<[&'static str; 4]>,
-) -> KnownMessage {
-    KnownMessage { kind, fields, quaternion }
-}
-
-/// Those that tell a motion, the fullest first. Those of ROS are in its axes, east, north, up; those of PX4 are
-/// north, east, down.
-const KNOWN: &[KnownMessage] = &[
-    known(
+/// Types of messages that tell a motion, the fullest first: their fields, each with its channel, and what the fields of their
+/// attitude begin with. Those of ROS are in its axes, east, north, up; those of PX4 are north, east, down.
+const KNOWN: [(&str, &[[&str; 2]], &str); 12] = [
+    (
         "nav_msgs/Odometry",
         &[
-            ("pose.pose.position.x", "x", "m"),
-            ("pose.pose.position.y", "y", "m"),
-            ("twist.twist.linear.x", "y_u", "m/s"),
-            ("twist.twist.linear.y", "y_v", "m/s"),
-            ("twist.twist.angular.z", "y_r", "rad/s"),
+            ["pose.pose.position.x", "x"],
+            ["pose.pose.position.y", "y"],
+            ["twist.twist.linear.x", "y_u"],
+            ["twist.twist.linear.y", "y_v"],
+            ["twist.twist.angular.z", "y_r"],
         ],
-        Some([
-            "pose.pose.orientation.w",
-            "pose.pose.orientation.x",
-            "pose.pose.orientation.y",
-            "pose.pose.orientation.z",
-        ]),
+        "pose.pose.orientation",
     ),
-    known(
+    (
         "vehicle_odometry",
         &[
-            ("position[0]", "x", "m"),
-            ("position[1]", "y", "m"),
-            ("velocity[0]", "v_x", "m/s"),
-            ("velocity[1]", "v_y", "m/s"),
-            ("angular_velocity[2]", "y_r", "rad/s"),
+            ["position[0]", "x"],
+            ["position[1]", "y"],
+            ["velocity[0]", "v_x"],
+            ["velocity[1]", "v_y"],
+            ["angular_velocity[2]", "y_r"],
         ],
-        Some(["q[0]", "q[1]", "q[2]", "q[3]"]),
+        "q",
     ),
-    known(
-        "geometry_msgs/PoseStamped",
-        &[("pose.position.x", "x", "m"), ("pose.position.y", "y", "m")],
-        Some(["pose.orientation.w", "pose.orientation.x", "pose.orientation.y", "pose.orientation.z"]),
-    ),
-    known(
+    ("geometry_msgs/PoseStamped", &[["pose.position.x", "x"], ["pose.position.y", "y"]], "pose.orientation"),
+    (
         "geometry_msgs/PoseWithCovarianceStamped",
-        &[("pose.pose.position.x", "x", "m"), ("pose.pose.position.y", "y", "m")],
-        Some([
-            "pose.pose.orientation.w",
-            "pose.pose.orientation.x",
-            "pose.pose.orientation.y",
-            "pose.pose.orientation.z",
-        ]),
+        &[["pose.pose.position.x", "x"], ["pose.pose.position.y", "y"]],
+        "pose.pose.orientation",
     ),
-    known(
+    (
         "geometry_msgs/TwistStamped",
-        &[
-            ("twist.linear.x", "y_u", "m/s"),
-            ("twist.linear.y", "y_v", "m/s"),
-            ("twist.angular.z", "y_r", "rad/s"),
-        ],
-        None,
+        &[["twist.linear.x", "y_u"], ["twist.linear.y", "y_v"], ["twist.angular.z", "y_r"]],
+        "",
     ),
-    known(
+    (
         "geometry_msgs/TwistWithCovarianceStamped",
-        &[
-            ("twist.twist.linear.x", "y_u", "m/s"),
-            ("twist.twist.linear.y", "y_v", "m/s"),
-            ("twist.twist.angular.z", "y_r", "rad/s"),
-        ],
-        None,
+        &[["twist.twist.linear.x", "y_u"], ["twist.twist.linear.y", "y_v"], ["twist.twist.angular.z", "y_r"]],
+        "",
     ),
-    known(
+    (
         "vehicle_local_position",
-        &[
-            ("x", "x", "m"),
-            ("y", "y", "m"),
-            ("vx", "v_x", "m/s"),
-            ("vy", "v_y", "m/s"),
-            ("heading", "psi", "rad"),
-        ],
-        None,
+        &[["x", "x"], ["y", "y"], ["vx", "v_x"], ["vy", "v_y"], ["heading", "psi"]],
+        "",
     ),
-    known("vehicle_attitude", &[], Some(["q[0]", "q[1]", "q[2]", "q[3]"])),
-    known("vehicle_angular_velocity", &[("xyz[2]", "y_r", "rad/s")], None),
-    known(
-        "sensor_msgs/Imu",
-        &[("angular_velocity.z", "y_r", "rad/s")],
-        Some(["orientation.w", "orientation.x", "orientation.y", "orientation.z"]),
-    ),
-    known(
-        "sensor_msgs/NavSatFix",
-        &[("latitude", "latitude_deg", "deg"), ("longitude", "longitude_deg", "deg")],
-        None,
-    ),
-    known(
-        "vehicle_global_position",
-        &[("lat", "latitude_deg", "deg"), ("lon", "longitude_deg", "deg")],
-        None,
-    ),
+    ("vehicle_attitude", &[], "q"),
+    ("vehicle_angular_velocity", &[["xyz[2]", "y_r"]], ""),
+    ("sensor_msgs/Imu", &[["angular_velocity.z", "y_r"]], "orientation"),
+    ("sensor_msgs/NavSatFix", &[["latitude", "latitude_deg"], ["longitude", "longitude_deg"]], ""),
+    ("vehicle_global_position", &[["lat", "latitude_deg"], ["lon", "longitude_deg"]], ""),
 ];
+
+/// The fields w, x, y, z of the attitude `name`: in ROS by letters, in PX4 by numbers.
+fn quaternion(name: &str) -> [String; 4] {
+    match name {
+        "q" => [0, 1, 2, 3].map(|part| format!("q[{part}]")),
+        name => ["w", "x", "y", "z"].map(|part| format!("{name}.{part}")),
+    }
+}
+
+/// The unit of a channel of motion in messages.
+fn unit_of(channel: &str) -> &'static str {
+    match channel {
+        "latitude_deg" | "longitude_deg" => "deg",
+        channel => motion_unit(channel).unwrap_or("1"),
+    }
+}

@@ -1,5 +1,4 @@
-//! The clock of a file of sentences: sentences of one kind from one receiver, or a stamp before each
-//! sentence.
+//! The clock of a file of sentences: sentences of one kind from one receiver, or a stamp before each sentence.
 
 use refusal::{Invalid, foreign};
 
@@ -127,15 +126,13 @@ impl<'a> SentenceClock<'a> {
                 let step = self.timeline.next(reported, is_dated(kind));
                 self.follow(step, into);
             }
-            Timing::Own(reported) if self.is_of_clock(sentence.address) => {
+            Timing::Own(reported)
+                if self.address.as_ref().is_none_or(|clock| clock[..2] == sentence.address[..2]) =>
+            {
                 self.marks.push((reported, into.0.len()));
             }
             Timing::Clock(_) | Timing::Own(_) | Timing::Nothing => {}
         }
-    }
-
-    fn is_of_clock(&self, address: &str) -> bool {
-        self.address.as_ref().is_none_or(|followed| followed[..2] == address[..2])
     }
 
     /// Whether the clock follows sentences from `address` with this time.

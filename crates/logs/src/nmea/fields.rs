@@ -171,16 +171,6 @@ impl FieldColumn {
         self.fits(sentence.address) && qualifier().eq(self.qualifier.chars())
     }
 
-    /// Whether it is a heading from magnetic north.
-    pub(super) fn is_magnetic(&self) -> bool {
-        self.field.name == "magnetic"
-    }
-
-    /// Whether it is a course over ground.
-    pub(super) fn is_course(&self) -> bool {
-        self.field.name == "course"
-    }
-
     /// Its value in `sentence`, which stands on `line`, if its quality is `accepted`.
     pub(crate) fn value(
         &self,

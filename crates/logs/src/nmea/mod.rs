@@ -1,8 +1,7 @@
 //! Logs of NMEA 0183: sentences such as `$GPRMC,…*5A`.
 //!
-//! Sentences with a time have that one; all others have the time of the last sentence of a declared kind, or
-//! of a stamp before them. Each address is a sensor with rows of its own; `repeated = "spread"` spaces rows
-//! of one time evenly.
+//! Sentences with a time have that one; all others have the time of the last sentence of a declared kind, or of a stamp
+//! before them. Each address is a sensor with rows of its own; `repeated = "spread"` spaces rows of one time evenly.
 //!
 //! Libraries for this standard read positions and leave out rudders, rates of turn and propellers, which a
 //! model needs. A sentence is a checksum and commas. Hence no library.
@@ -58,8 +57,7 @@ pub fn read_nmea(
     Ok(reading.finish()?)
 }
 
-/// The column of a channel; refuses another unit than the sentence's, and a magnetic heading in place of a
-/// true one.
+/// The column of a channel; refuses another unit than the sentence's, and a magnetic heading in place of a true one.
 fn column(spec: &ChannelSpec) -> Result<FieldColumn, Invalid> {
     let name = &spec.column;
     let Some(column) = FieldColumn::parse(name) else {
@@ -78,7 +76,7 @@ fn column(spec: &ChannelSpec) -> Result<FieldColumn, Invalid> {
             "correct it",
         ));
     }
-    if column.is_magnetic() && spec.channel == "psi" && spec.offset == 0.0 {
+    if column.field.name == "magnetic" && spec.channel == "psi" && spec.offset == 0.0 {
         return Err(Invalid::new(
             "channel `psi`",
             format!("the magnetic heading `{name}`"),
@@ -160,7 +158,7 @@ impl SentenceReading<'_> {
             clock: &self.spec.time.column,
         };
         for (place, column) in self.wanted.iter().enumerate() {
-            if column.is_course() && self.spec.plain()[place].channel == "psi" {
+            if column.field.name == "course" && self.spec.plain()[place].channel == "psi" {
                 let text = format!(
                     "is the course over ground of {}, not a heading: the drift angle is lost",
                     column.name

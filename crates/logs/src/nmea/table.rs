@@ -118,8 +118,7 @@ impl SensorTable {
         self.cells.iter_mut().zip(values).for_each(|(cells, value)| cells.push(*value));
     }
 
-    /// Appends a row with a time of its own; an exact repetition, as on a line that sends it twice, is left
-    /// out.
+    /// Appends a row with a time of its own; an exact repetition, as on a line that sends it twice, is left out.
     fn push_timed(&mut self, time: f64, line: usize, values: &[f64]) {
         let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
         if time == self.last.0 && values.iter().zip(&self.last.1).all(same) {
@@ -156,8 +155,7 @@ impl SensorTable {
         }
     }
 
-    /// As the columns of a file; the flags say whether they follow stamps, and whether they must be sorted by
-    /// time.
+    /// As the columns of a file; the flags say whether they follow stamps, and whether they must be sorted by time.
     pub(super) fn into_columns(self, is_stamped: bool, is_sorted: bool) -> Columns {
         let cells = [self.times].into_iter().chain(self.cells).map(Cells::Numbers).collect();
         Columns {
@@ -197,8 +195,7 @@ const APART: [(&str, f64); 6] = [
     ("longitude", 1e-5),
 ];
 
-/// The value before a jump deviates from the mean of its neighbours too, the other way, by at least this
-/// fraction.
+/// The value before a jump deviates from the mean of its neighbours too, the other way, by at least this fraction.
 const RETURN: f64 = 0.25;
 
 /// Share of values that return if there are two sensors.

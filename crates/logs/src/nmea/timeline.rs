@@ -1,5 +1,4 @@
-//! The sequence of the clock's times: midnights, late sentences, leap seconds, receivers that do not know the
-//! date yet.
+//! The sequence of the clock's times: midnights, late sentences, leap seconds, receivers that do not know the date yet.
 
 use jiff::civil::Date;
 use jiff::tz::TimeZone;
@@ -115,8 +114,7 @@ impl Timeline {
         }
     }
 
-    /// Detects the second after a leap second that repeats its time: from there on all times are a second
-    /// later.
+    /// Detects the second after a leap second that repeats its time: from there on all times are a second later.
     fn count_leap(&mut self, last: &Stamp, reported: &Reported) {
         let since = wrapped(last.raw - reported.of_day);
         if last.is_sixty && !reported.is_sixty && (0.0..1.0).contains(&since) {
@@ -167,8 +165,7 @@ impl Timeline {
         ClockStep::Late { in_doubt: is_long && last.time - stamp.time < step }
     }
 
-    /// The weeks to be added to all times so that most of them are as reported \[s\], and how many are not
-    /// then.
+    /// The weeks to be added to all times so that most of them are as reported \[s\], and how many are not then.
     pub(super) fn weeks(&self) -> (f64, usize) {
         let most = self.by_weeks.iter().max_by_key(|(_, count)| *count).map_or(0.0, |(weeks, _)| *weeks);
         let others = self.by_weeks.iter().filter(|(weeks, _)| *weeks != most).map(|(_, count)| count).sum();
@@ -217,17 +214,15 @@ pub(super) fn own_time(
     // The reported date differs.
     if let Some(midnight) = reported.midnight.filter(|_| anchor.raw > YEAR) {
         let dated = midnight + reported.of_day + anchor.added;
-        if (dated - time).abs() > 0.5 * DAY && wrapped_weeks(dated - time) > 0.5 * DAY {
+        if (dated - time).abs() > 0.5 * DAY
+            && (dated - time - WEEKS * ((dated - time) / WEEKS).round()).abs() > 0.5 * DAY
+        {
             time = dated;
         }
     }
     let early = before.map_or(0.0, |before| before.time - time);
     let late = after.map_or(0.0, |after| time - after.time);
     Some((time, early.max(late).max(0.0)))
-}
-
-fn wrapped_weeks(difference: f64) -> f64 {
-    (difference - WEEKS * (difference / WEEKS).round()).abs()
 }
 
 // Times in sentences.
