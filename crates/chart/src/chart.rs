@@ -291,8 +291,6 @@ fn charted(polygons: &[Polygon], grids: &[PlacedGrid]) -> Charted {
     Charted::new(known.chain(grids.iter().filter(|g| g.has_depth).filter_map(frame)).collect())
 }
 
-// The border of the charted area: edges of charted polygons that no neighbour shares.
-
 type Directed = [[u64; 2]; 2];
 
 /// Edges with a charted polygon on one side only. Neighbours share a border when both have the same corners

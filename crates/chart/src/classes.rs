@@ -216,8 +216,6 @@ pub(crate) fn is(code: u16, acronym: &str) -> bool {
     class_name(code) == Some(acronym)
 }
 
-// The names of charted things.
-
 /// Properties that hold a feature's name.
 const NAMES: [&str; 3] = ["OBJNAM", "name", "NAME"];
 

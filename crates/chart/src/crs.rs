@@ -1,3 +1,5 @@
+//! Systems of coordinates, and units of depths as files and users write them.
+
 use std::fmt;
 
 use proj4rs::Proj;
@@ -167,8 +169,6 @@ fn parts(name: &str) -> (String, &str) {
     let authority = words.iter().rev().skip(1).find(of).filter(|_| !is_ogc);
     (authority.map_or_else(String::new, |word| word.to_ascii_uppercase()), code)
 }
-
-// Units of depths and heights, as files and users write them.
 
 /// A unit of depths and heights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]

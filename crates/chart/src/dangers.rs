@@ -191,8 +191,6 @@ fn nearest_on(place: [f64; 2], a: [f64; 2], b: [f64; 2]) -> (f64, [f64; 2]) {
     (libm::hypot(ap[0] - t * ab[0], ap[1] - t * ab[1]), [a[0] + t * ab[0], a[1] + t * ab[1]])
 }
 
-// What closes places to a ship in transit: for the refusal of an area in which she has no room.
-
 /// Dangers of one class and name that close places.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Closing {

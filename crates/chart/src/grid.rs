@@ -1,3 +1,5 @@
+//! Grids of depths or land: their declaration, header, units and the window that is kept.
+
 use std::iter::Peekable;
 use std::ops::Range;
 use std::sync::Arc;
@@ -75,8 +77,6 @@ fn decimal(value: f32) -> f64 {
     value.to_string().parse().unwrap_or(f64::from(value))
 }
 
-// What a grid is declared to contain.
-
 /// The quantity in a grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -105,8 +105,6 @@ pub struct GridDeclaration {
     /// depths is refused, because it may be elevations of land.
     pub open_sea: bool,
 }
-
-// From the numbers in a grid file to metres.
 
 /// Unit and datum of the depths or heights of a chart.
 #[derive(Clone, Debug, PartialEq)]
@@ -365,8 +363,6 @@ fn count(value: Option<f64>, key: &str) -> Result<usize, Invalid> {
 fn refuse(thing: String, found: String, expected: &str) -> Invalid {
     Invalid::new(thing, found, expected, "export the file again as an ESRI ASCII grid (GDAL's AAIGrid)")
 }
-
-// The columns and rows of a grid that cover an area, and their memory.
 
 /// Columns from the west and rows from the south.
 pub(crate) type Block = [Range<usize>; 2];

@@ -121,8 +121,6 @@ fn damaged(why: &str) -> Invalid {
     )
 }
 
-// Whether a file declares its numbers as positive up or down.
-
 /// Which way numbers grow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
@@ -175,8 +173,6 @@ impl Direction {
         is_height.then_some(Self::Up)
     }
 }
-
-// The keys of a GeoTIFF: its systems, horizontal and vertical.
 
 /// Most bytes of a text in a tag.
 pub(crate) const LONGEST_TEXT: f64 = (1 << 20) as f64;

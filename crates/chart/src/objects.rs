@@ -189,8 +189,6 @@ fn check_rings(object: &Feature, rings: &Polygon) -> Result<(), Invalid> {
     ring_fault(rings).map_or(Ok(()), |fault| Err(crate::polygons::faulty(&object.named(), &fault)))
 }
 
-// Objects of an electronic chart that `ogr2ogr` wrote as GeoJSON: their class in `OBJL`, attributes by their acronyms.
-
 /// The objects of a GeoJSON file. Such files do not contain the quality of positions.
 ///
 /// # Errors

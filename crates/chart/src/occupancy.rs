@@ -242,8 +242,6 @@ impl Causes {
     }
 }
 
-// Cells of a raster that are closed to a hull, for any reason.
-
 /// A raster of which some cells are closed.
 #[derive(Clone, Debug)]
 pub struct Mask {

@@ -168,8 +168,6 @@ fn between(a: [f64; 2], b: [f64; 2]) -> Vec<[f64; 2]> {
     if forward { points.collect() } else { points.rev().collect() }
 }
 
-// The part of a grid that covers the chart's area, on the plane.
-
 /// Corners on a side of a block of cells whose corners are not kept: a side between two of them is nearly straight.
 const PER_BLOCK: usize = 64;
 

@@ -1,3 +1,5 @@
+//! The local plane, boxes and rasters on it, and the cells that segments and polygons cover.
+
 use geographiclib_rs::{DirectGeodesic, Geodesic, InverseGeodesic};
 
 use crate::Invalid;

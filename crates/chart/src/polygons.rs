@@ -417,8 +417,6 @@ fn depth(
     }
 }
 
-// The polygons, points and lines of a feature, however nested.
-
 /// The parts of a feature; a point is a line of one position.
 #[derive(Default)]
 pub(crate) struct Geometries<'a> {

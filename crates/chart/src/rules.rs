@@ -134,8 +134,6 @@ impl Rules {
     }
 }
 
-// Which objects stand on land: within the land areas of their own chart.
-
 /// Approximate edges per band, and average number of bands per edge at most.
 const PER_BAND: f64 = 16.0;
 const MOST_COPIES: f64 = 4.0;

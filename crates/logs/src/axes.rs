@@ -124,8 +124,6 @@ impl Contradictions {
     }
 }
 
-// Velocities that are declared along the ship's axes but were logged along the earth's.
-
 /// Velocities are taken to be along the earth's axes where their distance from the derivative of position
 /// there is less than this share of that along the ship's axes …
 const NEARER: f64 = 0.5;
@@ -259,8 +257,6 @@ pub(crate) fn drift(channels: &Channels, derivatives: &Derivatives) -> Option<f6
     (straight.len() >= MOMENTS.max(all.len() / 10) && is_ahead && middle.abs() > 2.0 * spread)
         .then_some(middle)
 }
-
-// Quaternions to heading, roll and pitch.
 
 /// Heading, roll and pitch \[rad\] of the quaternion in `cells` (w, x, y, z), as far as `spec` names channels for them:
 /// rotations about the vertical, the forward and the transverse axis, in this order. `line` says on which line a row stands.

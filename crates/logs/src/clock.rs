@@ -1,3 +1,5 @@
+//! Clocks: the order of their times, where they begin anew, and rows that share a time.
+
 use numerics::statistics::median_again;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -259,8 +261,6 @@ pub(crate) fn set(times: Samples) -> Result<(Samples, usize), (usize, [f64; 2])>
     let kept = times.iter().enumerate().map(|(i, time)| if i < row { f64::NAN } else { time });
     Ok((times.made(kept), unset))
 }
-
-// Rows that share a time, spread until the next one: clocks that were logged more coarsely than the rows.
 
 /// Consecutive rows with one time.
 struct Shared {

@@ -237,8 +237,6 @@ fn other_separator(header: &[String], expected: char, written_in: &str) -> Optio
     ))
 }
 
-// The cells of a line of a table.
-
 /// The cells of a line. Reused for every line, so that none is allocated.
 #[derive(Default)]
 pub(crate) struct LineCells {

@@ -219,8 +219,6 @@ impl Convert for Utf16 {
     }
 }
 
-// The lines of a text.
-
 /// A line of more bytes is not taken for text.
 const LONGEST_LINE: u64 = 1 << 20;
 

@@ -211,8 +211,6 @@ fn is_text(head: &[u8]) -> bool {
     odd == 0 && is_utf8
 }
 
-// Texts that are no tables, recognized by their first line.
-
 /// What converts frames of a CAN bus.
 const CANDUMP: &str = "decode a PGN by canboat, here headings: `candump2analyzer < FILE | analyzer -json | \
      jq -r 'select(.pgn == 127250) | [.timestamp, .fields.Heading] | @csv' > FILE.csv`, or others by `cantools decode`";

@@ -1,3 +1,5 @@
+//! Axes, velocities from positions, the antenna, and units that a log may use.
+
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use schemars::JsonSchema;

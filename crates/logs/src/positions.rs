@@ -38,8 +38,6 @@ pub fn read_positions(
     }
 }
 
-// Positions as CSV.
-
 /// The columns: three that are needed, and two that may be left out.
 const COLUMNS: [&str; 5] = ["time", "longitude_deg", "latitude_deg", "heading_deg", "speed_m_s"];
 const NEEDED: usize = 3;
@@ -238,8 +236,6 @@ fn not_finite(line: usize, name: &str, text: &str) -> Invalid {
     Invalid::new(cell_of(line, name), quoted, "a number", "correct the cell, or leave it empty")
 }
 
-// A logged position of a ship, and lists of them in the order of time.
-
 /// Most positions of a file: ten a second for a day.
 const MOST: usize = 864_000;
 
@@ -334,8 +330,6 @@ fn checked(
     let left_out = all - rows.len() + unfixed;
     Ok(LoggedPositions { since, rows, inputs: BTreeMap::new(), left_out })
 }
-
-// Positions of a ship in sentences.
 
 /// Kinds of sentences with a position.
 const PLACED: [&str; 4] = ["RMC", "GGA", "GNS", "GLL"];

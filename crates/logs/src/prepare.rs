@@ -298,8 +298,6 @@ pub enum Unassembled {
     },
 }
 
-// A thruster's forces as a table over its speed, and its pitch where it is controllable.
-
 /// Forces \[N\] at speeds, and at pitches if there are any, interpolated linearly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForceTable {

@@ -267,8 +267,6 @@ pub(crate) fn steps(values: impl Iterator<Item = f64>) -> impl Iterator<Item = f
     values.filter_map(move |value| before.replace(value).map(|before| value - before))
 }
 
-// Names of rows: their labels, and the lines that they stand on.
-
 /// Labels of rows. Consecutive rows share one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Labels {

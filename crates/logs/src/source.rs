@@ -238,8 +238,6 @@ fn fit<'a>(tokens: &[Token], text: &'a str) -> Option<Option<&'a str>> {
     ends.into_iter().find_map(fitting)
 }
 
-// When each needed channel was logged, where that was hardly at the same time.
-
 /// Share of a recording that some needed channel may not cover.
 const UNCOVERED: f64 = 0.1;
 

@@ -274,8 +274,6 @@ fn place_jumps(channels: &Channels) -> Option<Oddity> {
     (count > 0).then_some((WarningKind::Jump, count as u64, text))
 }
 
-// What was left out of a log, value by value: counted by channel and reason.
-
 refusal::choices! {
     /// Why values of a channel were left out.
     pub enum Reason {

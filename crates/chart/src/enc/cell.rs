@@ -4,13 +4,11 @@ use std::collections::BTreeMap;
 
 use refusal::foreign;
 
-use super::iso8211;
-use super::record::{apply, moved};
 use crate::enc::dataset::{Parameters, Structure, identity, parameters};
 use crate::enc::iso8211::{first_records, records};
-use crate::enc::record::{CONNECTED, EDGE, ISOLATED, Name, Object, Vector};
+use crate::enc::record::{CONNECTED, EDGE, ISOLATED, Name, Object, Vector, apply, moved};
 use crate::enc::topology::{Topology, stored};
-use crate::enc::{Datums, Feature, Identity, Invalid, Purpose};
+use crate::enc::{Datums, Feature, Identity, Invalid, Purpose, iso8211};
 
 /// How often objects may use the stored places, on average: real cells stay below ten.
 const MOST_USES: u64 = 64;

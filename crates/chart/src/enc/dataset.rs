@@ -2,10 +2,8 @@
 
 use refusal::foreign;
 
-use super::Datums;
-use super::iso8211::{Cursor, Lexical, expanded, format_of, other_product};
-use crate::enc::Invalid;
-use crate::enc::iso8211::{Record, UNIT_END, records};
+use crate::enc::iso8211::{Cursor, Lexical, Record, UNIT_END, expanded, format_of, other_product, records};
+use crate::enc::{Datums, Invalid};
 
 /// The purpose of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

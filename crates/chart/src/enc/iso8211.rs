@@ -133,8 +133,6 @@ fn cut(number: usize, at: usize, found: String) -> Invalid {
     Invalid::new(thing, found, "a whole record of ISO 8211", "download or copy the file again")
 }
 
-// Consecutive subfields, as S-57 writes them: little-endian numbers, and text up to its terminator.
-
 /// The encoding of text (S-57, 2.4: lexical levels 0 and 1 are single-byte Latin letters, 2 is UCS-2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lexical {

@@ -117,8 +117,6 @@ pub fn class(acronym: &str) -> Option<u16> {
     CLASSES.iter().find(|(_, name)| *name == acronym).map(|(code, _)| *code)
 }
 
-// Objects of a cell, with their positions.
-
 /// An object: its class, position and attributes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Feature {
@@ -201,8 +199,6 @@ impl Feature {
         text.split(',').filter_map(|part| part.trim().parse().ok()).collect()
     }
 }
-
-// Vertical datums of S-57 (attribute VERDAT; VDAT and SDAT of a cell).
 
 /// The datums of a cell's heights and depths, by the codes of VERDAT.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

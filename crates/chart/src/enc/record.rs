@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::iso8211::{Cursor, Lexical};
 use crate::enc::Invalid;
-use crate::enc::iso8211::Record;
+use crate::enc::iso8211::{Cursor, Lexical, Record};
 
 /// Kind and number of a vector record.
 pub(crate) type Name = (u8, u32);

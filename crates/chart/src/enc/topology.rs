@@ -3,10 +3,9 @@
 use std::cell::Cell;
 use std::collections::{BTreeMap, HashMap, VecDeque};
 
-use super::QUAPOS;
 use crate::enc::dataset::Parameters;
 use crate::enc::record::{EDGE, Name, Object, Pointer, Vector};
-use crate::enc::{Feature, Geometry, Invalid};
+use crate::enc::{Feature, Geometry, Invalid, QUAPOS};
 
 const AGAINST: u8 = 2;
 const NEITHER: u8 = 255;
@@ -178,8 +177,6 @@ impl Topology<'_> {
         place.map(|units| f64::from(units) / self.parameters.per_degree)
     }
 }
-
-// Joins edges: end to end as lines, and closed as rings.
 
 /// A place in the cell's units: longitude, latitude.
 pub(crate) type Place = [i32; 2];

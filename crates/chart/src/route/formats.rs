@@ -129,8 +129,6 @@ fn leg(xml: &mut Xml, waypoint: &Waypoint) -> io::Result<()> {
     element.write_empty().map(|_| ())
 }
 
-// XML documents as indented text.
-
 type Xml = Writer<Vec<u8>>;
 
 /// A document whose elements `content` writes.

@@ -5,14 +5,12 @@ use std::io::Read;
 
 use refusal::{Invalid, foreign};
 
-use super::definition::leaves;
-use super::{BagPart, Effort, database};
-use crate::Format;
-use crate::LogError;
 use crate::bag::database::DatabaseFile;
 use crate::bag::decoder::{Decoder, shape};
-use crate::bag::definition::LONGEST;
+use crate::bag::definition::{LONGEST, leaves};
 use crate::bag::stream::each_part;
+use crate::bag::{BagPart, Effort, database};
+use crate::{Format, LogError};
 
 /// Bytes of a definition or a channel besides its texts.
 const ENTRY: usize = 256;
@@ -191,8 +189,6 @@ impl<'a> TopicChannels<'a> {
         heard.try_for_each(|channel| channel.decoder.check_found(paths, messages))
     }
 }
-
-// The topics of a bag with the first of their messages, to find out what is in it.
 
 /// Messages of a topic that are decoded.
 const ROWS: usize = 400;

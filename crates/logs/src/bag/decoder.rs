@@ -6,10 +6,9 @@ use std::collections::BTreeMap;
 use refusal::{Invalid, foreign, nearest, some_of};
 use serde_json::Value;
 
-use super::Effort;
-use super::definition::{PathStep, Primitive, Shape, Wrong, known, leaves, steps};
+use crate::bag::Effort;
 use crate::bag::binary::{Cursor, Node};
-use crate::bag::definition::{Dialect, definition};
+use crate::bag::definition::{Dialect, PathStep, Primitive, Shape, Wrong, definition, known, leaves, steps};
 
 /// Bytes of a field of a message while its shape is known.
 const FIELD_BYTES: usize = 128;
@@ -139,8 +138,6 @@ fn no_path(path: &str) -> Invalid {
     let expected = "a path such as `twist.twist.linear.x` or `position[2]`";
     Invalid::new("column", format!("`{path}`"), expected, "correct it")
 }
-
-// Messages in JSON.
 
 /// How many times as many bytes a message takes as values.
 const VALUES: usize = 16;

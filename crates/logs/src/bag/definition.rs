@@ -154,8 +154,6 @@ impl Types<'_> {
     }
 }
 
-// Paths to the fields of a message, and the shape of its values.
-
 /// What is wrong with a message: found, expected.
 pub(crate) type Wrong = (String, String);
 
@@ -341,22 +339,6 @@ pub(crate) fn known(name: &str) -> Option<String> {
 }
 
 #[cfg(test)]
-mod known_tests {
-    use super::*;
-    use super::{Dialect, definition};
-    use crate::bag::Effort;
-
-    #[test]
-    fn all_that_are_known_have_a_shape() {
-        for (name, _) in KNOWN {
-            let text = known(name).unwrap();
-            assert!(definition(name, &text, Dialect::Ros2, &Effort::new(0.0)).is_ok(), "{name}");
-        }
-        assert!(known("nav_msgs/msg/Odometry").is_some() && known("nav_msgs/msg/Other").is_none());
-    }
-}
-
-#[cfg(test)]
 mod tests {
     use super::*;
 
@@ -399,5 +381,14 @@ mod tests {
             let refused = definition("a/A", &text, Dialect::Ros2).unwrap_err();
             assert!(refused.contains(said) && refused.len() < 200, "{refused}");
         }
+    }
+
+    #[test]
+    fn all_that_are_known_have_a_shape() {
+        for (name, _) in KNOWN {
+            let text = known(name).unwrap();
+            assert!(definition(name, &text, Dialect::Ros2).is_ok(), "{name}");
+        }
+        assert!(known("nav_msgs/msg/Odometry").is_some() && known("nav_msgs/msg/Other").is_none());
     }
 }

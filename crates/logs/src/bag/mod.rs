@@ -20,8 +20,6 @@ use refusal::Invalid;
 pub use channels::{Topic, bag_census, database_census};
 pub use database::DatabaseFile;
 
-// Unread bytes of a record, least significant first. Lengths in them are not trusted.
-
 /// Most pairs in a record.
 const MOST_PAIRS: usize = 1 << 12;
 

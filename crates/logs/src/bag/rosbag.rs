@@ -208,8 +208,6 @@ impl<'a> Fields<'a> {
     }
 }
 
-// Compressed chunks of bags. Their declared sizes are not trusted.
-
 /// A chunk as a bag has it; `crc` is 0 where there is none.
 pub(crate) struct Chunk<'a> {
     pub(crate) compression: &'a str,

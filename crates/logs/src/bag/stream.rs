@@ -7,9 +7,8 @@ use mcap::McapError;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use refusal::Invalid;
 
-use super::rosbag::{Chunk, Unpacking};
-use super::{BagPart, Effort, Rest, part};
-use crate::bag::rosbag;
+use crate::bag::rosbag::{Chunk, Unpacking};
+use crate::bag::{BagPart, Effort, Rest, part, rosbag};
 use crate::{Format, LogError};
 
 /// Passes every part of `bytes` that is read to `each`.
@@ -28,8 +27,6 @@ pub(crate) fn each_part(
         _ => each_record(bytes, effort, each),
     }
 }
-
-// The records of an MCAP file, one at a time, including those within chunks.
 
 /// Passes every record of `bytes` that is read to `each`.
 ///

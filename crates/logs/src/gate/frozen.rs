@@ -161,8 +161,6 @@ fn others<'a>(
     })
 }
 
-// Holds: rows in which a channel has exactly the same value.
-
 /// Equal values in a row that may occur by chance, on a channel that hardly ever repeats one.
 const ROWS: usize = 5;
 

@@ -134,8 +134,6 @@ fn five(number: f64) -> String {
     if digits.abs() < 1e7 { digits.to_string() } else { format!("{digits:e}") }
 }
 
-// Positions that a ship cannot reach from the previous ones.
-
 /// Distance that a position may always be off \[m\].
 const SLACK_M: f64 = 10.0;
 

@@ -102,8 +102,6 @@ impl<'a> Gate<'a> {
     }
 }
 
-// Angles beyond a turn: those of a heading that was logged unwrapped, or no headings at all.
-
 /// Consecutive numbers that continue each other before they are taken for a heading that kept counting over a gap.
 const IN_A_ROW: usize = 5;
 
@@ -188,8 +186,6 @@ impl Beyond {
         self.dropped.1 >= IN_A_ROW
     }
 }
-
-// Numbers such as 65535 or -9999 that instruments write for unknown values.
 
 /// All ones in two or four bytes, and one less or more.
 const BYTES: [f64; 6] = [65_535.0, 32_767.0, 32_768.0, 4_294_967_295.0, 2_147_483_647.0, 2_147_483_648.0];

@@ -116,8 +116,6 @@ fn count_of(largest: f64) -> TimeUnit {
     }
 }
 
-// Channels that are wanted, and those that were found.
-
 /// A channel that is wanted of a log.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Needed {
@@ -154,8 +152,6 @@ fn usual_unit(unit: &str, largest: f64) -> &str {
         other => other,
     }
 }
-
-// What is in a log of sentences (NMEA 0183): which field is likely to be which channel, and of which talker.
 
 /// What is in a log of sentences.
 #[derive(Clone, Debug, PartialEq)]

@@ -262,8 +262,6 @@ fn at_end(column: &str) -> Option<(&str, Option<&'static str>)> {
     })
 }
 
-// The first rows of a log in columns.
-
 /// Separators that are tried, the likeliest first.
 const SEPARATORS: [char; 4] = [',', ';', '\t', '|'];
 

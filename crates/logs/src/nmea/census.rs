@@ -138,8 +138,6 @@ impl Census {
     }
 }
 
-// Which fields a log of sentences has values of, before anybody has said which are wanted.
-
 /// A field of sentences of one talker, with values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpokenField {

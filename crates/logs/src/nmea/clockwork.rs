@@ -144,25 +144,19 @@ impl<'a> SentenceClock<'a> {
         let Some(reported) = reported.filter(|reported| reported.is_fix) else { return false };
         let rank = |address: &str| self.prefer.iter().position(|talker| address.starts_with(talker.as_str()));
         let knew = self.timeline.eras.iter().any(|era| era.fixes > 0);
-        match (rank(address), rank(followed)) {
+        let is_better = match (rank(address), rank(followed)) {
             (None, None) if knew => {
                 self.other.get_or_insert_with(|| address.to_owned());
-                false
+                return false;
             }
-            (Some(_), None) => {
-                self.address = Some(address.to_owned());
-                true
-            }
-            (Some(new), Some(old)) if new < old => {
-                self.address = Some(address.to_owned());
-                true
-            }
-            _ if !knew => {
-                self.address = Some(address.to_owned());
-                true
-            }
-            _ => self.timeline.last.is_some_and(|last| last.until(&reported) > self.max_gap_s),
+            (Some(_), None) => true,
+            (Some(new), Some(old)) if new < old => true,
+            _ => !knew,
+        };
+        if is_better {
+            self.address = Some(address.to_owned());
         }
+        is_better || self.timeline.last.is_some_and(|last| last.until(&reported) > self.max_gap_s)
     }
 
     fn follow(&mut self, step: ClockStep, into: Into) {
@@ -305,8 +299,6 @@ fn of_prefix(stamps: Option<&Stamps>, prefix: &str, line: usize, written_in: &st
         }
     }
 }
-
-// Which of the clock's times are trusted, once all of them are known.
 
 /// How many rows the tables had.
 pub(super) type Lengths = Vec<usize>;

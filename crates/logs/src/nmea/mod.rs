@@ -122,16 +122,11 @@ impl SentenceReading<'_> {
                 continue;
             }
             let known = self.tables.iter().position(|table| table.is_of(&sentence, &self.wanted));
-            let table = match known {
-                Some(table) => table,
-                None => match SensorTable::of(&sentence, &self.wanted, self.store) {
-                    Some(table) => {
-                        self.tables.push(table);
-                        self.tables.len() - 1
-                    }
-                    None => continue,
-                },
-            };
+            let table = known.or_else(|| {
+                self.tables.push(SensorTable::of(&sentence, &self.wanted, self.store)?);
+                Some(self.tables.len() - 1)
+            });
+            let Some(table) = table else { continue };
             if self.tables[table].rows() + self.heard.len() >= self.plan.most_rows {
                 return Err(LogError::Invalid(self.plan.too_many_rows(number)));
             }
@@ -196,8 +191,6 @@ impl SentenceReading<'_> {
     }
 }
 
-// The sensor of each channel, where there are several.
-
 /// The tables that the channels are taken from.
 struct Sources<'a> {
     wanted: &'a [FieldColumn],
@@ -232,19 +225,12 @@ impl Sources<'_> {
         used().try_for_each(|(table, _)| check_times(table, self.clock))?;
         used().for_each(|(table, ranks)| self.warn(table, ranks, warnings));
         let all = tables.into_iter().zip(ranks).map(|(table, ranks)| {
-            let channels: Vec<(usize, Option<usize>)> = table
-                .places
-                .iter()
-                .map(|place| {
-                    (*place, ranks.iter().find(|(ranked, _)| ranked == place).map(|(_, rank)| *rank))
-                })
-                .collect();
+            let rank =
+                |place: &usize| ranks.iter().find(|(ranked, _)| ranked == place).map(|(_, rank)| *rank);
+            let channels = table.places.iter().map(|place| (*place, rank(place))).collect();
             let is_sorted = clock.is_in_order() && has_time(&table.address);
-            Apart {
-                source: table.address.clone(),
-                channels,
-                columns: table.into_columns(clock.is_stamping(), is_sorted),
-            }
+            let source = table.address.clone();
+            Apart { source, channels, columns: table.into_columns(clock.is_stamping(), is_sorted) }
         });
         Ok(all.collect())
     }

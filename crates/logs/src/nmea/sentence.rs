@@ -109,8 +109,6 @@ fn is_checksum(stated: &str, body: &str) -> bool {
     stated == Some(body.bytes().fold(0, |sum, byte| sum ^ byte))
 }
 
-// Which values count: those with a fix, in a mode, with a status that the sentence states.
-
 /// Qualities whose values count: fixes of GGA by digits, modes by letters.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Accepted(Vec<Quality>);
@@ -234,34 +232,6 @@ impl Accepted {
 }
 
 #[cfg(test)]
-mod quality_tests {
-    use super::raw_sentences;
-    use super::*;
-
-    fn counts(accepted: &str, valid: Valid, line: &str) -> bool {
-        let accepted = Accepted(accepted.chars().map(Quality).collect());
-        raw_sentences(line).all(|raw| accepted.counts(valid, &raw.sentence().0))
-    }
-
-    #[test]
-    fn no_fix_and_guesses_count_where_they_are_accepted() {
-        let fix = |accepted: &str, fix: &str| counts(accepted, Valid::Fix(0), &format!("$GPGGA,{fix}"));
-        assert!(["1", "2", "3", "4", "5", "9"].into_iter().all(|digit| fix("", digit) && fix("E", digit)));
-        assert!(["", "0", "6", "7", "8"].into_iter().all(|digit| !fix("", digit)));
-        assert!(fix("46", "6") && !fix("46", "5") && !fix("4", "44x"));
-        let mode = Valid::Mode { status: Some(0), mode: 1 };
-        let modes = |accepted: &str, text: &str| counts(accepted, mode, &format!("$GPRMC,{text}"));
-        assert!(modes("", "A,A") && modes("", "A,") && modes("4", "A") && modes("", "A,D"));
-        assert!(["V,A", "V,", "A,E", "A,M", "A,S", "A,N"].into_iter().all(|text| !modes("", text)));
-        assert!(modes("E", "V,E") && !modes("E", "A,A") && !modes("D", "A,"));
-        let any = |text: &str| counts("", Valid::AnyMode(0), &format!("$GNGNS,{text}"));
-        assert!(any("AN") && any("NRN") && !any("NN") && !any("EN") && !any(""));
-        let heading = |text: &str| counts("", Valid::OwnMode(0), &format!("$HETHS,{text}"));
-        assert!(heading("A") && !heading("") && !heading("E") && !heading("V"));
-    }
-}
-
-#[cfg(test)]
 mod tests {
     use super::*;
 
@@ -311,5 +281,27 @@ mod tests {
                 && raw_sentences("").count() == 0
                 && raw_sentences("a*b").count() == 0
         );
+    }
+
+    fn counts(accepted: &str, valid: Valid, line: &str) -> bool {
+        let accepted = Accepted(accepted.chars().map(Quality).collect());
+        raw_sentences(line).all(|raw| accepted.counts(valid, &raw.sentence().0))
+    }
+
+    #[test]
+    fn no_fix_and_guesses_count_where_they_are_accepted() {
+        let fix = |accepted: &str, fix: &str| counts(accepted, Valid::Fix(0), &format!("$GPGGA,{fix}"));
+        assert!(["1", "2", "3", "4", "5", "9"].into_iter().all(|digit| fix("", digit) && fix("E", digit)));
+        assert!(["", "0", "6", "7", "8"].into_iter().all(|digit| !fix("", digit)));
+        assert!(fix("46", "6") && !fix("46", "5") && !fix("4", "44x"));
+        let mode = Valid::Mode { status: Some(0), mode: 1 };
+        let modes = |accepted: &str, text: &str| counts(accepted, mode, &format!("$GPRMC,{text}"));
+        assert!(modes("", "A,A") && modes("", "A,") && modes("4", "A") && modes("", "A,D"));
+        assert!(["V,A", "V,", "A,E", "A,M", "A,S", "A,N"].into_iter().all(|text| !modes("", text)));
+        assert!(modes("E", "V,E") && !modes("E", "A,A") && !modes("D", "A,"));
+        let any = |text: &str| counts("", Valid::AnyMode(0), &format!("$GNGNS,{text}"));
+        assert!(any("AN") && any("NRN") && !any("NN") && !any("EN") && !any(""));
+        let heading = |text: &str| counts("", Valid::OwnMode(0), &format!("$HETHS,{text}"));
+        assert!(heading("A") && !heading("") && !heading("E") && !heading("V"));
     }
 }

@@ -170,8 +170,6 @@ impl SensorTable {
     }
 }
 
-// Two sensors under one address: values that alternate between two series.
-
 /// Detects values that jump and return.
 #[derive(Default)]
 pub(super) struct Alternation {
@@ -229,8 +227,6 @@ impl Alternation {
         often.then_some((self.returns, self.away))
     }
 }
-
-// Sentences that have been read and wait for a time, which depends on the clock's next one.
 
 /// Sentences since the clock's last one.
 #[derive(Default)]

@@ -225,8 +225,6 @@ pub(super) fn own_time(
     Some((time, early.max(late).max(0.0)))
 }
 
-// Times in sentences.
-
 /// A time that a sentence reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reported {
