@@ -1,7 +1,6 @@
 //! The dangers along a track: the nearest one, and the least depth.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use crate::classes::{Judged, judged};
 use crate::enc::class;
@@ -210,24 +209,28 @@ impl Closing {
     }
 }
 
-/// Class, name and cause by which dangers are counted together.
-type Kind = (&'static str, Option<Arc<str>>, u8);
-
-/// The greatest depth of a kind \[m\], and whether it closes each place.
-struct Counted {
-    called: Called,
-    cause: Causes,
-    closes: Vec<bool>,
-}
-
 impl Dangers<'_> {
     /// What comes within `within_m` of each of `places` (east and north \[m\]), with how many of them: the kinds that
     /// close most places first. A place may be closed by several.
     pub fn closing(&self, places: &[[f64; 2]], within_m: f64) -> Vec<Closing> {
-        let mut kinds: BTreeMap<Kind, Counted> = BTreeMap::new();
+        // By class, name and cause, with whether they close each place.
+        let mut kinds: BTreeMap<_, (Closing, Vec<bool>)> = BTreeMap::new();
+        let mut count = |called: &Called, cause: Causes, is_near: &dyn Fn(&[f64; 2]) -> bool| {
+            let near: Vec<bool> = places.iter().map(is_near).collect();
+            if !near.contains(&true) {
+                return;
+            }
+            let new = || (Closing { called: called.clone(), cause, places: 0 }, vec![false; places.len()]);
+            let kind = (called.what, called.name.clone(), cause.bits());
+            let (closing, closes) = kinds.entry(kind).or_insert_with(new);
+            closes.iter_mut().zip(near).for_each(|(closes, near)| *closes |= near);
+            closing.places = closes.iter().filter(|closes| **closes).count();
+            let depths = closing.called.depth_m.into_iter().chain(called.depth_m);
+            closing.called.depth_m = depths.reduce(f64::max);
+        };
         for (polygon, cause) in &self.polygons {
             let is_near = |place: &[f64; 2]| gap_to(polygon, &[*place], within_m).distance_m < within_m;
-            count(&mut kinds, &polygon.called, *cause, places, is_near);
+            count(&polygon.called, *cause, &is_near);
         }
         if self.chart.uncharted() == Uncharted::Obstacle {
             let charted = &self.chart.charted().polygons;
@@ -235,34 +238,10 @@ impl Dangers<'_> {
                 !charted.iter().any(|polygon| is_inside(polygon, *place))
                     || self.edge(*place, Gap::NONE).distance_m < within_m
             };
-            count(&mut kinds, &Called::plain("uncharted water"), Causes::UNCHARTED, places, is_near);
+            count(&Called::plain("uncharted water"), Causes::UNCHARTED, &is_near);
         }
-        let mut all: Vec<Closing> = kinds.into_values().map(Closing::from).collect();
+        let mut all: Vec<Closing> = kinds.into_values().map(|(closing, _)| closing).collect();
         all.sort_by_key(|closing| std::cmp::Reverse(closing.places));
         all
-    }
-}
-
-/// Adds the places that a danger closes to those of its kind.
-fn count(
-    kinds: &mut BTreeMap<Kind, Counted>,
-    called: &Called,
-    cause: Causes,
-    places: &[[f64; 2]],
-    is_near: impl Fn(&[f64; 2]) -> bool,
-) {
-    let near: Vec<bool> = places.iter().map(is_near).collect();
-    if !near.contains(&true) {
-        return;
-    }
-    let new = || Counted { called: called.clone(), cause, closes: vec![false; places.len()] };
-    let counted = kinds.entry((called.what, called.name.clone(), cause.bits())).or_insert_with(new);
-    counted.closes.iter_mut().zip(near).for_each(|(closes, near)| *closes |= near);
-    counted.called.depth_m = counted.called.depth_m.into_iter().chain(called.depth_m).reduce(f64::max);
-}
-
-impl From<Counted> for Closing {
-    fn from(Counted { called, cause, closes }: Counted) -> Self {
-        Self { called, cause, places: closes.iter().filter(|closes| **closes).count() }
     }
 }

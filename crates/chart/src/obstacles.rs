@@ -240,15 +240,15 @@ fn squared_gaps(
     mut each: impl FnMut(usize, &[f64]),
 ) -> Option<()> {
     let vertical = vertical_gaps(set, [nx, ny], keep_going)?;
-    let mut envelope = Envelope::with_capacity(nx);
+    let mut parts = Vec::with_capacity(nx);
     let (mut grown, mut squared) = (vec![0.0; nx], vec![0.0; nx]);
     for (row, rows) in vertical.chunks(nx.max(1)).enumerate() {
         for (i, g) in grown.iter_mut().enumerate() {
             let near = i.saturating_sub(1)..(i + 2).min(nx);
             *g = between(rows[near].iter().copied().min().unwrap_or(NONE));
         }
-        envelope.build(&grown);
-        envelope.fill(&mut squared);
+        envelope(&grown, &mut parts);
+        fill(&parts, &mut squared);
         each(row, &squared);
         keep_going().then_some(())?;
     }
@@ -285,40 +285,29 @@ fn vertical_gaps(
     Some(rows)
 }
 
-/// Lower envelope of the parabolas (x − i)² + f(i).
-struct Envelope {
-    /// Where each parabola of the envelope begins, its vertex and height.
-    parts: Vec<(f64, f64, f64)>,
+/// Puts the lower envelope of the parabolas (x − i)² + f(i) into `parts`: where each begins, its vertex and height.
+fn envelope(f: &[f64], parts: &mut Vec<(f64, f64, f64)>) {
+    parts.clear();
+    for (i, height) in f.iter().copied().enumerate().filter(|(_, h)| h.is_finite()) {
+        let vertex = i as f64;
+        let meets =
+            |&(_, v, h): &(f64, f64, f64)| ((height + vertex * vertex) - (h + v * v)) / (2.0 * (vertex - v));
+        while parts.last().is_some_and(|part| meets(part) <= part.0) {
+            parts.pop();
+        }
+        let begin = parts.last().map_or(f64::NEG_INFINITY, meets);
+        parts.push((begin, vertex, height));
+    }
 }
 
-impl Envelope {
-    fn with_capacity(n: usize) -> Self {
-        Self { parts: Vec::with_capacity(n) }
-    }
-
-    fn build(&mut self, f: &[f64]) {
-        self.parts.clear();
-        for (i, height) in f.iter().copied().enumerate().filter(|(_, h)| h.is_finite()) {
-            let vertex = i as f64;
-            let meets = |&(_, v, h): &(f64, f64, f64)| {
-                ((height + vertex * vertex) - (h + v * v)) / (2.0 * (vertex - v))
-            };
-            while self.parts.last().is_some_and(|part| meets(part) <= part.0) {
-                self.parts.pop();
-            }
-            let begin = self.parts.last().map_or(f64::NEG_INFINITY, meets);
-            self.parts.push((begin, vertex, height));
+/// The values of an envelope at 0, 1, 2 and so on.
+fn fill(parts: &[(f64, f64, f64)], row: &mut [f64]) {
+    let mut k = 0;
+    for (i, value) in row.iter_mut().enumerate() {
+        let x = i as f64;
+        while parts.get(k + 1).is_some_and(|next| next.0 <= x) {
+            k += 1;
         }
-    }
-
-    fn fill(&self, row: &mut [f64]) {
-        let mut k = 0;
-        for (i, value) in row.iter_mut().enumerate() {
-            let x = i as f64;
-            while self.parts.get(k + 1).is_some_and(|next| next.0 <= x) {
-                k += 1;
-            }
-            *value = self.parts.get(k).map_or(f64::INFINITY, |(_, v, h)| (x - v).powi(2) + h);
-        }
+        *value = parts.get(k).map_or(f64::INFINITY, |(_, v, h)| (x - v).powi(2) + h);
     }
 }

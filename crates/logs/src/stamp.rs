@@ -128,22 +128,11 @@ impl Stamps {
 
     /// The refusal of a cell that is not a time.
     pub fn refused(&self, line: usize, column: &str, text: &str, why: NoStamp, written_in: &str) -> Invalid {
+        let shown = |how: &str| format!("`{}`, which clocks in {} {how}", foreign(text), self.called);
         let problem = match why {
             NoStamp::Unread => format!("`{}`", foreign(text)),
-            NoStamp::Twice => {
-                format!(
-                    "`{}`, which clocks in {} showed twice: they were set back",
-                    foreign(text),
-                    self.called
-                )
-            }
-            NoStamp::Never => {
-                format!(
-                    "`{}`, which clocks in {} never showed: they were set forward",
-                    foreign(text),
-                    self.called
-                )
-            }
+            NoStamp::Twice => shown("showed twice: they were set back"),
+            NoStamp::Never => shown("never showed: they were set forward"),
         };
         let expected = match (why, &self.format) {
             (NoStamp::Unread, Some(format)) => format!("a time that fits `{format}` as a whole"),

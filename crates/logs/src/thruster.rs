@@ -62,13 +62,8 @@ impl Thruster {
             return Setting { n: 0.0, alpha };
         }
         let turn = (libm::atan2(starboard, forward) - alpha + PI).rem_euclid(TAU) - PI;
-        let (sign, turn) = if turn > FRAC_PI_2 {
-            (-1.0, turn - PI)
-        } else if turn < -FRAC_PI_2 {
-            (-1.0, turn + PI)
-        } else {
-            (1.0, turn)
-        };
+        let is_reversed = turn.abs() > FRAC_PI_2;
+        let (sign, turn) = if is_reversed { (-1.0, turn - PI.copysign(turn)) } else { (1.0, turn) };
         let speed = match self.law {
             Law::Quadratic => (force / self.coefficient).sqrt(),
             Law::Linear => force / self.coefficient,
