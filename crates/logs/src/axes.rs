@@ -269,7 +269,10 @@ pub(crate) fn angles(
     cells: [Cells; 4],
     line: impl Fn(usize) -> String,
 ) -> Result<Vec<Cells>, Invalid> {
-    let [w, x, y, z] = cells.map(numbers);
+    let [w, x, y, z] = cells.map(|cells| {
+        let Cells::Numbers(numbers) = cells else { unreachable!("quaternions are read as numbers") };
+        numbers
+    });
     let [mut heading, mut roll, mut pitch] = [w.none(), w.none(), w.none()];
     let rows = w.iter().zip(x.iter()).zip(y.iter().zip(z.iter()));
     for (row, ((w, x), (y, z))) in rows.enumerate() {
@@ -284,13 +287,6 @@ pub(crate) fn angles(
     let roll = spec.roll.is_some().then_some(roll);
     let pitch = spec.pitch.is_some().then_some(pitch);
     Ok([Some(heading), roll, pitch].into_iter().flatten().map(Cells::Numbers).collect())
-}
-
-fn numbers(cells: Cells) -> Samples {
-    match cells {
-        Cells::Numbers(numbers) => numbers,
-        Cells::Labels(_) => unreachable!("quaternions are read as numbers"),
-    }
 }
 
 /// Refuses quaternions that are not the rotation of a ship; one with a missing component is missing.

@@ -20,11 +20,6 @@ impl<'a> Record<'a> {
     pub(crate) fn field(&self, tag: &str) -> Option<&'a [u8]> {
         self.fields.iter().find(|(known, _)| *known == tag.as_bytes()).map(|(_, bytes)| *bytes)
     }
-
-    /// All fields.
-    pub(crate) fn fields(&self) -> impl Iterator<Item = (&'a [u8], &'a [u8])> + '_ {
-        self.fields.iter().copied()
-    }
 }
 
 /// All records of a file: the data descriptive record, then data records.
@@ -54,7 +49,11 @@ fn record(rest: &[u8], number: usize, at: usize) -> Result<(Record<'_>, usize), 
         (_, true) => cut(number, at, format!("{} bytes of a leader", rest.len())),
         (_, false) => cut(number, at, "no leader".to_owned()),
     })?;
-    let whole = |to: usize| rest.get(..to).ok_or_else(|| short(number, at, to, rest.len()));
+    let whole = |to: usize| {
+        rest.get(..to).ok_or_else(|| {
+            cut(number, at, format!("{} of at least {to} bytes: the file is cut off", rest.len()))
+        })
+    };
     let directory = whole(leader.base)?.get(LEADER..).unwrap_or_default();
     let broken = || cut(number, at, "a directory that leads out of the record".to_owned());
     let entries = directory.strip_suffix(&[FIELD_END]).ok_or_else(broken)?;
@@ -122,10 +121,6 @@ fn no_leader(found: &str) -> Invalid {
         "a cell of an electronic chart (S-57) that is not encrypted",
         "decrypt it with the permit of its data server, or take the producer's open cell",
     )
-}
-
-fn short(number: usize, at: usize, wanted: usize, found: usize) -> Invalid {
-    cut(number, at, format!("{found} of at least {wanted} bytes: the file is cut off"))
 }
 
 fn cut(number: usize, at: usize, found: String) -> Invalid {
@@ -276,7 +271,7 @@ const OTHERS: [(&[u8], &str); 3] =
 /// Refuses files of another product, and fields with another layout.
 pub(crate) fn check(descriptive: &Record<'_>) -> Result<(), Invalid> {
     for (tag, product) in OTHERS {
-        if descriptive.fields().any(|(known, _)| known == tag) {
+        if descriptive.fields.iter().any(|(known, _)| *known == tag) {
             return Err(other_product(product));
         }
     }

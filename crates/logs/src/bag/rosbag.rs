@@ -124,8 +124,11 @@ impl RosbagWalk<'_> {
     }
 }
 
-/// Header and data of the next record, of at most `largest` bytes; `None` at the end.
-fn record(bytes: &mut dyn Read, largest: usize) -> Result<Option<(Vec<u8>, Vec<u8>)>, LogError> {
+/// Header and data of a record.
+type Record = (Vec<u8>, Vec<u8>);
+
+/// The next record, of at most `largest` bytes; `None` at the end.
+fn record(bytes: &mut dyn Read, largest: usize) -> Result<Option<Record>, LogError> {
     let Some(header_length) = length(bytes)? else { return Ok(None) };
     if header_length > LONGEST_HEADER {
         let header = format!("a header of {header_length} bytes");

@@ -24,23 +24,13 @@ pub(crate) fn each_part(
     match format {
         Format::Bag => rosbag::each_part(bytes, effort, each),
         Format::Ulg => each_part_of_ulog(bytes, each),
-        _ => each_record(bytes, effort, each),
+        _ => {
+            McapWalk { each, unpacking: Unpacking { effort, whole: WHOLE, mend: COPY } }.through(bytes, false)
+        }
     }
 }
 
-/// Passes every record of `bytes` that is read to `each`.
-///
-/// # Errors
-/// Bytes that cannot be read or are not a bag; refusals of `each`.
-fn each_record(
-    bytes: &mut dyn Read,
-    effort: &Effort,
-    each: &mut dyn FnMut(BagPart) -> Result<(), LogError>,
-) -> Result<(), LogError> {
-    McapWalk { each, unpacking: Unpacking { effort, whole: WHOLE, mend: COPY } }.through(bytes, false)
-}
-
-/// The state of a pass over records.
+/// The state of a pass over the records of an MCAP file, one at a time, including those within chunks.
 struct McapWalk<'a> {
     each: &'a mut dyn FnMut(BagPart) -> Result<(), LogError>,
     unpacking: Unpacking<'a>,
