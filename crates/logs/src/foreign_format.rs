@@ -19,16 +19,13 @@ const MAT_73: &str = "convert its columns: `python3 -c \"import h5py, pandas; f 
      pandas.DataFrame({k: v[()].ravel() for k, v in f.items() if hasattr(v, 'shape')}).to_csv('FILE.csv', index=False)\"`";
 const FRAME: &str = "convert it to Parquet: pandas or pyarrow read it and have `to_parquet`";
 const DECODE: &str = "decode its messages to CSV, a column per signal";
+const MAVLINK: &str = "convert it: `mavlogdump.py --format csv --types TYPE FILE` of pymavlink";
+const MDF: &str = "convert it: `asammdf`, or export it as CSV";
 const UBX: &str = "convert its messages to CSV, or log NMEA 0183";
 
 /// Containers and binary logs, whatever their file names.
 const BYTES: &[Signature] = &[
-    Signature(
-        0,
-        b"\xA3\x95",
-        "a log of ArduPilot",
-        "convert it: `mavlogdump.py --format csv --types TYPE FILE` of pymavlink",
-    ),
+    Signature(0, b"\xA3\x95", "a log of ArduPilot", MAVLINK),
     Signature(0, b"MATLAB 7.3 MAT-file", "a MATLAB file of version 7.3", MAT_73),
     Signature(0, b"MATLAB 5.0 MAT-file", "a MATLAB file", MAT),
     Signature(0, b"# Created by Octave", "text of Octave", "save its columns as CSV: `csvwrite`"),
@@ -51,12 +48,7 @@ const BYTES: &[Signature] = &[
     Signature(0, b"\x4D\x3C\xB2\xA1", "captured packets (pcap)", DECODE),
     Signature(0, b"\xA1\xB2\x3C\x4D", "captured packets (pcap)", DECODE),
     Signature(0, b"\x0A\x0D\x0D\x0A", "captured packets (pcapng)", DECODE),
-    Signature(
-        0,
-        b"MDF     ",
-        "a measurement file of ASAM (MDF)",
-        "convert it: `asammdf`, or export it as CSV",
-    ),
+    Signature(0, b"MDF     ", "a measurement file of ASAM (MDF)", MDF),
     Signature(0, b"LOGG", "a log of Vector (BLF)", DECODE),
     Signature(0, b"TDSm", "a TDMS file of LabVIEW", "convert it: nptdms in Python, or export it as CSV"),
     Signature(0, b"Obj\x01", "an Avro file", FRAME),

@@ -10,23 +10,17 @@ pub(super) struct Role {
     pub(super) unit: &'static str,
     /// Whether it is of use, but not needed.
     pub(super) is_optional: bool,
-    /// Sets of words; all words of one must stand in the name.
-    words: &'static [&'static [&'static str]],
+    words: Words,
 }
 
-const fn needed(
-    channel: &'static str,
-    unit: &'static str,
-    words: &'static [&'static [&'static str]],
-) -> Role {
+/// Sets of words; all words of one must stand in the name.
+type Words = &'static [&'static [&'static str]];
+
+const fn needed(channel: &'static str, unit: &'static str, words: Words) -> Role {
     Role { channel, unit, is_optional: false, words }
 }
 
-const fn helpful(
-    channel: &'static str,
-    unit: &'static str,
-    words: &'static [&'static [&'static str]],
-) -> Role {
+const fn helpful(channel: &'static str, unit: &'static str, words: Words) -> Role {
     Role { channel, unit, is_optional: true, words }
 }
 
@@ -86,32 +80,10 @@ const SYMBOLS: &[(&str, &str)] = &[
     ("delta", "rudder helm steering"),
 ];
 
-/// Units as names of columns end with them, after an underscore; also those of no channel.
-const ENDINGS: &[(&str, &str)] = &[
-    ("mps", "m/s"),
-    ("radps", "rad/s"),
-    ("degps", "deg/s"),
-    ("rad_s", "rad/s"),
-    ("deg_s", "deg/s"),
-    ("m_s", "m/s"),
-    ("rpm", "rpm"),
-    ("rps", "rps"),
-    ("rad", "rad"),
-    ("deg", "deg"),
-    ("kn", "kn"),
-    ("kN", "kN"),
-    ("Nm", "N m"),
-    ("ms", "ms"),
-    ("m", "m"),
-    ("s", "s"),
-    ("N", "N"),
-    ("V", "V"),
-    ("mV", "mV"),
-    ("A", "A"),
-    ("mA", "mA"),
-    ("degC", "degC"),
-    ("pct", "%"),
-];
+/// Endings of names of columns after an underscore, each with its unit; also those of no channel.
+const ENDINGS: &str = "\
+    mps m/s, radps rad/s, degps deg/s, rad_s rad/s, deg_s deg/s, m_s m/s, rpm rpm, rps rps, rad rad, deg \
+    deg, kn kn, kN kN, Nm N m, ms ms, m m, s s, N N, V V, mV mV, A A, mA mA, degC degC, pct %";
 
 /// Units in brackets that are no channel's, besides those of [`UNITS`].
 const FOREIGN: &str = "degC °C C degF K bar mbar mA Ah mAh Wh kWh l/h dB g deg/s^2 rad/s^2";
@@ -256,9 +228,10 @@ fn in_brackets(column: &str) -> Option<(&str, Option<&'static str>)> {
 
 /// A unit after the last underscore: `u_mps`, `delta_rad`.
 fn at_end(column: &str) -> Option<(&str, Option<&'static str>)> {
-    ENDINGS.iter().find_map(|(end, unit)| {
+    ENDINGS.split(", ").find_map(|ending| {
+        let (end, unit) = ending.split_once(' ')?;
         let name = column.strip_suffix(end)?.strip_suffix('_')?;
-        (!name.is_empty()).then_some((name, Some(*unit)))
+        (!name.is_empty()).then_some((name, Some(unit)))
     })
 }
 

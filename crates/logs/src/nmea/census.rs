@@ -12,6 +12,7 @@ use crate::encoding::Lines;
 use crate::{Checksums, FileSpec, LogError};
 
 /// The sentences so far.
+#[derive(Default)]
 pub(super) struct Census {
     /// Whether sentences may be without a checksum.
     is_optional: bool,
@@ -44,13 +45,7 @@ impl Census {
         Self {
             is_optional: spec.checksums == Checksums::Optional || spec.max_wrong_checksums >= 1.0,
             wanted: wanted.iter().map(|column| column.address.clone()).chain(clock).collect(),
-            by_address: BTreeMap::new(),
-            all: 0,
-            broken: 0,
-            without: 0,
-            first_broken: None,
-            left: 0,
-            last_is_cut: false,
+            ..Self::default()
         }
     }
 
