@@ -1,9 +1,9 @@
 use std::borrow::Cow;
+use std::collections::HashSet;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::frontier::frontier;
 use crate::{
     Area, Bounds, Called, Class, Contour, Grid, Invalid, PlacedGrid, Plane, Polygon, PolygonLayer, Spot,
 };
@@ -121,8 +121,8 @@ impl Chart {
                 if !keep_going() {
                     return Ok(None);
                 }
-                let own = marks.iter().filter_map(|mark| Spot::place(mark, &plane));
-                spots.extend(own.filter(|spot| area.contains(spot.place)));
+                let placed = marks.iter().filter_map(|mark| Spot::place(mark, &plane));
+                spots.extend(placed.filter(|spot| area.contains(spot.place)));
                 let buffer = |mark| Polygon::buffer(mark, &plane);
                 polygons.extend(marks.iter().flat_map(buffer).filter(|p| p.bounds.meets(&area)));
             }
@@ -169,8 +169,7 @@ impl Chart {
         self.grids.iter().map(PlacedGrid::bytes).sum::<usize>() as u64
     }
 
-    /// Whole polygons that meet the area, in the order of the layers; those around points and lines follow a
-    /// layer's own.
+    /// Whole polygons that meet the area, in the order of the layers; those around points and lines follow a layer's own.
     pub fn polygons(&self) -> &[Polygon] {
         &self.polygons
     }
@@ -205,7 +204,7 @@ impl Chart {
     /// falls apart, thin bridges run along the clip edge.
     pub fn drawn(&self, bounds: &Bounds) -> Vec<Polygon> {
         let cut = |p: &Polygon| {
-            let rings = p.rings.iter().map(|r| crate::clip::clip_ring(r, bounds)).filter(|r| r.len() > 2);
+            let rings = p.rings.iter().map(|r| clip_ring(r, bounds)).filter(|r| r.len() > 2);
             let cut = Polygon::of_rings(p.class, &p.called, rings.collect())?;
             Some(Polygon { is_of_point: p.is_of_point, ..cut })
         };
@@ -216,8 +215,7 @@ impl Chart {
         &self.charted
     }
 
-    /// The charted area, regardless of how places without any layer are treated; `None` where everything is
-    /// charted.
+    /// The charted area, regardless of how places without any layer are treated; `None` where everything is charted.
     pub(crate) fn covered(&self) -> Option<Cow<'_, Charted>> {
         match (self.known_by, self.uncharted) {
             (KnownBy::Land, _) => None,
@@ -238,7 +236,7 @@ impl KnownBy {
             Layer::Grid(_) => false,
         };
         let depth = |layer: &Layer| matches!(layer, Layer::Grid(grid) if grid.has_depth);
-        let land = |layer: &Layer| matches!(layer, Layer::Polygons(own) if own.open_sea);
+        let land = |layer: &Layer| matches!(layer, Layer::Polygons(layer) if layer.open_sea);
         if layers.iter().any(|layer| depth(layer) || has(layer, |class| matches!(class, Class::Depth { .. })))
         {
             Self::Depths
@@ -291,4 +289,56 @@ fn uncharted_of(layers: &[Layer], declared: Option<Uncharted>) -> Result<Unchart
 fn charted(polygons: &[Polygon], grids: &[PlacedGrid]) -> Charted {
     let known = polygons.iter().filter(|p| matches!(p.class, Class::Land | Class::Depth { .. })).cloned();
     Charted::new(known.chain(grids.iter().filter(|g| g.has_depth).filter_map(frame)).collect())
+}
+
+type Directed = [[u64; 2]; 2];
+
+/// Edges with a charted polygon on one side only. Neighbours share a border when both have the same corners
+/// on it, as the cells of electronic charts do; otherwise the border counts as uncharted on either side.
+fn frontier(polygons: &[Polygon]) -> Vec<[[f64; 2]; 2]> {
+    let edges = || polygons.iter().flat_map(Polygon::edges);
+    let known: HashSet<Directed> = edges().map(directed).collect();
+    let open = |edge: &[[f64; 2]; 2]| {
+        let [from, to] = directed(*edge);
+        !known.contains(&[to, from])
+    };
+    edges().filter(open).collect()
+}
+
+/// The bits of an edge's ends; adding zero normalizes negative zero.
+fn directed(edge: [[f64; 2]; 2]) -> Directed {
+    edge.map(|p| p.map(|v| (v + 0.0).to_bits()))
+}
+
+// Rings cut to a box (Sutherland and Hodgman 1974).
+
+/// The part of a ring (not closed) inside the box, closed along the sides of the box; empty if there is none.
+fn clip_ring(ring: &[[f64; 2]], bounds: &Bounds) -> Vec<[f64; 2]> {
+    let sides = [(0, bounds.min[0], 1.0), (0, bounds.max[0], -1.0), (1, bounds.min[1], 1.0)];
+    let sides = sides.into_iter().chain([(1, bounds.max[1], -1.0)]);
+    sides.fold(ring.to_vec(), |ring, (axis, limit, sign)| half(&ring, axis, limit, sign))
+}
+
+/// The part where `sign · (p[axis] − limit) ≥ 0`.
+fn half(ring: &[[f64; 2]], axis: usize, limit: f64, sign: f64) -> Vec<[f64; 2]> {
+    let inside = |p: &[f64; 2]| sign * (p[axis] - limit) >= 0.0;
+    let mut kept = Vec::with_capacity(ring.len() + 4);
+    for (i, q) in ring.iter().enumerate() {
+        let p = &ring[(i + ring.len() - 1) % ring.len()];
+        if inside(p) != inside(q) {
+            kept.push(cut(p, q, axis, limit));
+        }
+        if inside(q) {
+            kept.push(*q);
+        }
+    }
+    kept
+}
+
+fn cut(p: &[f64; 2], q: &[f64; 2], axis: usize, limit: f64) -> [f64; 2] {
+    let t = (limit - p[axis]) / (q[axis] - p[axis]);
+    let other = 1 - axis;
+    let mut point = [limit; 2];
+    point[other] = p[other] + t * (q[other] - p[other]);
+    point
 }

@@ -1,8 +1,13 @@
 //! What the object classes of an electronic chart mean for a trial: one table.
 
-use crate::enc::class_name;
+use std::fmt;
+use std::sync::Arc;
+
+use geojson::JsonObject;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use crate::enc::{Feature, OBJNAM, class_name};
 
 /// The effect of a class of objects on a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize, JsonSchema)]
@@ -21,8 +26,7 @@ pub enum Treatment {
 pub enum Judged {
     /// It charts water of a least depth (DRVAL1).
     Depth,
-    /// It is an obstacle unless the depth over it (VALSOU) is known and sufficient, and it is under water
-    /// (WATLEV).
+    /// It is an obstacle unless the depth over it (VALSOU) is known and sufficient, and it is under water (WATLEV).
     Danger,
     /// So is every sounding.
     Sounding,
@@ -32,8 +36,7 @@ pub enum Judged {
     Land,
     /// It is solid or afloat: an obstacle unless it stands on land.
     Body,
-    /// It is an obstacle unless it stands on land, or its clearance is known and exceeds the ship's air
-    /// draught.
+    /// It is an obstacle unless it stands on land, or its clearance is known and exceeds the ship's air draught.
     Clearance,
     /// By its area and the restrictions there (RESTRN).
     Place,
@@ -211,4 +214,45 @@ pub(crate) fn of_class(code: u16) -> Option<&'static Rule> {
 /// Whether a code is that of a class.
 pub(crate) fn is(code: u16, acronym: &str) -> bool {
     class_name(code) == Some(acronym)
+}
+
+/// Properties that hold a feature's name.
+const NAMES: [&str; 3] = ["OBJNAM", "name", "NAME"];
+
+/// Class, name and depth of a charted thing, printed as `WRECKS Träholm 4.2 m`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Called {
+    /// Its kind: the acronym of its class, or a word.
+    pub what: &'static str,
+    /// Its own name.
+    pub name: Option<Arc<str>>,
+    /// The charted depth of it or over it \[m\].
+    pub depth_m: Option<f64>,
+}
+
+impl Called {
+    /// Something without a name.
+    pub(crate) fn plain(what: &'static str) -> Self {
+        Self { what, name: None, depth_m: None }
+    }
+
+    pub(crate) fn object(object: &Feature, depth_m: Option<f64>) -> Self {
+        let name = object.attributes.get(&OBJNAM.0).map(|name| name.trim());
+        let name = name.filter(|name| !name.is_empty()).map(Arc::from);
+        Self { what: class_name(object.class).unwrap_or("object"), name, depth_m }
+    }
+
+    /// The name of a GeoJSON feature of kind `what`.
+    pub(crate) fn feature(what: &'static str, properties: Option<&JsonObject>, depth_m: Option<f64>) -> Self {
+        let name = |key: &&str| Some(properties?.get(*key)?.as_str()?.trim()).filter(|name| !name.is_empty());
+        Self { what, name: NAMES.iter().find_map(name).map(Arc::from), depth_m }
+    }
+}
+
+impl fmt::Display for Called {
+    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
+        out.write_str(self.what)?;
+        self.name.iter().try_for_each(|name| write!(out, " {name}"))?;
+        self.depth_m.iter().try_for_each(|depth| write!(out, " {depth} m"))
+    }
 }

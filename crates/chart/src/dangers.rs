@@ -1,8 +1,12 @@
 //! The dangers along a track: the nearest one, and the least depth.
 
-use crate::cover::each_edge;
+use std::collections::BTreeMap;
+
+use crate::classes::{Judged, judged};
+use crate::enc::class;
 use crate::occupancy::{Activity, cause_of, each_strip};
-use crate::{Bounds, Called, Causes, Chart, Class, GridCell, PlacedGrid, Polygon};
+use crate::plane::each_edge;
+use crate::{Bounds, Called, Causes, Chart, Class, GridCell, PlacedGrid, Polygon, Uncharted};
 
 /// Distance from an edge at which a point is beside it and not on it \[m\].
 const OFFSET_M: f64 = 0.5;
@@ -55,7 +59,7 @@ impl Chart {
     /// The least depth \[m\] charted at any of `places` (east and north \[m\]); `None` where no depth is charted.
     pub fn least_depth_m(&self, places: &[[f64; 2]]) -> Option<f64> {
         let area = Bounds::enclosing(places)?;
-        let own = |p: &Polygon| {
+        let polygon_depth = |p: &Polygon| {
             let Class::Depth { least_m: Some(depth) } = p.class else { return None };
             let inside = p.bounds.meets(&area) && places.iter().any(|place| is_inside(p, *place));
             inside.then_some(depth)
@@ -66,7 +70,8 @@ impl Chart {
                 cells.filter_map(|c| if let GridCell::Depth(depth) = c { Some(depth) } else { None });
             depths.reduce(f64::min)
         };
-        let depths = self.polygons().iter().filter_map(own).chain(self.grids().iter().filter_map(gridded));
+        let depths =
+            self.polygons().iter().filter_map(polygon_depth).chain(self.grids().iter().filter_map(gridded));
         depths.reduce(f64::min)
     }
 }
@@ -147,7 +152,7 @@ fn apart(a: &Bounds, b: &Bounds) -> f64 {
 }
 
 /// The gap to the nearest of `places`; 0 inside; may be any longer one where it is `farthest` or more.
-pub(crate) fn gap_to(polygon: &Polygon, places: &[[f64; 2]], farthest: f64) -> Gap {
+fn gap_to(polygon: &Polygon, places: &[[f64; 2]], farthest: f64) -> Gap {
     let near = places.iter().filter(|p| apart(&polygon.bounds, &Bounds { min: **p, max: **p }) < farthest);
     let gap = |place: &[f64; 2]| {
         if is_inside(polygon, *place) {
@@ -164,7 +169,7 @@ pub(crate) fn gap_to(polygon: &Polygon, places: &[[f64; 2]], farthest: f64) -> G
 }
 
 /// By the even-odd rule.
-pub(crate) fn is_inside(polygon: &Polygon, [x, y]: [f64; 2]) -> bool {
+fn is_inside(polygon: &Polygon, [x, y]: [f64; 2]) -> bool {
     let Bounds { min, max } = polygon.bounds;
     if x < min[0] || x > max[0] || y < min[1] || y > max[1] {
         return false;
@@ -183,4 +188,60 @@ fn nearest_on(place: [f64; 2], a: [f64; 2], b: [f64; 2]) -> (f64, [f64; 2]) {
     let squared = ab[0] * ab[0] + ab[1] * ab[1];
     let t = if squared > 0.0 { ((ap[0] * ab[0] + ap[1] * ab[1]) / squared).clamp(0.0, 1.0) } else { 0.0 };
     (libm::hypot(ap[0] - t * ab[0], ap[1] - t * ab[1]), [a[0] + t * ab[0], a[1] + t * ab[1]])
+}
+
+/// Dangers of one class and name that close places.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Closing {
+    /// Their class and name, and the greatest of their depths.
+    pub called: Called,
+    /// What they are closed for: land, no-go, too shoal, uncharted.
+    pub cause: Causes,
+    /// How many of the places they close.
+    pub places: usize,
+}
+
+impl Closing {
+    /// Their class, where `rules` of `plan.toml` may open it.
+    pub fn rule(&self) -> Option<&'static str> {
+        let of = |code: &u16| !matches!(judged(*code), Judged::Depth | Judged::Coverage);
+        class(self.called.what).filter(of).map(|_| self.called.what)
+    }
+}
+
+impl Dangers<'_> {
+    /// What comes within `within_m` of each of `places` (east and north \[m\]), with how many of them: the kinds that
+    /// close most places first. A place may be closed by several.
+    pub fn closing(&self, places: &[[f64; 2]], within_m: f64) -> Vec<Closing> {
+        // By class, name and cause, with whether they close each place.
+        let mut kinds: BTreeMap<_, (Closing, Vec<bool>)> = BTreeMap::new();
+        let mut count = |called: &Called, cause: Causes, is_near: &dyn Fn(&[f64; 2]) -> bool| {
+            let near: Vec<bool> = places.iter().map(is_near).collect();
+            if !near.contains(&true) {
+                return;
+            }
+            let new = || (Closing { called: called.clone(), cause, places: 0 }, vec![false; places.len()]);
+            let kind = (called.what, called.name.clone(), cause.bits());
+            let (closing, closes) = kinds.entry(kind).or_insert_with(new);
+            closes.iter_mut().zip(near).for_each(|(closes, near)| *closes |= near);
+            closing.places = closes.iter().filter(|closes| **closes).count();
+            let depths = closing.called.depth_m.into_iter().chain(called.depth_m);
+            closing.called.depth_m = depths.reduce(f64::max);
+        };
+        for (polygon, cause) in &self.polygons {
+            let is_near = |place: &[f64; 2]| gap_to(polygon, &[*place], within_m).distance_m < within_m;
+            count(&polygon.called, *cause, &is_near);
+        }
+        if self.chart.uncharted() == Uncharted::Obstacle {
+            let charted = &self.chart.charted().polygons;
+            let is_near = |place: &[f64; 2]| {
+                !charted.iter().any(|polygon| is_inside(polygon, *place))
+                    || self.edge(*place, Gap::NONE).distance_m < within_m
+            };
+            count(&Called::plain("uncharted water"), Causes::UNCHARTED, &is_near);
+        }
+        let mut all: Vec<Closing> = kinds.into_values().map(|(closing, _)| closing).collect();
+        all.sort_by_key(|closing| std::cmp::Reverse(closing.places));
+        all
+    }
 }

@@ -1,5 +1,4 @@
-use crate::cover::{Size, along, centres};
-use crate::raster::MOST_CELLS;
+use crate::plane::{MOST_CELLS, Size, along, centres};
 use crate::{Bounds, Invalid};
 
 /// Cells that a hull sweeps, relative to a node of a raster.
@@ -158,8 +157,7 @@ impl Canvas {
         });
     }
 
-    /// Covers the area that the hull's edges sweep between two poses; the hull at the first one is covered
-    /// already.
+    /// Covers the area that the hull's edges sweep between two poses; the hull at the first one is covered already.
     ///
     /// In one step, a point of an edge leaves the straight line between its ends by up to r Δψ²/8: that is
     /// the slack. The quadrangle that the edge sweeps is then less than a cell wide, so its sides and

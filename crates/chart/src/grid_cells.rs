@@ -1,13 +1,10 @@
 //! Cells of a grid while it is read, and whether they are depths at all.
 
-use std::ops::Range;
 use std::sync::Arc;
 
-use crate::grid::LAND;
-use crate::grid_header::{Header, check_degrees};
-use crate::grid_kind::FARTHEST;
-use crate::grid_packing::{Measured, Packing};
-use crate::grid_window::{Block, bytes_of, window};
+use crate::grid::{
+    Block, FARTHEST, Header, LAND, Measured, MissingWord, Packing, bytes_of, check_degrees, header, window,
+};
 use crate::{Crs, Grid, GridDeclaration, GridKind, Invalid, Reading, Unread};
 
 /// Most cells beyond the window that are read to find out whether a grid has depths.
@@ -86,9 +83,12 @@ impl<'a> Cells<'a> {
         mut numbers: impl FnMut(&Block) -> Result<N, Unread>,
     ) -> Result<Grid, Unread> {
         let window = self.window.clone();
-        let is_within = move |block: &Block| (0..2).all(|k| meet(&block[k], &window[k]));
+        let is_within = move |block: &Block| {
+            (0..2).all(|k| block[k].start < window[k].end && window[k].start < block[k].end)
+        };
         let beyond = blocks.clone().filter(|block| !is_within(block));
-        let stride = beyond.clone().map(|block| cells_of(&block)).sum::<usize>().div_ceil(MOST_BEYOND).max(1);
+        let sizes = beyond.clone().map(|[columns, rows]| columns.len() * rows.len());
+        let stride = sizes.sum::<usize>().div_ceil(MOST_BEYOND).max(1);
         for block in blocks.filter(&is_within) {
             self.reading.check_time()?;
             self.take(&block, numbers(&block)?);
@@ -173,14 +173,14 @@ impl<'a> Cells<'a> {
 
     fn check(&self) -> Result<(), Invalid> {
         let [low, high] = self.range;
-        let found = format!("{low}..{high}");
+        let range = format!("{low}..{high}");
         if self.known == 0 {
             return Err(Invalid::new("grid", "no cell with data", "cells with data", "export another area"));
         }
         if let Some(value) = self.odd {
             return Err(Invalid::new(
                 "grid",
-                format!("{value} among {found}"),
+                format!("{value} among {range}"),
                 "0 and 1 only in a land mask",
                 "declare it as `depth` or `elevation`",
             ));
@@ -193,10 +193,10 @@ impl<'a> Cells<'a> {
                 "write cells without data as the NODATA_value, for instance with `gdal_translate -a_nodata -9999`",
             ));
         }
-        self.check_sign(&found)
+        self.check_sign(&range)
     }
 
-    fn check_sign(&self, found: &str) -> Result<(), Invalid> {
+    fn check_sign(&self, values: &str) -> Result<(), Invalid> {
         let [low, high] = self.range;
         let (all_land, all_deep) = match self.declared.kind {
             GridKind::LandMask => return Ok(()),
@@ -208,13 +208,13 @@ impl<'a> Cells<'a> {
             _ => ("elevation", "depth"),
         };
         if all_land {
-            let found = format!("{found}, all land as `{name}`");
-            return Err(Invalid::new("grid", found, "some water", format!("declare it as `{other}`")));
+            let values = format!("{values}, all land as `{name}`");
+            return Err(Invalid::new("grid", values, "some water", format!("declare it as `{other}`")));
         }
         if all_deep && self.missing == 0 && !self.declared.open_sea {
-            let found = format!("{found}, all deep as `{name}`");
+            let values = format!("{values}, all deep as `{name}`");
             let remedy = format!("declare it as `{other}`, or as open sea if it is");
-            return Err(Invalid::new("grid", found, "some land, drying or missing cells", remedy));
+            return Err(Invalid::new("grid", values, "some land, drying or missing cells", remedy));
         }
         Ok(())
     }
@@ -222,21 +222,94 @@ impl<'a> Cells<'a> {
 
 /// An array of cells without data, if it fits in the memory.
 fn nothing([columns, rows]: [usize; 2], reading: &Reading) -> Result<Vec<f32>, Unread> {
-    let found = format!("{columns} × {rows} cells around the area");
+    let size = format!("{columns} × {rows} cells around the area");
     let bytes = bytes_of(columns as f64 * rows as f64);
     let mut cells = Vec::new();
     let fits = bytes <= reading.bytes && cells.try_reserve_exact(columns.saturating_mul(rows)).is_ok();
     if !fits {
-        return Err(Unread::TooLarge { found, bytes });
+        return Err(Unread::TooLarge { found: size, bytes });
     }
     cells.resize(columns * rows, f32::NAN);
     Ok(cells)
 }
 
-fn cells_of([columns, rows]: &Block) -> usize {
-    columns.len() * rows.len()
+// ESRI ASCII: grids as text, one line per row, from north to south.
+
+/// Rows between two checks of the time limit.
+const AT_ONCE: usize = 64;
+
+impl Grid {
+    /// Reads an ESRI ASCII grid: one line per row, from north to south. Such files state neither unit nor datum.
+    ///
+    /// # Errors
+    /// A header without columns, rows, corner or cell size, or with a size that is not positive; rows or
+    /// columns that differ from the header; values that are not finite numbers, unless the header declares
+    /// them as no data; a land mask with values other than 0 and 1; depths that are all land, or all deep
+    /// (unless declared open sea): the sign looks wrong; depths that no sea has, which mean no data; no data
+    /// at all. Grids that exceed memory or time.
+    pub fn from_ascii(text: &str, declared: &GridDeclaration, reading: &Reading) -> Result<Self, Unread> {
+        let text = text.trim_start_matches('\u{feff}');
+        let mut lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()).peekable();
+        let (header, word) = header(&mut lines)?;
+        let crs = declared.crs.clone().ok_or_else(Crs::undeclared)?;
+        let packing = Packing { missing: word.number(), ..Packing::default() };
+        let (columns, rows) = (header.columns, header.rows);
+        if columns.saturating_mul(rows) > text.len() {
+            let size = format!("a file of {} bytes", text.len());
+            return Err(shape("grid".to_owned(), size, format!("{columns} × {rows} values")).into());
+        }
+        let mut cells = Cells::new(header, crs, packing, declared, reading)?;
+        let mut numbers = Vec::with_capacity(columns.min(text.len() / 2 + 1));
+        let mut read = 0;
+        for (number, line) in lines {
+            if read % AT_ONCE == 0 {
+                reading.check_time()?;
+            }
+            row(line, number, word, &mut numbers)?;
+            check_columns(number, numbers.len(), columns)?;
+            if read < rows {
+                let row = rows - 1 - read;
+                cells.take(&[0..columns, row..row + 1], numbers.iter().copied());
+            }
+            read += 1;
+        }
+        if read != rows {
+            return Err(shape("grid".to_owned(), format!("{read} rows"), format!("{rows} rows")).into());
+        }
+        Ok(cells.finish()?)
+    }
 }
 
-fn meet(a: &Range<usize>, b: &Range<usize>) -> bool {
-    a.start < b.end && b.start < a.end
+/// The numbers of a row.
+fn row(line: &str, number: usize, word: MissingWord, numbers: &mut Vec<f64>) -> Result<(), Invalid> {
+    numbers.clear();
+    for token in line.split_ascii_whitespace() {
+        numbers.push(match token.parse::<f64>() {
+            Ok(value) if value.is_finite() => value,
+            _ if word.is(token) => f64::NAN,
+            _ => return Err(no_number(token, number)),
+        });
+    }
+    Ok(())
+}
+
+fn no_number(token: &str, line: usize) -> Invalid {
+    Invalid::new(
+        format!("line {}", line + 1),
+        format!("`{}`", refusal::foreign(token)),
+        "finite numbers",
+        "write cells without data as the NODATA_value, for instance with `gdal_translate -a_nodata -9999`",
+    )
+}
+
+fn check_columns(number: usize, found: usize, columns: usize) -> Result<(), Invalid> {
+    if found == columns {
+        return Ok(());
+    }
+    let expected = format!("{columns} values, one line per row");
+    Err(shape(format!("line {}", number + 1), format!("{found} values"), expected))
+}
+
+fn shape(thing: String, found: String, expected: String) -> Invalid {
+    Invalid::new(thing, found, format!("{expected}, as the header says"), "export the whole file again")
 }

@@ -7,12 +7,9 @@ use tiff::ColorType;
 use tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
+use crate::grid::{Block, Header, MOST_ON_A_SIDE, Packing, check_square};
 use crate::grid_cells::Cells;
-use crate::grid_header::{Header, MOST_ON_A_SIDE, check_square};
-use crate::grid_packing::Packing;
-use crate::grid_tiff_keys::{Keys, LONGEST_TEXT, refuse, short_tag};
-use crate::grid_tiff_metadata::TiffMetadata;
-use crate::grid_window::Block;
+use crate::grid_tiff_metadata::{Keys, LONGEST_TEXT, TiffMetadata, refuse, short_tag};
 use crate::{DepthUnit, Grid, GridDeclaration, GridKind, Invalid, Reading, Unread};
 
 /// Most bytes of a block of an image, decoded.
@@ -140,9 +137,9 @@ fn no_data_of(text: &str, is_single: bool) -> Result<f64, Invalid> {
         Ok(number) if is_single => Ok(f64::from(number as f32)),
         Ok(number) => Ok(number),
         Err(_) => {
-            let found = format!("`{}`", refusal::foreign(text));
+            let quoted = format!("`{}`", refusal::foreign(text));
             let remedy = "write it again, for instance with `gdal_edit.py -a_nodata -9999`";
-            Err(Invalid::new("GDAL_NODATA", found, "a number", remedy))
+            Err(Invalid::new("GDAL_NODATA", quoted, "a number", remedy))
         }
     }
 }
@@ -211,8 +208,8 @@ impl Blocks {
             ChunkType::Tile => [columns, rows],
         };
         if size.contains(&0) {
-            let found = format!("blocks of {columns} × {rows}");
-            return Err(Invalid::new("GeoTIFF", found, "strips or tiles with cells", "export it again"));
+            let blocks = format!("blocks of {columns} × {rows}");
+            return Err(Invalid::new("GeoTIFF", blocks, "strips or tiles with cells", "export it again"));
         }
         let count = [0, 1].map(|k: usize| image[k].div_ceil(size[k]));
         let all = u64::from(count[0]) * u64::from(count[1]);

@@ -1,9 +1,7 @@
-//! Sea charts: polygons and grids on a local plane, obstacles and clearance for a ship's hull, output of
-//! routes and tracks.
+//! Sea charts: polygons and grids on a local plane, obstacles and clearance for a ship's hull, output of routes and tracks.
 //!
-//! Not for navigation. Coordinates on the plane are x east and y north \[m\]; headings are compass headings
-//! (0 north, clockwise) \[rad\]; longitude comes before latitude, in degrees of WGS84; depths are positive
-//! down \[m\].
+//! Not for navigation. Coordinates on the plane are x east and y north \[m\]; headings are compass headings (0 north,
+//! clockwise) \[rad\]; longitude comes before latitude, in degrees of WGS84; depths are positive down \[m\].
 //!
 //! Objects of electronic charts (S-57) come from the crate `enc`, each judged by the rule of its class
 //! ([`RULES`]). GDAL converts a cell to GeoJSON, one object class at a time:
@@ -35,75 +33,40 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-mod bounds;
-mod called;
-mod causes;
 mod chart;
 mod classes;
-mod clip;
-mod closing;
-mod cover;
 mod crs;
 mod dangers;
-mod depth_unit;
-mod direction;
-mod distance;
 pub mod enc;
 mod footprint;
-mod frontier;
-mod geojson_crs;
-mod geometries;
 mod grid;
-mod grid_ascii;
 mod grid_cells;
-mod grid_header;
-mod grid_kind;
-mod grid_packing;
 mod grid_tiff;
-mod grid_tiff_keys;
 mod grid_tiff_metadata;
-mod grid_window;
-mod land;
-mod mask;
 mod objects;
-mod objects_geojson;
 mod obstacles;
 mod occupancy;
-pub mod orientation;
 mod placed;
-mod placed_grid;
 mod plane;
 mod polygons;
-mod raster;
 mod reading;
 pub mod ring;
 pub mod route;
 mod rules;
 
-pub use bounds::Bounds;
-pub use called::Called;
-pub use causes::Causes;
 pub use chart::{Chart, Layer, Uncharted};
-pub use classes::{Ignored, Judged, RULES, Rule, Treatment};
-pub use closing::Closing;
-pub use crs::Crs;
-pub use dangers::{Dangers, Nearest};
-pub use depth_unit::{DepthUnit, UnitFrom};
-pub use direction::Direction;
+pub use classes::{Called, Ignored, Judged, RULES, Rule, Treatment};
+pub use crs::{Crs, DepthUnit, UnitFrom};
+pub use dangers::{Closing, Dangers, Nearest};
 pub use footprint::{Footprint, Run};
-pub use grid::{Grid, GridCell};
-pub use grid_kind::{GridDeclaration, GridKind};
-pub use grid_packing::Measured;
-pub use grid_tiff_metadata::TiffMetadata;
-pub use mask::Mask;
-pub use objects::{Tallies, Tally};
-pub use objects_geojson::{objects_of_geojson, read_objects};
+pub use grid::{Grid, GridCell, GridDeclaration, GridKind, Measured};
+pub use grid_tiff_metadata::{Direction, TiffMetadata};
+pub use objects::{Tallies, Tally, objects_of_geojson, read_objects};
 pub use obstacles::{Distances, Obstacles};
-pub use placed::{Polygon, Spot};
-pub use placed_grid::PlacedGrid;
-pub use plane::Plane;
+pub use occupancy::{Causes, Mask};
+pub use placed::{PlacedGrid, Polygon, Spot};
+pub use plane::{Bounds, Plane, Raster};
 pub use polygons::{Area, Class, Contour, DANGER_M, Filter, LayerKind, Mark, PolygonLayer};
-pub use raster::Raster;
 pub use reading::{Reading, Unread};
 pub use refusal::Invalid;
 pub use rules::{DOUBTFUL_M, Rules};

@@ -2,16 +2,20 @@
 
 use std::collections::BTreeMap;
 
-use crate::enc::attribute::{Attribute, DRVAL1, DUNITS, HORDAT, HUNITS, VALDCO, VALSOU, WATLEV};
-use crate::enc::{Feature, Geometry, Polygon, class_name};
+use geojson::{Feature as GeojsonFeature, JsonObject, JsonValue, Position};
 
-use crate::called::Called;
-use crate::classes::{is, judged};
+use crate::classes::{Called, is, judged};
+use crate::enc::{
+    ALL, Attribute, DRVAL1, DUNITS, Feature, Geometry, HORDAT, HUNITS, Polygon, VALDCO, VALSOU, WATLEV,
+    class as class_code, class_name,
+};
 use crate::grid::FARTHEST;
-use crate::land::Land;
-use crate::polygons::of_mark;
+use crate::polygons::{Geometries, features, of_mark, positions, rings};
 use crate::ring::ring_fault;
-use crate::{Area, Class, Contour, Ignored, Invalid, Judged, Mark, PolygonLayer, Rules, Treatment};
+use crate::rules::Land;
+use crate::{
+    Area, Class, Contour, Ignored, Invalid, Judged, Mark, PolygonLayer, Reading, Rules, Treatment, Unread,
+};
 
 /// The treatment of the objects of one class.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -50,23 +54,23 @@ impl PolygonLayer {
         for (index, object) in objects.iter().enumerate() {
             check_units(object)?;
             let name = class_name(object.class).map_or_else(|| object.class.to_string(), str::to_owned);
-            let own = tallies.entry(name).or_default();
-            own.objects += 1;
+            let tally = tallies.entry(name).or_default();
+            tally.objects += 1;
             let (treatment, why) = rules.treatment(object, &land)?;
             let treatment = layer.take(object, index, treatment, rules.radius_m(object, scale))?;
             match treatment {
-                Treatment::Avoid => own.avoided += 1,
-                Treatment::ManeuversAvoid => own.maneuvers_avoid += 1,
+                Treatment::Avoid => tally.avoided += 1,
+                Treatment::ManeuversAvoid => tally.maneuvers_avoid += 1,
                 Treatment::Ignore => {
-                    own.ignored += 1;
-                    *own.reasons.entry(why).or_default() += 1;
+                    tally.ignored += 1;
+                    *tally.reasons.entry(why).or_default() += 1;
                 }
             }
         }
         if layer.areas.is_empty() && layer.marks.is_empty() {
-            let found = format!("{} objects, none of a class that matters", objects.len());
+            let counted = format!("{} objects, none of a class that matters", objects.len());
             let expected = "depths, land or dangers";
-            return Err(Invalid::new("chart", found, expected, "name another cell, or change its `rules`"));
+            return Err(Invalid::new("chart", counted, expected, "name another cell, or change its `rules`"));
         }
         Ok((layer, tallies))
     }
@@ -148,8 +152,7 @@ fn class(object: &Feature, treatment: Treatment) -> Result<Option<Class>, Invali
     })
 }
 
-/// Whether a depth over an object means that there is water over it: it does not if the object is dry or
-/// afloat.
+/// Whether a depth over an object means that there is water over it: it does not if the object is dry or afloat.
 fn is_under_water(object: &Feature) -> bool {
     let level = object.list(WATLEV);
     ![1, 2, 7].iter().any(|dry| level.contains(dry))
@@ -172,8 +175,8 @@ const UNITS: [(&str, Attribute, f64, &str); 3] = [
 
 fn check_units(object: &Feature) -> Result<(), Invalid> {
     for (class, attribute, usual, expected) in UNITS {
-        let own = if is(object.class, class) { object.number(attribute)? } else { None };
-        if let Some(value) = own.filter(|value| *value != usual) {
+        let value = if is(object.class, class) { object.number(attribute)? } else { None };
+        if let Some(value) = value.filter(|value| *value != usual) {
             let thing = format!("{}, `{}`", object.named(), attribute.1);
             let remedy = "take the cell of the ENC product, which has metres and WGS84 throughout";
             return Err(Invalid::new(thing, value.to_string(), expected, remedy));
@@ -184,4 +187,109 @@ fn check_units(object: &Feature) -> Result<(), Invalid> {
 
 fn check_rings(object: &Feature, rings: &Polygon) -> Result<(), Invalid> {
     ring_fault(rings).map_or(Ok(()), |fault| Err(crate::polygons::faulty(&object.named(), &fault)))
+}
+
+/// The objects of a GeoJSON file. Such files do not contain the quality of positions.
+///
+/// # Errors
+/// Corrupt JSON; coordinates other than WGS84; a feature without the code of its class; rings that are open or cross.
+pub fn objects_of_geojson(text: &str) -> Result<Vec<Feature>, Invalid> {
+    read_objects(text, &Reading::whole()).map_err(Unread::into_invalid)
+}
+
+/// [`objects_of_geojson`] under a time limit.
+///
+/// # Errors
+/// As [`objects_of_geojson`]; the end of the time limit.
+pub fn read_objects(text: &str, reading: &Reading) -> Result<Vec<Feature>, Unread> {
+    let features = features(text, reading)?;
+    let objects = features.iter().enumerate().map(|(index, feature)| {
+        reading.check_time()?;
+        object(feature, index, reading)
+    });
+    objects.collect()
+}
+
+fn object(feature: &GeojsonFeature, index: usize, reading: &Reading) -> Result<Feature, Unread> {
+    let properties = feature.properties.as_ref();
+    let value =
+        |name: &str| properties.and_then(|properties| properties.get(name)).filter(|value| !value.is_null());
+    let code = value("OBJL").and_then(text).and_then(|code| code.parse().ok());
+    let Some(code) = code else {
+        return Err(Invalid::new(
+            format!("feature {index}, property `OBJL`"),
+            value("OBJL").map_or("none".to_owned(), JsonValue::to_string),
+            "the code of its object class, as GDAL writes it",
+            "convert the cell again by `ogr2ogr`, or name a `kind` for the whole file",
+        )
+        .into());
+    };
+    let attributes = ALL.iter().filter_map(|(code, name)| Some((*code, text(value(name)?)?))).collect();
+    let mut object = Feature {
+        class: code,
+        id: id(properties, index),
+        attributes,
+        geometry: Geometry::None,
+        position_quality: Vec::new(),
+    };
+    object.geometry = geometry(feature, index, Some(code) == class_code("SOUNDG"), reading)?;
+    Ok(object)
+}
+
+fn id(properties: Option<&JsonObject>, index: usize) -> String {
+    let part = |name: &str| properties.and_then(|properties| properties.get(name)).and_then(text);
+    match (part("AGEN"), part("FIDN"), part("FIDS")) {
+        (Some(producer), Some(number), Some(subdivision)) => format!("{producer}-{number}-{subdivision}"),
+        _ => format!("feature {index}"),
+    }
+}
+
+/// A value as S-57 writes it; lists with commas.
+fn text(value: &JsonValue) -> Option<String> {
+    match value {
+        JsonValue::String(text) => Some(text.clone()),
+        JsonValue::Number(number) => Some(number.to_string()),
+        JsonValue::Array(values) => {
+            values.iter().map(text).collect::<Option<Vec<_>>>().map(|all| all.join(","))
+        }
+        _ => None,
+    }
+}
+
+fn geometry(
+    feature: &GeojsonFeature,
+    index: usize,
+    soundings: bool,
+    reading: &Reading,
+) -> Result<Geometry, Unread> {
+    let geometries = Geometries::of(feature);
+    let named = || format!("feature {index}");
+    if !geometries.polygons.is_empty() {
+        let polygons = geometries.polygons.into_iter().map(|polygon| rings(polygon, index, reading));
+        return Ok(Geometry::Area(polygons.collect::<Result<_, _>>()?));
+    }
+    if soundings {
+        let all = geometries.lines.iter().flat_map(|line| line.iter());
+        return Ok(Geometry::Soundings(all.map(|p| sounding(p, index)).collect::<Result<_, Invalid>>()?));
+    }
+    let lines =
+        geometries.lines.into_iter().map(|line| positions(line, named)).collect::<Result<Vec<_>, _>>()?;
+    if lines.iter().all(|line| line.len() < 2) {
+        let points: Vec<[f64; 2]> = lines.concat();
+        return Ok(if points.is_empty() { Geometry::None } else { Geometry::Points(points) });
+    }
+    Ok(Geometry::Lines(lines))
+}
+
+fn sounding(position: &Position, index: usize) -> Result<[f64; 3], Invalid> {
+    let place = positions(std::slice::from_ref(position), || format!("feature {index}"))?[0];
+    match position.as_slice().get(2) {
+        Some(depth) => Ok([place[0], place[1], *depth]),
+        None => Err(Invalid::new(
+            format!("feature {index}"),
+            "a sounding without a depth",
+            "longitude, latitude, depth",
+            "convert the cell again by `ogr2ogr`, with three dimensions",
+        )),
+    }
 }

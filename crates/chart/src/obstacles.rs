@@ -1,10 +1,8 @@
-use crate::distance::squared_gaps;
 use crate::occupancy::{Activity, Occupancy};
-use crate::raster::MOST_CELLS;
+use crate::plane::MOST_CELLS;
 use crate::{Causes, Chart, Footprint, Invalid, Mask, Raster};
 
-/// The distance of every cell of a raster to the nearest charted obstacle: the part of [`Obstacles`] that a
-/// clearance needs.
+/// The distance of every cell of a raster to the nearest charted obstacle: the part of [`Obstacles`] that a clearance needs.
 #[derive(Clone, Debug)]
 pub struct Distances {
     raster: Raster,
@@ -15,8 +13,7 @@ impl Distances {
     /// Approximate bytes per cell, including those around the raster, while distances are computed.
     pub const FOUND_BYTES: u64 = 9;
 
-    /// [`Obstacles::new`] for a least depth \[m\], with distances up to `sight_m`; `None` once `keep_going`
-    /// returns false.
+    /// [`Obstacles::new`] for a least depth \[m\], with distances up to `sight_m`; `None` once `keep_going` returns false.
     ///
     /// # Errors
     /// As [`Obstacles::new`].
@@ -62,8 +59,8 @@ impl Distances {
             keep_going,
             |wide_row, squared| {
                 let Some(row) = wide_row.checked_sub(pad).filter(|row| *row < raster.ny) else { return };
-                let own = &causes[wide_row * wide.nx + pad..][..raster.nx];
-                for (col, (cause, gap)) in own.iter().zip(&squared[pad..]).enumerate() {
+                let row_causes = &causes[wide_row * wide.nx + pad..][..raster.nx];
+                for (col, (cause, gap)) in row_causes.iter().zip(&squared[pad..]).enumerate() {
                     let edge = edge_gap(&raster, pad, col, row);
                     let cells = if cause.any() { 0.0 } else { gap.sqrt().min(edge) };
                     gap_m.push(round_down(cells * raster.cell_m));
@@ -96,8 +93,8 @@ impl Distances {
         }
         let [col, row] = self.raster.in_cells([x, y]);
         let [col, row] =
-            [(col, nx), (row, ny)].map(|(own, count)| (own - 0.5).clamp(0.0, count as f64 - 1.0));
-        let [west, south] = [col, row].map(|own| own as usize);
+            [(col, nx), (row, ny)].map(|(index, count)| (index - 0.5).clamp(0.0, count as f64 - 1.0));
+        let [west, south] = [col, row].map(|index| index as usize);
         let [east, north] = [(west + 1).min(nx - 1), (south + 1).min(ny - 1)];
         let at = |col: usize, row: usize| f64::from(self.gap_m[row * nx + col]);
         let part = col - west as f64;
@@ -113,11 +110,10 @@ impl Distances {
 
 /// The area that is closed to the ship: blocked cells of a raster, and the distance to what blocks them.
 ///
-/// A cell is an *obstacle* when any part of it is land, no-go, shoaler than the least depth, or not
-/// charted. It is *blocked* when the least distance between any of its points and any point of an obstacle
-/// cell is below the margin. So a free cell keeps all its points at least the margin away from everything
-/// charted; because whole cells are compared, the kept distance may be larger by up to one diagonal of the
-/// obstacle's cell and one of its own (70 m in all at 25 m).
+/// A cell is an *obstacle* when any part of it is land, no-go, shoaler than the least depth, or not charted. It is *blocked*
+/// when the least distance between any of its points and any point of an obstacle cell is below the margin. So a free cell
+/// keeps all its points at least the margin away from everything charted; because whole cells are compared, the kept
+/// distance may be larger by up to one diagonal of the obstacle's cell and one of its own (70 m in all at 25 m).
 #[derive(Clone, Debug)]
 pub struct Obstacles {
     distances: Distances,
@@ -129,8 +125,7 @@ impl Obstacles {
     /// Obstacles of a chart for a least depth \[m\] and a margin \[m\], for informative maneuvers, including
     /// areas that only these avoid. A greater least depth and a greater margin only add blocked cells.
     ///
-    /// Obstacles up to the margin outside the raster are included. The least depth has no effect on charts of
-    /// land only.
+    /// Obstacles up to the margin outside the raster are included. The least depth has no effect on charts of land only.
     ///
     /// # Errors
     /// A raster without cells or with too many (its margin included); a least depth or margin that is not
@@ -139,8 +134,7 @@ impl Obstacles {
         Self::of(chart, raster, [least_depth_m, margin_m], Activity::Maneuvers)
     }
 
-    /// The same for transit, which may cross areas that are kept free of maneuvers
-    /// ([`crate::Class::TransitOnly`]).
+    /// The same for transit, which may cross areas that are kept free of maneuvers ([`crate::Class::TransitOnly`]).
     ///
     /// # Errors
     /// As [`Obstacles::new`].
@@ -176,8 +170,7 @@ impl Obstacles {
         self.distances.index(col, row).is_none_or(|k| self.blocked.closed()[k])
     }
 
-    /// Why a cell is an obstacle, regardless of the margin; `NONE` for cells that are free or blocked by the
-    /// margin only.
+    /// Why a cell is an obstacle, regardless of the margin; `NONE` for cells that are free or blocked by the margin only.
     pub fn causes(&self, col: usize, row: usize) -> Causes {
         self.distances.index(col, row).map_or(Causes::UNCHARTED, |k| self.causes[k])
     }
@@ -230,4 +223,91 @@ fn edge_gap(raster: &Raster, pad: usize, col: usize, row: usize) -> f64 {
 fn round_down(value: f64) -> f32 {
     let near = value as f32;
     if f64::from(near) > value { near.next_down() } else { near }
+}
+
+// Exact Euclidean distance transform (Felzenszwalb and Huttenlocher 2012), of gaps between cells.
+
+/// Squared gap, in units of cells, from every cell to the nearest set cell: the least distance of any of
+/// their points, max(|Δcol| − 1, 0)² + max(|Δrow| − 1, 0)². Infinite where no cell is set. `each` is called
+/// with every row of `nx` columns in turn. `None` once `keep_going`, which is checked at every row, returns false.
+///
+/// The gap between squares is the distance between centres after the set cells have grown by their eight
+/// neighbours, so the transform of centres stays exact.
+fn squared_gaps(
+    set: impl Fn(usize) -> bool,
+    [nx, ny]: [usize; 2],
+    keep_going: &dyn Fn() -> bool,
+    mut each: impl FnMut(usize, &[f64]),
+) -> Option<()> {
+    let vertical = vertical_gaps(set, [nx, ny], keep_going)?;
+    let mut parts = Vec::with_capacity(nx);
+    let (mut grown, mut squared) = (vec![0.0; nx], vec![0.0; nx]);
+    for (row, rows) in vertical.chunks(nx.max(1)).enumerate() {
+        for (i, g) in grown.iter_mut().enumerate() {
+            let near = i.saturating_sub(1)..(i + 2).min(nx);
+            *g = between(rows[near].iter().copied().min().unwrap_or(NONE));
+        }
+        envelope(&grown, &mut parts);
+        fill(&parts, &mut squared);
+        each(row, &squared);
+        keep_going().then_some(())?;
+    }
+    Some(())
+}
+
+/// No set cell in a column.
+const NONE: u32 = u32::MAX;
+
+/// Squared gap of cells whose rows differ by `rows`.
+fn between(rows: u32) -> f64 {
+    if rows == NONE { f64::INFINITY } else { f64::from(rows.saturating_sub(1)).powi(2) }
+}
+
+/// Rows to the nearest set cell of the same column.
+fn vertical_gaps(
+    set: impl Fn(usize) -> bool,
+    [nx, ny]: [usize; 2],
+    keep_going: &dyn Fn() -> bool,
+) -> Option<Vec<u32>> {
+    let mut rows = vec![NONE; nx * ny];
+    let mut since = vec![NONE; nx];
+    let mut sweep = |row: usize| {
+        for (i, s) in since.iter_mut().enumerate() {
+            let k = row * nx + i;
+            *s = if set(k) { 0 } else { s.saturating_add(1) };
+            rows[k] = rows[k].min(*s);
+        }
+        keep_going().then_some(())
+    };
+    (0..ny).try_for_each(&mut sweep)?;
+    // After the first sweep a distance in the last row counts from below: it is too long for any row above, so harmless.
+    (0..ny).rev().try_for_each(sweep)?;
+    Some(rows)
+}
+
+/// Puts the lower envelope of the parabolas (x − i)² + f(i) into `parts`: where each begins, its vertex and height.
+fn envelope(f: &[f64], parts: &mut Vec<(f64, f64, f64)>) {
+    parts.clear();
+    for (i, height) in f.iter().copied().enumerate().filter(|(_, h)| h.is_finite()) {
+        let vertex = i as f64;
+        let meets =
+            |&(_, v, h): &(f64, f64, f64)| ((height + vertex * vertex) - (h + v * v)) / (2.0 * (vertex - v));
+        while parts.last().is_some_and(|part| meets(part) <= part.0) {
+            parts.pop();
+        }
+        let begin = parts.last().map_or(f64::NEG_INFINITY, meets);
+        parts.push((begin, vertex, height));
+    }
+}
+
+/// The values of an envelope at 0, 1, 2 and so on.
+fn fill(parts: &[(f64, f64, f64)], row: &mut [f64]) {
+    let mut k = 0;
+    for (i, value) in row.iter_mut().enumerate() {
+        let x = i as f64;
+        while parts.get(k + 1).is_some_and(|next| next.0 <= x) {
+            k += 1;
+        }
+        *value = parts.get(k).map_or(f64::INFINITY, |(_, v, h)| (x - v).powi(2) + h);
+    }
 }

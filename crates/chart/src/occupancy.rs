@@ -1,12 +1,12 @@
 //! Cells of a raster that a chart's layers block.
 
 use crate::chart::Charted;
-use crate::cover::{Size, along, centres, each_edge};
 use crate::grid::LAND;
-use crate::{Bounds, Called, Causes, Chart, Class, PlacedGrid, Polygon, Raster, Uncharted};
+use crate::plane::{Size, along, centres, each_edge};
+use crate::{Bounds, Called, Chart, Class, Footprint, PlacedGrid, Polygon, Raster, Uncharted};
 
 /// Cells that touch within this distance count as touched, so that rounding does not decide \[m\].
-pub(crate) const TOUCH_M: f64 = 1e-6;
+const TOUCH_M: f64 = 1e-6;
 
 /// What the ship is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,32 +28,31 @@ pub(crate) struct Occupancy {
 
 impl Occupancy {
     pub(crate) fn of(chart: &Chart, raster: Raster, least_depth_m: f64, activity: Activity) -> Self {
-        let mut own = Self::open(raster);
+        let mut occupancy = Self::open(raster);
         for polygon in chart.polygons() {
             if let Some(cause) = cause_of(polygon.class, least_depth_m, activity) {
-                own.block(polygon, cause);
+                occupancy.block(polygon, cause);
             }
         }
         for grid in chart.grids() {
-            own.block_grid(grid, least_depth_m);
+            occupancy.block_grid(grid, least_depth_m);
         }
         if chart.uncharted() == Uncharted::Obstacle {
-            own.block_uncharted(chart.charted());
+            occupancy.block_uncharted(chart.charted());
         }
-        own.block_outside(&chart.area());
-        own
+        occupancy.block_outside(&chart.area());
+        occupancy
     }
 
-    /// Blocks cells where nothing is charted, or a grid has no data, regardless of how uncharted places are
-    /// treated.
+    /// Blocks cells where nothing is charted, or a grid has no data, regardless of how uncharted places are treated.
     pub(crate) fn of_uncharted(chart: &Chart, raster: Raster) -> Self {
-        let mut own = Self::open(raster);
-        chart.grids().iter().for_each(|grid| own.block_grid(grid, f64::NEG_INFINITY));
-        own.causes.iter_mut().for_each(|cause| *cause = cause.only(Causes::UNCHARTED));
+        let mut occupancy = Self::open(raster);
+        chart.grids().iter().for_each(|grid| occupancy.block_grid(grid, f64::NEG_INFINITY));
+        occupancy.causes.iter_mut().for_each(|cause| *cause = cause.only(Causes::UNCHARTED));
         if let Some(charted) = chart.covered() {
-            own.block_uncharted(&charted);
+            occupancy.block_uncharted(&charted);
         }
-        own
+        occupancy
     }
 
     /// Nothing is blocked.
@@ -91,8 +90,7 @@ impl Occupancy {
         each_strip(grid, least_depth_m, |strip, cause| self.block(strip, cause));
     }
 
-    /// Blocks every cell that is not entirely charted: by one polygon, or by several that share the borders
-    /// inside it.
+    /// Blocks every cell that is not entirely charted: by one polygon, or by several that share the borders inside it.
     fn block_uncharted(&mut self, charted: &Charted) {
         let nx = self.raster.nx;
         let (size, slack) = (self.size, self.slack);
@@ -201,4 +199,132 @@ fn bad(value: f32, has_depth: bool, least_depth_m: f64) -> Option<Causes> {
     } else {
         (value == LAND).then_some(Causes::LAND)
     }
+}
+
+/// Why a cell is blocked: any of four reasons.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Causes(u8);
+
+impl Causes {
+    /// Free.
+    pub const NONE: Self = Self(0);
+    /// Part of it is land.
+    pub const LAND: Self = Self(1);
+    /// Part of it is no-go.
+    pub const NO_GO: Self = Self(2);
+    /// Part of it is shoaler than the least depth, or of unknown depth.
+    pub const SHOAL: Self = Self(4);
+    /// Part of it is not charted, or outside the chart's area.
+    pub const UNCHARTED: Self = Self(8);
+
+    /// Whether there is any cause.
+    pub fn any(self) -> bool {
+        self.0 != 0
+    }
+
+    /// Whether `cause` is among them.
+    pub fn has(self, cause: Self) -> bool {
+        self.0 & cause.0 != 0
+    }
+
+    /// The cause, if no other is set.
+    pub(crate) fn only(self, cause: Self) -> Self {
+        Self(self.0 & cause.0)
+    }
+
+    /// A number of its own for every set of causes.
+    pub(crate) fn bits(self) -> u8 {
+        self.0
+    }
+
+    pub(crate) fn with(self, cause: Self) -> Self {
+        Self(self.0 | cause.0)
+    }
+}
+
+/// A raster of which some cells are closed.
+#[derive(Clone, Debug)]
+pub struct Mask {
+    raster: Raster,
+    closed: Vec<bool>,
+    /// Per row, the number of closed cells before each column: `nx + 1` entries.
+    before: Vec<u32>,
+}
+
+impl Mask {
+    /// `closed`: cells row by row from the south, `nx · ny` of them.
+    pub(crate) fn new(raster: Raster, closed: Vec<bool>) -> Self {
+        let mut before = Vec::with_capacity(closed.len() + raster.ny);
+        for row in closed.chunks(raster.nx) {
+            let mut count = 0;
+            before.push(count);
+            for closed in row {
+                count += u32::from(*closed);
+                before.push(count);
+            }
+        }
+        Self { raster, closed, before }
+    }
+
+    /// Closes every cell that any part of a polygon touches.
+    pub fn within(polygon: &Polygon, raster: Raster) -> Self {
+        let (edge, inside) = cells(polygon, raster);
+        Self::new(raster, edge.iter().zip(inside).map(|(edge, inside)| *edge || inside).collect())
+    }
+
+    /// Closes every cell that is not entirely inside of a polygon.
+    pub fn beyond(polygon: &Polygon, raster: Raster) -> Self {
+        let (edge, inside) = cells(polygon, raster);
+        Self::new(raster, edge.iter().zip(inside).map(|(edge, inside)| *edge || !inside).collect())
+    }
+
+    /// The raster.
+    pub fn raster(&self) -> Raster {
+        self.raster
+    }
+
+    /// Closed cells, row by row from the south: `nx · ny` entries.
+    pub fn closed(&self) -> &[bool] {
+        &self.closed
+    }
+
+    /// Whether a footprint at node (col, row) covers free cells only. Cells off the raster are closed, and a
+    /// footprint of another cell size never fits. Takes one look-up per run.
+    pub fn is_free(&self, footprint: &Footprint, col: usize, row: usize) -> bool {
+        let same = footprint.cell_m() == self.raster.cell_m;
+        same && footprint.runs().iter().all(|run| {
+            let at = |node: usize, offset: i32| i64::try_from(node).ok()?.checked_add(i64::from(offset));
+            let (Some(row), Some(first), Some(last)) =
+                (at(row, run.row), at(col, run.first), at(col, run.last))
+            else {
+                return false;
+            };
+            self.row_is_free(row, first, last)
+        })
+    }
+
+    fn row_is_free(&self, row: i64, first: i64, last: i64) -> bool {
+        let Raster { nx, ny, .. } = self.raster;
+        if row < 0 || row >= ny as i64 || first < 0 || last >= nx as i64 || first > last {
+            return false;
+        }
+        let start = row as usize * (nx + 1);
+        self.before[start + last as usize + 1] == self.before[start + first as usize]
+    }
+}
+
+/// Cells that a polygon's edges touch, and those whose centre is inside.
+fn cells(polygon: &Polygon, raster: Raster) -> (Vec<bool>, Vec<bool>) {
+    let size = Size { nx: raster.nx, ny: raster.ny };
+    let ring = |ring: &Vec<[f64; 2]>| ring.iter().map(|p| raster.in_cells(*p)).collect();
+    let rings: Vec<Vec<[f64; 2]>> = polygon.rings.iter().map(ring).collect();
+    let (mut edge, mut inside) = (vec![false; size.nx * size.ny], vec![false; size.nx * size.ny]);
+    let fill = |cells: &mut Vec<bool>, row: usize, first: usize, last: usize| {
+        cells[row * size.nx + first..=row * size.nx + last].fill(true);
+    };
+    each_edge(&rings, |a, b| {
+        along(a, b, TOUCH_M / raster.cell_m, size, |row, first, last| fill(&mut edge, row, first, last));
+    });
+    centres(&rings, size, |row, first, last| fill(&mut inside, row, first, last));
+    (edge, inside)
 }

@@ -1,18 +1,15 @@
 use std::io::{BufReader, Read};
 
-use geojson::{Feature, GeoJson, JsonObject, JsonValue, PolygonType, Position};
+use geojson::{Feature, GeoJson, GeometryValue, JsonObject, JsonValue, PolygonType, Position};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::called::Called;
-use crate::geojson_crs::{check_member, mixed};
-use crate::geometries::Geometries;
-use crate::grid_kind::FARTHEST;
+use crate::classes::Called;
+use crate::grid::FARTHEST;
 use crate::ring::{RingFault, ring_fault_while};
-use crate::{DepthUnit, Invalid, Reading, Unread};
+use crate::{Crs, DepthUnit, Invalid, Reading, Unread};
 
-/// Default radius of the danger around a charted point or line \[m\]: the positional accuracy of older
-/// surveys.
+/// Default radius of the danger around a charted point or line \[m\]: the positional accuracy of older surveys.
 pub const DANGER_M: f64 = 50.0;
 
 /// Features, and bytes, between two checks of the time limit.
@@ -154,9 +151,8 @@ impl PolygonLayer {
         Self::read(text, (kind, DepthUnit::Metre), filter, &Reading::whole()).map_err(Unread::into_invalid)
     }
 
-    /// Reads GeoJSON (RFC 7946) of any geometry, with depths in any unit. Points and lines are dangers within
-    /// [`DANGER_M`], unless [`PolygonLayer::with_danger`] sets another radius; in a layer of depths they have
-    /// a depth, and chart no water.
+    /// Reads GeoJSON (RFC 7946) of any geometry, with depths in any unit. Points and lines are dangers within [`DANGER_M`],
+    /// unless [`PolygonLayer::with_danger`] sets another radius; in a layer of depths they have a depth, and chart no water.
     ///
     /// # Errors
     /// Corrupt JSON; a `crs` member other than WGS84 or coordinates outside ±180 and ±90; features without a
@@ -212,29 +208,29 @@ impl PolygonLayer {
 
     fn check(&self, kind: &LayerKind, features: usize, named: bool, placeless: usize) -> Result<(), Invalid> {
         if placeless > 0 {
-            let found = format!("{placeless} of {features} features without a geometry");
+            let counted = format!("{placeless} of {features} features without a geometry");
             let remedy = "leave them out with `only`, or export the file again";
-            return Err(Invalid::new("layer", found, "a geometry for every feature", remedy));
+            return Err(Invalid::new("layer", counted, "a geometry for every feature", remedy));
         }
         if self.areas.is_empty() && self.marks.is_empty() {
-            let found = format!(
+            let counted = format!(
                 "{features} features, {} filtered out, nothing charted among the rest",
                 self.filtered_out
             );
             return Err(Invalid::new(
                 "layer",
-                found,
+                counted,
                 "at least one polygon, point or line",
                 "check the filter and the file",
             ));
         }
         let LayerKind::Depth { least, .. } = kind else { return Ok(()) };
         if !named {
-            let found = "no feature that has it";
+            let none = "no feature that has it";
             let expected = "the least depth in metres";
             return Err(Invalid::new(
                 format!("property `{least}`"),
-                found,
+                none,
                 expected,
                 "name the property of the file",
             ));
@@ -300,9 +296,9 @@ impl Read for Watched<'_> {
 /// A message about GeoJSON without its expected value, which is in terms of the programming language.
 fn plain(message: &str) -> String {
     let message = message.trim_start_matches("Error while deserializing GeoJSON: ");
-    let (found, rest) = message.split_once(", expected ").unwrap_or((message, ""));
+    let (problem, rest) = message.split_once(", expected ").unwrap_or((message, ""));
     let place = rest.rfind(" at line ").map_or("", |at| &rest[at..]);
-    format!("{found}{place}")
+    format!("{problem}{place}")
 }
 
 fn passes(feature: &Feature, filter: &Filter) -> bool {
@@ -336,8 +332,8 @@ pub(crate) fn positions(all: &[Position], thing: impl Fn() -> String) -> Result<
     let mut points = Vec::with_capacity(all.len());
     for position in all {
         let [lon, lat, ..] = *position.as_slice() else {
-            let found = "a position of fewer than two numbers";
-            return Err(Invalid::new(thing(), found, "longitude and latitude", "export the file again"));
+            let short = "a position of fewer than two numbers";
+            return Err(Invalid::new(thing(), short, "longitude and latitude", "export the file again"));
         };
         if !(lon.abs() <= 180.0 && lat.abs() <= 90.0) {
             return Err(mixed(thing(), format!("{lon}, {lat}")));
@@ -349,23 +345,23 @@ pub(crate) fn positions(all: &[Position], thing: impl Fn() -> String) -> Result<
 
 /// The refusal of rings, which messages name `named`.
 pub(crate) fn faulty(named: &str, fault: &RingFault) -> Invalid {
-    let (ring, found, expected) = match fault {
+    let (ring, problem, expected) = match fault {
         RingFault::Empty { ring } => {
             (ring, "an empty polygon".to_owned(), "at least three corners, with area")
         }
         RingFault::Open { ring } => (ring, "an open ring".to_owned(), "a last position equal to the first"),
         RingFault::NotFinite { ring } => (ring, "NaN or infinity".to_owned(), "finite coordinates"),
         RingFault::Crossing { one, other, near } => {
-            let found = format!(
+            let problem = format!(
                 "edge {} crosses edge {} of ring {} near {}, {}",
                 one.1, other.1, other.0, near[0], near[1]
             );
-            (&one.0, found, "rings that do not cross themselves or each other")
+            (&one.0, problem, "rings that do not cross themselves or each other")
         }
     };
     Invalid::new(
         format!("{named}, ring {ring}"),
-        found,
+        problem,
         expected,
         "repair the polygon, for instance with `ogr2ogr -makevalid`, or remove it",
     )
@@ -414,9 +410,66 @@ fn depth(
         Some(v) => Ok(Some(v)),
         None => Err(Invalid::new(
             format!("feature {feature}, property `{name}`"),
-            value.map(|own| refusal::foreign(&own.to_string())).unwrap_or_default(),
+            value.map(|value| refusal::foreign(&value.to_string())).unwrap_or_default(),
             format!("a depth of at most {FARTHEST} m, or null"),
             "correct it (null where it is unknown) or name another property",
         )),
     }
+}
+
+/// The parts of a feature; a point is a line of one position.
+#[derive(Default)]
+pub(crate) struct Geometries<'a> {
+    pub polygons: Vec<&'a PolygonType>,
+    pub lines: Vec<&'a [Position]>,
+}
+
+impl<'a> Geometries<'a> {
+    pub(crate) fn of(feature: &'a Feature) -> Self {
+        let mut geometries = Self::default();
+        feature.geometry.iter().for_each(|geometry| geometries.take(&geometry.value));
+        geometries
+    }
+
+    fn take(&mut self, value: &'a GeometryValue) {
+        match value {
+            GeometryValue::Point { coordinates } => self.lines.push(std::slice::from_ref(coordinates)),
+            GeometryValue::MultiPoint { coordinates } => self.lines.extend(coordinates.chunks(1)),
+            GeometryValue::LineString { coordinates } => self.lines.push(coordinates),
+            GeometryValue::MultiLineString { coordinates } => {
+                self.lines.extend(coordinates.iter().map(Vec::as_slice))
+            }
+            GeometryValue::Polygon { coordinates } => self.polygons.push(coordinates),
+            GeometryValue::MultiPolygon { coordinates } => self.polygons.extend(coordinates),
+            GeometryValue::GeometryCollection { geometries } => {
+                geometries.iter().for_each(|geometry| self.take(&geometry.value));
+            }
+        }
+    }
+}
+
+// The CRS of a GeoJSON file: RFC 7946 has none but WGS84, and older files name equivalent ones.
+
+/// Refuses a member `crs` unless its coordinates are longitudes and latitudes within a metre or two of WGS84.
+fn check_member(members: Option<&JsonObject>) -> Result<(), Invalid> {
+    let Some(crs) = members.and_then(|m| m.get("crs")).filter(|c| !c.is_null()) else { return Ok(()) };
+    let name = crs.pointer("/properties/name").and_then(JsonValue::as_str).map(str::to_owned);
+    // The draft of 2008 has an EPSG code.
+    let code =
+        || crs.pointer("/properties/code").map(|code| format!("EPSG:{}", code.to_string().replace('"', "")));
+    let is_near = |name: String| Crs::new(&name).is_ok_and(|crs| crs.is_near_wgs84());
+    if name.or_else(code).is_some_and(is_near) {
+        return Ok(());
+    }
+    Err(mixed("`crs` member", format!("`{}`", refusal::foreign(&crs.to_string()))))
+}
+
+/// The refusal of coordinates in another system than the layer's.
+fn mixed(thing: impl Into<String>, found: impl Into<String>) -> Invalid {
+    Invalid::new(
+        thing,
+        format!("{} (projected coordinates in a WGS84 layer: mixed CRS)", found.into()),
+        "longitude within ±180 and latitude within ±90, WGS84",
+        "transform the file, for instance with `ogr2ogr -t_srs EPSG:4326`",
+    )
 }

@@ -1,11 +1,10 @@
-//! Text in UTF-8 or UTF-16, with any line endings: read as UTF-8 whose lines end with `
-//! ` or `\r
-//! `.
+//! Text in UTF-8 or UTF-16, with any line endings: read as UTF-8 whose lines end with ` ` or `\r `.
 //!
-//! Text that already has this form passes through unchanged. The first bytes decide, and are held back only
-//! until then.
+//! Text that already has this form passes through unchanged. The first bytes decide, and are held back only until then.
 
 use std::io::{self, BufRead, Cursor, Read};
+
+use refusal::Invalid;
 
 /// Bytes that are inspected to recognize an encoding.
 const PROBE: usize = 1 << 16;
@@ -14,7 +13,7 @@ const PROBE: usize = 1 << 16;
 const PATTERN: usize = 256;
 
 /// A text, and roughly how many bytes of the file each of its bytes takes.
-pub(crate) struct Plain<'a> {
+struct Plain<'a> {
     pub(crate) text: Box<dyn BufRead + 'a>,
     pub(crate) width: u64,
 }
@@ -30,7 +29,7 @@ enum Encoding {
 ///
 /// # Errors
 /// Bytes that cannot be read.
-pub(crate) fn plain<'a>(bytes: impl BufRead + 'a) -> io::Result<Plain<'a>> {
+fn plain<'a>(bytes: impl BufRead + 'a) -> io::Result<Plain<'a>> {
     let (head, bytes) = probed(bytes)?;
     let (encoding, mark) = encoding(&head);
     let Encoding::Utf16 { is_big } = encoding else {
@@ -142,8 +141,7 @@ impl<R: BufRead, C: Convert> Read for Converted<R, C> {
     }
 }
 
-/// Any line endings to `
-/// `: carriage returns before a line feed belong to it, every other one ends a line.
+/// Any line endings to ` `: carriage returns before a line feed belong to it, every other one ends a line.
 #[derive(Default)]
 struct Ends {
     /// Carriage returns whose meaning depends on the next byte.
@@ -218,6 +216,82 @@ impl Convert for Utf16 {
         if self.byte.is_some() || self.high.is_some() {
             made.extend_from_slice(char::REPLACEMENT_CHARACTER.to_string().as_bytes());
         }
+    }
+}
+
+/// A line of more bytes is not taken for text.
+const LONGEST_LINE: u64 = 1 << 20;
+
+/// The lines of a text, one at a time.
+pub(crate) struct Lines<'a> {
+    text: Plain<'a>,
+    line: Vec<u8>,
+    /// Number of the line, from 1.
+    pub(crate) number: usize,
+    /// Whether the line is terminated: the last one may be cut.
+    pub(crate) is_ended: bool,
+    /// Roughly how many bytes of the file all lines so far took.
+    pub(crate) read: u64,
+}
+
+impl<'a> Lines<'a> {
+    /// The lines of text in any encoding.
+    ///
+    /// # Errors
+    /// Bytes that cannot be read.
+    pub(crate) fn new(bytes: impl BufRead + 'a) -> Result<Self, LogError> {
+        Ok(Self { text: plain(bytes)?, line: Vec::new(), number: 0, is_ended: true, read: 0 })
+    }
+
+    /// The next line, without its end.
+    pub(crate) fn next(&mut self) -> Result<Option<&str>, LogError> {
+        let Some((number, line)) = self.bytes()? else { return Ok(None) };
+        std::str::from_utf8(line).map(Some).map_err(|_| {
+            let byte = format!("a byte that is not UTF-8 (line {number})");
+            LogError::Invalid(Invalid::new("text", byte, "UTF-8 text", "save the file as UTF-8"))
+        })
+    }
+
+    /// The number of the next line, from 1, and its bytes, without its end.
+    pub(crate) fn bytes(&mut self) -> Result<Option<(usize, &[u8])>, LogError> {
+        self.line.clear();
+        if (&mut self.text.text).take(LONGEST_LINE).read_until(b'\n', &mut self.line)? == 0 {
+            return Ok(None);
+        }
+        self.number += 1;
+        self.read += self.text.width * self.line.len() as u64;
+        if self.line.len() as u64 == LONGEST_LINE {
+            return Err(LogError::Invalid(Invalid::new(
+                format!("line {}", self.number),
+                format!("{LONGEST_LINE} bytes without an end of the line"),
+                "a row of cells",
+                "correct or leave out the file: it is damaged, or not CSV",
+            )));
+        }
+        self.is_ended = self.line.ends_with(b"\n");
+        let line = self.line.strip_suffix(b"\n").unwrap_or(&self.line);
+        Ok(Some((self.number, line.strip_suffix(b"\r").unwrap_or(line))))
+    }
+}
+
+/// Why bytes are not a log.
+#[derive(Debug)]
+pub enum LogError {
+    /// They cannot be read.
+    Unreadable(io::Error),
+    /// They can be read, but are not a log.
+    Invalid(Invalid),
+}
+
+impl From<io::Error> for LogError {
+    fn from(error: io::Error) -> Self {
+        Self::Unreadable(error)
+    }
+}
+
+impl From<Invalid> for LogError {
+    fn from(invalid: Invalid) -> Self {
+        Self::Invalid(invalid)
     }
 }
 

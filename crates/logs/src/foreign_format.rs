@@ -3,7 +3,6 @@
 use refusal::Invalid;
 
 use crate::Format;
-use crate::foreign_text::{N2K, nmea_2000, text};
 
 /// Bytes that suffice to recognize all of them.
 pub const SNIFFED: usize = 4096;
@@ -20,16 +19,13 @@ const MAT_73: &str = "convert its columns: `python3 -c \"import h5py, pandas; f 
      pandas.DataFrame({k: v[()].ravel() for k, v in f.items() if hasattr(v, 'shape')}).to_csv('FILE.csv', index=False)\"`";
 const FRAME: &str = "convert it to Parquet: pandas or pyarrow read it and have `to_parquet`";
 const DECODE: &str = "decode its messages to CSV, a column per signal";
+const MAVLINK: &str = "convert it: `mavlogdump.py --format csv --types TYPE FILE` of pymavlink";
+const MDF: &str = "convert it: `asammdf`, or export it as CSV";
 const UBX: &str = "convert its messages to CSV, or log NMEA 0183";
 
 /// Containers and binary logs, whatever their file names.
 const BYTES: &[Signature] = &[
-    Signature(
-        0,
-        b"\xA3\x95",
-        "a log of ArduPilot",
-        "convert it: `mavlogdump.py --format csv --types TYPE FILE` of pymavlink",
-    ),
+    Signature(0, b"\xA3\x95", "a log of ArduPilot", MAVLINK),
     Signature(0, b"MATLAB 7.3 MAT-file", "a MATLAB file of version 7.3", MAT_73),
     Signature(0, b"MATLAB 5.0 MAT-file", "a MATLAB file", MAT),
     Signature(0, b"# Created by Octave", "text of Octave", "save its columns as CSV: `csvwrite`"),
@@ -52,12 +48,7 @@ const BYTES: &[Signature] = &[
     Signature(0, b"\x4D\x3C\xB2\xA1", "captured packets (pcap)", DECODE),
     Signature(0, b"\xA1\xB2\x3C\x4D", "captured packets (pcap)", DECODE),
     Signature(0, b"\x0A\x0D\x0D\x0A", "captured packets (pcapng)", DECODE),
-    Signature(
-        0,
-        b"MDF     ",
-        "a measurement file of ASAM (MDF)",
-        "convert it: `asammdf`, or export it as CSV",
-    ),
+    Signature(0, b"MDF     ", "a measurement file of ASAM (MDF)", MDF),
     Signature(0, b"LOGG", "a log of Vector (BLF)", DECODE),
     Signature(0, b"TDSm", "a TDMS file of LabVIEW", "convert it: nptdms in Python, or export it as CSV"),
     Signature(0, b"Obj\x01", "an Avro file", FRAME),
@@ -107,22 +98,22 @@ impl Signature {
 /// is recognized only where `is_from_top`: no lines are skipped.
 pub fn foreign_format(head: &[u8], format: Format, is_from_top: bool) -> Option<Invalid> {
     let own_format = READ_FORMATS.iter().find(|(_, own_format)| own_format.is(head));
-    if let Some((own, own_format)) = own_format {
-        return (*own != format).then(|| own_format.refused(format));
+    if let Some((recognized, own_format)) = own_format {
+        return (*recognized != format).then(|| own_format.refused(format));
     }
     let messages = if format == Format::Nmea { &[] } else { MESSAGES };
     if let Some(known) = BYTES.iter().chain(messages).find(|known| known.is(head)) {
         return Some(known.refused(format));
     }
-    if let Some((found, remedy)) = archive(head).or_else(|| unmarked(head)) {
-        return Some(refused(found, format, remedy));
+    if let Some((content, remedy)) = archive(head).or_else(|| unmarked(head)) {
+        return Some(refused(content, format, remedy));
     }
     match format {
         Format::Csv if is_from_top => {
-            text(&readable(head)).map(|(found, remedy)| refused(found, format, remedy))
+            text(&readable(head)).map(|(content, remedy)| refused(content, format, remedy))
         }
         // Sentences may follow lines of another kind.
-        Format::Nmea => nmea_2000(&readable(head)).map(|(found, remedy)| refused(found, format, remedy)),
+        Format::Nmea => nmea_2000(&readable(head)).map(|(content, remedy)| refused(content, format, remedy)),
         Format::Parquet | Format::Mcap | Format::Bag | Format::Db3 | Format::Ulg
             if !head.is_empty() && is_text(head) =>
         {
@@ -212,11 +203,129 @@ fn is_text(head: &[u8]) -> bool {
     odd == 0 && is_utf8
 }
 
+/// What converts frames of a CAN bus.
+const CANDUMP: &str = "decode a PGN by canboat, here headings: `candump2analyzer < FILE | analyzer -json | \
+     jq -r 'select(.pgn == 127250) | [.timestamp, .fields.Heading] | @csv' > FILE.csv`, or others by `cantools decode`";
+/// What converts messages of NMEA 2000.
+const N2K: &str = "decode a PGN by canboat, here headings: `analyzer -json < FILE | jq -r 'select(.pgn == 127250) | \
+     [.timestamp, .fields.Heading] | @csv' > FILE.csv`";
+
+/// What converts messages of canboat.
+const CANBOAT: &str = "take the fields of a PGN, here headings: `jq -r 'select(.pgn == 127250) | [.timestamp, .fields.Heading] | @csv' \
+     FILE > FILE.csv`, or all: `python3 -c \"import pandas; pandas.read_json('FILE', lines=True).to_csv('FILE.csv', index=False)\"`";
+const JSON_LINES: &str = "convert it to CSV, a row per time: `python3 -c \"import pandas; pandas.read_json('FILE', \
+     lines=True).to_csv('FILE.csv', index=False)\"`";
+const JSON: &str = "convert it to CSV, a row per time: `python3 -c \"import pandas; pandas.read_json('FILE').to_csv('FILE.csv', \
+     index=False)\"`";
+
+/// Text that is not a table.
+fn text(head: &str) -> Option<(&'static str, &'static str)> {
+    let small = head.get(..15).unwrap_or(head).to_ascii_lowercase();
+    if small.starts_with("<!doctype html") || small.starts_with("<html") {
+        return Some(("a page in HTML", "download the file itself, or save the table as CSV"));
+    }
+    if small.starts_with("<?xml") {
+        return Some(("a file in XML, such as GPX or KML", "export it as CSV, a row per time"));
+    }
+    nmea_2000(head).or_else(|| json(head))
+}
+
+/// Messages of NMEA 2000; lines that begin with # come before them.
+fn nmea_2000(head: &str) -> Option<(&'static str, &'static str)> {
+    let mut lines = head.lines().filter(|line| !line.trim().is_empty() && !line.starts_with('#'));
+    let line = lines.next()?;
+    if line.starts_with('{')
+        && [line, lines.next().unwrap_or_default()].iter().any(|message| message.contains("\"pgn\":"))
+    {
+        return Some(("messages of NMEA 2000 as JSON (canboat)", CANBOAT));
+    }
+    if is_actisense(line) || is_yacht_devices(line) {
+        return Some(("messages of NMEA 2000 as text", N2K));
+    }
+    is_candump(line).then_some(("frames of a CAN bus (candump), such as NMEA 2000", CANDUMP))
+}
+
+/// JSON, whole or line by line.
+fn json(head: &str) -> Option<(&'static str, &'static str)> {
+    let mut signs = head.chars().filter(|c| !c.is_whitespace());
+    if !matches!((signs.next(), signs.next()), (Some('{'), Some('"')) | (Some('['), Some('{' | '['))) {
+        return None;
+    }
+    let mut lines = head.lines().map(str::trim).filter(|line| !line.is_empty());
+    let is_by_line = lines.next().is_some_and(|line| line.ends_with(['}', ']'])) && lines.next().is_some();
+    Some(match is_by_line {
+        true => ("a file in JSON, line by line", JSON_LINES),
+        false => ("a file in JSON", JSON),
+    })
+}
+
+/// `A173321.107 23FF7 1F513 012F3070002F30709F`: time, addresses, number, data; or the same with commas after a date.
+fn is_actisense(line: &str) -> bool {
+    let is_hex = |word: &&str| word.bytes().all(|b| b.is_ascii_hexdigit());
+    let words: Vec<&str> = line.split_ascii_whitespace().collect();
+    let is_time = |word: &str| {
+        let time = word.strip_prefix('A').unwrap_or_default();
+        time.len() > 6 && time.bytes().all(|b| b.is_ascii_digit() || b == b'.')
+    };
+    if let [time, rest @ ..] = words.as_slice()
+        && rest.len() == 3
+        && is_time(time)
+    {
+        return rest.iter().all(is_hex);
+    }
+    let cells: Vec<&str> = line.split(',').collect();
+    let is_number = |cell: &&str| cell.parse::<u32>().is_ok();
+    match cells.as_slice() {
+        [time, numbers @ ..] if numbers.len() > 5 && time.contains('-') => {
+            let (head, data) = numbers.split_at(5);
+            let count = head[4].parse::<usize>().ok();
+            // Numbers of parameter groups begin there.
+            let is_group = head[1].parse::<u32>().is_ok_and(|number| number >= 59_392);
+            is_group
+                && head.iter().all(is_number)
+                && count == Some(data.len())
+                && data.iter().all(|byte| byte.len() == 2 && is_hex(byte))
+        }
+        _ => false,
+    }
+}
+
+/// `17:33:21.107 R 19F51323 01 2F 30 70`: time, direction, address, data.
+fn is_yacht_devices(line: &str) -> bool {
+    let words: Vec<&str> = line.split_ascii_whitespace().collect();
+    let is_hex =
+        |word: &str, digits: usize| word.len() == digits && word.bytes().all(|b| b.is_ascii_hexdigit());
+    match words.as_slice() {
+        [time, "R" | "T", address, data @ ..] => {
+            time.contains(':') && is_hex(address, 8) && data.iter().all(|byte| is_hex(byte, 2))
+        }
+        _ => false,
+    }
+}
+
+/// `(1436509052.249713) can0 044#2A36`, or `can0  044   [2]  2A 36`.
+fn is_candump(line: &str) -> bool {
+    let mut words = line.split_ascii_whitespace().peekable();
+    let is_stamped = words.next_if(|word| word.starts_with('(') && word.ends_with(')')).is_some();
+    let bus = words.next().unwrap_or_default().trim_end_matches(|c: char| c.is_ascii_digit());
+    let is_frame = |word: &str| {
+        let is_hex = |part: &str| part.bytes().all(|b| b.is_ascii_hexdigit());
+        word.split_once('#')
+            .is_some_and(|(id, data)| id.len() >= 3 && is_hex(id) && is_hex(data.trim_matches('#')))
+    };
+    // Without a stamp the bus must be called so, and have a number.
+    let is_bus =
+        ["can", "vcan", "slcan"].contains(&bus) && !line.trim_start().starts_with(&format!("{bus} "));
+    let mut rest = words.take(6);
+    (is_stamped || is_bus)
+        && rest.any(|word| is_frame(word) || is_bus && word.starts_with('[') && word.ends_with(']'))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn found(head: &[u8], format: Format) -> String {
+    fn content(head: &[u8], format: Format) -> String {
         foreign_format(head, format, true).map_or_else(String::new, |invalid| invalid.to_string())
     }
 
@@ -224,7 +333,7 @@ mod tests {
     fn formats_are_known_by_their_first_bytes_in_one_short_line_each() {
         for known in BYTES.iter().chain(MESSAGES) {
             let head = [&vec![b'x'; known.0], known.1, &[0; 40]].concat();
-            let said = found(&head, Format::Csv);
+            let said = content(&head, Format::Csv);
             assert!(said.contains(known.2) && said.len() < 400, "{said}");
         }
         for (head, said) in [
@@ -253,9 +362,9 @@ mod tests {
             (b"SQLite format 3\0", "SQLite"),
             (b"ULog\x01\x12\x35\x01", "ULog"),
         ] {
-            assert!(found(head, Format::Csv).contains(said), "{said}: {}", found(head, Format::Csv));
+            assert!(content(head, Format::Csv).contains(said), "{said}: {}", content(head, Format::Csv));
         }
-        assert!(found(b"t,u\n0,1\n", Format::Mcap).contains("text"));
+        assert!(content(b"t,u\n0,1\n", Format::Mcap).contains("text"));
     }
 
     #[test]
@@ -273,11 +382,11 @@ mod tests {
             "# t,u\nt,u\n0,1\n",
             "12:00:01.5 R 1 2\n",
         ] {
-            assert_eq!(found(text.as_bytes(), Format::Csv), "", "{text}");
+            assert_eq!(content(text.as_bytes(), Format::Csv), "", "{text}");
         }
         for text in ["{\"class\":\"VERSION\"}\n$GPRMC,\n", "\u{b5}b$GPGGA", "$GPRMC,1\n"] {
-            assert_eq!(found(text.as_bytes(), Format::Nmea), "", "{text}");
+            assert_eq!(content(text.as_bytes(), Format::Nmea), "", "{text}");
         }
-        assert_eq!(found(b"PAR1", Format::Parquet), "");
+        assert_eq!(content(b"PAR1", Format::Parquet), "");
     }
 }

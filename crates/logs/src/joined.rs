@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use refusal::Invalid;
 
-use crate::suspicion::Seen;
+use crate::suspicion::LoggedShape;
 use crate::{
     Apart, ChannelSpec, Columns, Log, Omissions, Plan, RowSummary, Samples, Series, WarningKind,
     WarningSummary,
@@ -16,7 +16,7 @@ struct Choice {
     rank: usize,
     source: String,
     series: Series,
-    seen: Seen,
+    seen: LoggedShape,
     rows: usize,
 }
 
@@ -38,14 +38,14 @@ impl Log {
     /// The log of a recording that has no files of `group`: its channels have no values.
     pub fn absent(group: usize, plan: &Plan) -> Self {
         let spec = &plan.setup.files[group];
-        let names: Vec<&str> = spec.channel.iter().map(|own| own.channel.as_str()).collect();
+        let names: Vec<&str> = spec.channel.iter().map(|channel| channel.channel.as_str()).collect();
         let text = format!("no files of `{}`: without `{}`", spec.pattern.join("`, `"), names.join("`, `"));
         let channel = names.first().copied().unwrap_or_default().to_owned();
-        let gap = |own: &ChannelSpec| own.max_gap_s.unwrap_or(plan.setup.max_gap_s);
+        let gap = |channel: &ChannelSpec| channel.max_gap_s.unwrap_or(plan.setup.max_gap_s);
         Self {
             times: Arc::new(Samples::default()),
-            channels: spec.channel.iter().map(|own| Series::new(&[], &[], gap(own))).collect(),
-            seen: vec![Seen::default(); names.len()],
+            channels: spec.channel.iter().map(|channel| Series::new(&[], &[], gap(channel))).collect(),
+            seen: vec![LoggedShape::default(); names.len()],
             rows: vec![0; names.len()],
             labels: None,
             counts: RowSummary::default(),
@@ -72,12 +72,12 @@ fn joined(columns: Columns, group: usize, plan: &Plan) -> Result<Log, Invalid> {
     for Apart { source, channels, columns } in columns.apart {
         let repeated = columns.repeated as u64;
         counts += RowSummary { read: repeated, repeated, ..RowSummary::default() };
-        let own: Vec<usize> = channels.iter().map(|(channel, _)| *channel).collect();
-        let Some(log) = of_sensor(columns, &own, group, plan, &mut counts)? else { continue };
+        let places: Vec<usize> = channels.iter().map(|(channel, _)| *channel).collect();
+        let Some(log) = of_sensor(columns, &places, group, plan, &mut counts)? else { continue };
         omitted.append(&log.omitted, |channel| channel);
         let rows = log.times.len();
         // The recording begins with the sensor that begins first.
-        if times.first().is_none_or(|first| log.times.first().is_some_and(|own| own < first)) {
+        if times.first().is_none_or(|first| log.times.first().is_some_and(|begin| begin < first)) {
             times = log.times;
         }
         for (((channel, rank), series), seen) in channels.into_iter().zip(log.channels).zip(log.seen) {
@@ -86,8 +86,13 @@ fn joined(columns: Columns, group: usize, plan: &Plan) -> Result<Log, Invalid> {
         }
     }
     if times.is_empty() {
-        let found = format!("no rows with a time ({} read)", counts.read);
-        return Err(Invalid::new("file", found, "at least one row", "remove the file or narrow the pattern"));
+        let counted = format!("no rows with a time ({} read)", counts.read);
+        return Err(Invalid::new(
+            "file",
+            counted,
+            "at least one row",
+            "remove the file or narrow the pattern",
+        ));
     }
     let mut warnings = columns.warnings;
     let mut joined = Log {
@@ -101,10 +106,10 @@ fn joined(columns: Columns, group: usize, plan: &Plan) -> Result<Log, Invalid> {
         warnings: Vec::new(),
         leap_s: columns.clock.leap_s.filter(|_| !columns.clock.of_day),
     };
-    for ((own, spec), unit) in choices.into_iter().zip(&spec.channel).zip(&plan.units[group]) {
+    for ((candidates, spec), unit) in choices.into_iter().zip(&spec.channel).zip(&plan.units[group]) {
         let gap = spec.max_gap_s.unwrap_or(plan.setup.max_gap_s);
         let turn = (unit.si == "rad").then_some(TAU);
-        let (series, seen, rows) = chosen(own, spec, turn, gap, &mut warnings);
+        let (series, seen, rows) = chosen(candidates, spec, turn, gap, &mut warnings);
         joined.channels.push(series);
         joined.seen.push(seen);
         joined.rows.push(rows);
@@ -137,19 +142,19 @@ fn of_sensor(
 /// The channel from the best of its sources, its gaps filled from the others; how it looked as logged, and
 /// how many rows it has.
 fn chosen(
-    mut own: Vec<Choice>,
+    mut candidates: Vec<Choice>,
     spec: &ChannelSpec,
     turn: Option<f64>,
     gap: f64,
     warnings: &mut Vec<WarningSummary>,
-) -> (Series, Seen, usize) {
-    own.sort_by_key(|choice| choice.rank);
-    let mut own = own.into_iter();
-    let Some(first) = own.next() else {
-        return (Series::new(&[], &[], gap), Seen::default(), 0);
+) -> (Series, LoggedShape, usize) {
+    candidates.sort_by_key(|choice| choice.rank);
+    let mut candidates = candidates.into_iter();
+    let Some(first) = candidates.next() else {
+        return (Series::new(&[], &[], gap), LoggedShape::default(), 0);
     };
     let (mut series, mut rows) = (first.series, first.rows);
-    for other in own {
+    for other in candidates {
         let before = series.t.len();
         series = filled(&series, &other.series, turn);
         let count = (series.t.len() - before) as u64;
@@ -172,16 +177,16 @@ fn filled(first: &Series, other: &Series, turn: Option<f64>) -> Series {
     let mut before = f64::NEG_INFINITY;
     for (time, value) in first.t.iter().zip(first.values.iter()) {
         let is_gap = time - before > first.max_gap_s;
-        while let Some(own) = others.next_if(|(own, _)| *own < time) {
-            if is_gap && own.0 > before {
-                merged.push(own);
+        while let Some(at) = others.next_if(|(at, _)| *at < time) {
+            if is_gap && at.0 > before {
+                merged.push(at);
             }
         }
-        while others.next_if(|(own, _)| *own == time).is_some() {}
+        while others.next_if(|(at, _)| *at == time).is_some() {}
         merged.push((time, value));
         before = time;
     }
-    merged.extend(others.filter(|(own, _)| *own > before));
+    merged.extend(others.filter(|(at, _)| *at > before));
     if let Some(turn) = turn {
         let mut last = f64::NAN;
         for (_, value) in &mut merged {

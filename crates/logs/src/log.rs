@@ -7,13 +7,12 @@ use refusal::{Invalid, foreign};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::attitude::angles;
+use crate::axes::angles;
+use crate::clock::{set, spread, unrolled};
 use crate::columns::cell_of;
 use crate::gate::{Gate, Limit, check_share};
-use crate::rollover::{set, unrolled};
 use crate::samples::{View, steps};
-use crate::spread::spread;
-use crate::suspicion::{Seen, Turns};
+use crate::suspicion::{LoggedShape, Turns};
 use crate::{
     Backwards, Cells, ChannelSpec, ClockNotes, Columns, FileSpec, Labels, NonMonotonic, Numbering, Omissions,
     Plan, Repeated, Samples, Series, TimeSpec, TimeUnit, Unit, Unwrapping, WarningSummary, order,
@@ -30,7 +29,7 @@ pub struct Log {
     /// One series per channel of the group, in order, in SI units.
     pub channels: Vec<Series>,
     /// How each channel looked as logged.
-    pub(crate) seen: Vec<Seen>,
+    pub(crate) seen: Vec<LoggedShape>,
     /// Labels of sub-experiments, one per time.
     pub labels: Option<Labels>,
     /// What was read and left out.
@@ -179,11 +178,11 @@ impl Log {
         let policy = if columns.is_sorted { NonMonotonic::Sort } else { plan.setup.non_monotonic };
         let rows = in_order(&times, &lines, plan, (group, policy), &mut counts)?;
         let times = Arc::new(rows.gathered(times));
-        let rows = Rows { rows, lines, times, max_gap_s: plan.setup.max_gap_s };
+        let rows = KeptRows { rows, lines, times, max_gap_s: plan.setup.max_gap_s };
         let labels = spec.label_column.is_some().then(|| cells.next_back()).flatten();
         let specs = channels.iter().map(|channel| {
-            let own = (&spec.channel[*channel], &plan.units[group][*channel]);
-            (own, &plan.limits[group][*channel])
+            let column = (&spec.channel[*channel], &plan.units[group][*channel]);
+            (column, &plan.limits[group][*channel])
         });
         let cells = with_angles(cells.collect(), spec, &rows.lines)?;
         let channels: Vec<_> = cells.into_iter().zip(specs).collect();
@@ -197,10 +196,10 @@ impl Log {
             channel.map_or(column, |channel| &channel.channel)
         });
         let (mut channels, mut seen) = (Vec::with_capacity(judged.len()), Vec::with_capacity(judged.len()));
-        for channel in judged {
-            omitted.append(&channel.omitted, |name| name);
-            channels.push(channel.series);
-            seen.push(channel.seen);
+        for (series, shape, impossible) in judged {
+            omitted.append(&impossible, |name| name);
+            channels.push(series);
+            seen.push(shape);
         }
         Ok(Self {
             rows: vec![rows.times.len(); channels.len()],
@@ -304,9 +303,9 @@ fn in_order(
     }
     counts.without_time = ((times.len() - timed) as u64).saturating_sub(counts.unset);
     if timed == 0 {
-        let found = format!("no rows with a time ({} read, {} empty)", counts.read, counts.empty);
+        let counted = format!("no rows with a time ({} read, {} empty)", counts.read, counts.empty);
         let remedy = "remove the file or narrow the pattern";
-        return Err(Invalid::new("file", found, "at least one row", remedy));
+        return Err(Invalid::new("file", counted, "at least one row", remedy));
     }
     check_seams(times, lines, plan)?;
     let ordered = order(times, policy).map_err(|Backwards { row, time, latest }| {
@@ -353,32 +352,24 @@ fn check_seams(times: &Samples, lines: &Numbering, plan: &Plan) -> Result<(), In
     Ok(())
 }
 
-/// A channel whose numbers have been judged.
-struct Judged {
-    series: Series,
-    /// How it looked as logged.
-    seen: Seen,
-    omitted: Omissions,
-}
-
 /// The kept rows of a file, in order of time.
-struct Rows {
+struct KeptRows {
     rows: Kept,
     lines: Numbering,
     times: Arc<Samples>,
     max_gap_s: f64,
 }
 
-impl Rows {
-    /// The channel in `cells` in SI units, and how it looked as logged; impossible values are left out, and
-    /// angles are unwrapped before they are scaled.
+impl KeptRows {
+    /// The channel in `cells` in SI units, how it looked as logged, and what is left out because it is impossible; angles
+    /// are unwrapped before they are scaled.
     fn channel(
         &self,
         cells: Cells,
         spec: &ChannelSpec,
         unit: &Unit,
         limit: &Limit,
-    ) -> Result<Judged, Invalid> {
+    ) -> Result<(Series, LoggedShape, Omissions), Invalid> {
         let Cells::Numbers(numbers) = cells else { unreachable!("channels are read as numbers") };
         let numbers = self.rows.gathered(numbers);
         let (mut turns, mut gate) = (Turns::new(unit), Gate::new(spec, unit, limit));
@@ -387,8 +378,7 @@ impl Rows {
         let delayed = || Arc::new(numbers.made(self.times.iter().map(|time| time - spec.delay_s)));
         let times = if spec.delay_s == 0.0 { Arc::clone(&self.times) } else { delayed() };
         let mut unwrapping = (unit.si == "rad").then(Unwrapping::default);
-        // For angles beyond a turn the scale belongs to the unit; else it is a gear ratio, and the angle
-        // wraps before it.
+        // For angles beyond a turn the scale belongs to the unit; else it is a gear ratio, and the angle wraps before it.
         let of_unit = spec.scale != 1.0 && turns.go_beyond();
         let [inner, outer] =
             if of_unit { [unit.factor * spec.scale, 1.0] } else { [unit.factor, spec.scale] };
@@ -403,7 +393,7 @@ impl Rows {
         let series = Series::shared(&times, numbers.made(values), spec.max_gap_s.unwrap_or(self.max_gap_s));
         let (values, omitted) = gate.counted();
         check_share(&spec.channel, values, omitted.as_slice(), spec.max_omitted, Some(limit))?;
-        Ok(Judged { series, seen: turns.seen(), omitted })
+        Ok((series, turns.seen(), omitted))
     }
 
     fn labels(&self, cells: Cells) -> Labels {
@@ -442,8 +432,7 @@ fn times(
     Ok(times.made(both.map(|(time, ns)| time * unit + 1e-9 * ns)))
 }
 
-/// The cells of all channels: those that have a column of their own, and after them the angles of the
-/// quaternions.
+/// The cells of all channels: those that have a column of their own, and after them the angles of the quaternions.
 fn with_angles(mut cells: Vec<Cells>, spec: &FileSpec, lines: &Numbering) -> Result<Vec<Cells>, Invalid> {
     let mut parts = cells.split_off(spec.plain().len().min(cells.len())).into_iter();
     for quaternion in &spec.quaternion {

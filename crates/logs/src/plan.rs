@@ -6,10 +6,10 @@ use refusal::{Invalid, nearest};
 use ship::model::{DerivedChannel, Variable, Vessel};
 
 use crate::gate::Limit;
-use crate::unassembled::MOST_ROWS;
+use crate::prepare::MOST_ROWS;
 use crate::{
     ChannelSpec, Content, Conventions, Derived, FileSpec, KINEMATIC, Propulsor, Setup, Stamps, UNITS, Unit,
-    Wanted, factor, shaft_factor, unit,
+    WantedColumn, factor, shaft_factor, unit,
 };
 
 /// How every recording is processed.
@@ -114,9 +114,9 @@ impl Plan {
 
     /// The columns of a file of group `group`: time, its nanoseconds if they stand on their own, the channels, the parts of
     /// quaternions, and the labels if there are any.
-    pub fn wanted(&self, group: usize) -> Vec<Wanted> {
+    pub fn wanted(&self, group: usize) -> Vec<WantedColumn> {
         let file @ FileSpec { time, quaternion, label_column, .. } = &self.setup.files[group];
-        let wanted = |column: &String, content| Wanted { column: column.clone(), content };
+        let wanted = |column: &String, content| WantedColumn { column: column.clone(), content };
         let number = |column| wanted(column, Content::Numbers);
         let first = wanted(&time.column, if time.is_text() { Content::Dates } else { Content::Numbers });
         let channels = file.plain().iter().map(|channel| number(&channel.column));
@@ -179,7 +179,7 @@ impl Plan {
 }
 
 /// Unit of a channel of motion.
-fn motion_unit(name: &str) -> Option<&'static str> {
+pub(crate) fn motion_unit(name: &str) -> Option<&'static str> {
     KINEMATIC.into_iter().find(|(known, _)| *known == name).map(|(_, unit)| unit)
 }
 
@@ -187,9 +187,10 @@ fn motion_unit(name: &str) -> Option<&'static str> {
 fn units(file: &FileSpec, conventions: &Conventions) -> Result<Vec<Unit>, Invalid> {
     let mut units: Vec<Unit> = file.channel.iter().map(known_unit).collect::<Result<_, _>>()?;
     for (spec, unit) in file.channel.iter().zip(&mut units) {
-        let is_speed = conventions.thrusters.iter().any(|own| own.speed == spec.channel);
-        let mut sums = conventions.derived.iter().filter(|own| own.formula.is_sum_of_channels());
-        let is_summed = sums.any(|own| own.unit == "1/s" && own.formula.channels.contains(&spec.channel));
+        let is_speed = conventions.thrusters.iter().any(|thruster| thruster.speed == spec.channel);
+        let mut sums = conventions.derived.iter().filter(|derived| derived.formula.is_sum_of_channels());
+        let is_summed =
+            sums.any(|derived| derived.unit == "1/s" && derived.formula.channels.contains(&spec.channel));
         if let Some(factor) = shaft_factor(unit.name, "1/s").filter(|_| is_speed || is_summed) {
             *unit = Unit { si: "1/s", factor, ..*unit };
         }
@@ -228,7 +229,7 @@ fn limits(
     let range = |channel: &str| {
         let (vessel, called) = vessel?;
         let (input, actuator) =
-            exogenous.iter().zip(&vessel.actuators).find(|(own, _)| own.name == channel)?;
+            exogenous.iter().zip(&vessel.actuators).find(|(input, _)| input.name == channel)?;
         Some((actuator.range?.map(|end| end / input.factor), called))
     };
     let of = |(spec, unit): (&ChannelSpec, &Unit)| {
@@ -280,19 +281,19 @@ fn computed(setup: &Setup, provided: &mut Vec<Provided>) -> Result<(), Invalid> 
 
 /// Refuses a sum in `sum_unit` of a `source` that measures something else, or that is not converted to it.
 fn check_summand(of: &str, source: &str, sum_unit: &str, provided: &[Provided]) -> Result<(), Invalid> {
-    let own = provided.iter().find(|channel| channel.name == source).and_then(|own| unit(&own.unit));
-    match own.filter(|own| unit(sum_unit).is_some() && factor(own.name, sum_unit) != Some(1.0)) {
-        Some(own) => {
-            let found = format!("`{sum_unit}` for a sum of `{source}` in {}", own.name);
+    let summand =
+        provided.iter().find(|channel| channel.name == source).and_then(|channel| unit(&channel.unit));
+    match summand.filter(|summand| unit(sum_unit).is_some() && factor(summand.name, sum_unit) != Some(1.0)) {
+        Some(summand) => {
+            let units = format!("`{sum_unit}` for a sum of `{source}` in {}", summand.name);
             let expected = "the unit of all that is summed, in SI units, radians or 1/s";
-            Err(Invalid::new(format!("unit of channel `{of}`"), found, expected, "correct one of the units"))
+            Err(Invalid::new(format!("unit of channel `{of}`"), units, expected, "correct one of the units"))
         }
         None => Ok(()),
     }
 }
 
-/// Refuses a thruster's channel `source` that is not in `unit`: the force is defined in N per unit of its
-/// speed.
+/// Refuses a thruster's channel `source` that is not in `unit`: the force is defined in N per unit of its speed.
 fn check_thruster_unit(source: &str, unit: &str, provided: &[Provided]) -> Result<(), Invalid> {
     match provided.iter().find(|channel| channel.name == source && factor(&channel.unit, unit).is_none()) {
         Some(other) => {
@@ -312,17 +313,17 @@ fn check_source(of: &str, source: &str, provided: &[Provided]) -> Result<(), Inv
     if known.contains(&source) && !source.ends_with("_deg") {
         return Ok(());
     }
-    let found = format!("`{source}`, which nothing before it provides");
+    let name = format!("`{source}`, which nothing before it provides");
     let expected = format!("one of {}", known.join(", "));
     let unknown = Invalid::unknown(format!("source of channel `{of}`"), source, known);
-    Err(Invalid { found, expected, ..unknown })
+    Err(Invalid { found: name, expected, ..unknown })
 }
 
 fn check_names(provided: &[Provided]) -> Result<(), Invalid> {
     for (i, channel) in provided.iter().enumerate() {
         let name = channel.name.as_str();
         let plain = !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || c == '_');
-        let found = if provided[..i].iter().any(|other| other.name == name) {
+        let defect = if provided[..i].iter().any(|other| other.name == name) {
             "given twice"
         } else if !plain || RESERVED.contains(&name) {
             "a name that is taken or not a plain one"
@@ -334,7 +335,7 @@ fn check_names(provided: &[Provided]) -> Result<(), Invalid> {
             "u" | "v" | "r" => format!("measured states are called y_{name}"),
             _ => "rename it".to_owned(),
         };
-        return Err(Invalid::new(format!("channel `{name}`"), found, expected, remedy));
+        return Err(Invalid::new(format!("channel `{name}`"), defect, expected, remedy));
     }
     Ok(())
 }
@@ -344,8 +345,8 @@ fn check_motion(setup: &Setup, provided: &[Provided]) -> Result<(), Invalid> {
     let has = |name: &str| provided.iter().any(|channel| channel.name == name);
     let places = [["x", "y"], ["latitude_deg", "longitude_deg"]].map(|pair| pair.map(has));
     if places[0].contains(&true) && places[1].contains(&true) {
-        let found = "both x, y and latitude_deg, longitude_deg";
-        return Err(Invalid::new("position", found, "one of the two", "remove one"));
+        let both = "both x, y and latitude_deg, longitude_deg";
+        return Err(Invalid::new("position", both, "one of the two", "remove one"));
     }
     let placed = places.contains(&[true; 2]);
     if !placed && places.as_flattened().contains(&true) {
@@ -354,9 +355,9 @@ fn check_motion(setup: &Setup, provided: &[Provided]) -> Result<(), Invalid> {
     }
     let along = ["v_x", "v_y"].map(has);
     if along.contains(&true) && (along != [true; 2] || !has("psi") || has("y_u") || has("y_v")) {
-        let found = "`v_x` or `v_y` without the other, without `psi`, or together with `y_u` or `y_v`";
+        let velocities = "`v_x` or `v_y` without the other, without `psi`, or together with `y_u` or `y_v`";
         let expected = "both, and a heading to rotate them by";
-        return Err(Invalid::new("velocities", found, expected, "add what is missing, or remove them"));
+        return Err(Invalid::new("velocities", velocities, expected, "add what is missing, or remove them"));
     }
     let turned = along == [true; 2] || placed && has("psi");
     let mut lacking: Vec<&str> = ["y_u", "y_v"].into_iter().filter(|name| !(has(name) || turned)).collect();
@@ -406,11 +407,11 @@ fn of_vessel(
             missing.iter().map(|name| add_channel(name, provided)).collect::<Vec<_>>().join(" "),
         ));
     }
-    let found = needed.iter().filter_map(|variable| Some((variable, find(&variable.name)?)));
+    let known = needed.iter().filter_map(|variable| Some((variable, find(&variable.name)?)));
     let made = derived
         .iter()
         .map(|Variable { name, unit }| Ok(Exogenous { name: name.clone(), unit: unit.clone(), factor: 1.0 }));
-    found
+    known
         .map(|(Variable { name, unit, .. }, channel)| match shaft_factor(&channel.unit, unit) {
             Some(factor) => Ok(Exogenous { name: name.clone(), unit: unit.clone(), factor }),
             None => {
@@ -425,20 +426,20 @@ fn of_vessel(
 /// Refuses a channel that both the logs provide and the vessel derives, unless they are the same: one of them
 /// would be ignored.
 fn check_derived(setup: &Setup, vessel: &Vessel, called: &str, provided: &[Provided]) -> Result<(), Invalid> {
-    for own in &vessel.model.derived {
-        let Variable { name, unit } = &vessel.model.variables[own.variable];
+    for derivation in &vessel.model.derived {
+        let Variable { name, unit } = &vessel.model.variables[derivation.variable];
         let Some(channel) = provided.iter().find(|channel| channel.name == *name) else { continue };
-        let expected = format!("`{}` in {unit}, which {called} derives", own.text);
+        let expected = format!("`{}` in {unit}, which {called} derives", derivation.text);
         let same = setup.conventions.derived.iter().find(|derived| derived.channel == *name);
-        let found = match same {
-            Some(derived) if derived.formula == own.formula && derived.unit == *unit => continue,
-            Some(derived) if derived.formula == own.formula => format!("the same in {}", derived.unit),
+        let other = match same {
+            Some(derived) if derived.formula == derivation.formula && derived.unit == *unit => continue,
+            Some(derived) if derived.formula == derivation.formula => format!("the same in {}", derived.unit),
             Some(_) => "another formula".to_owned(),
             None => format!("a logged channel in {}", channel.unit),
         };
         let remedy =
             format!("remove it from the configuration: {called} already declares it; or rename one of them");
-        return Err(Invalid::new(format!("channel `{name}`"), found, expected, remedy));
+        return Err(Invalid::new(format!("channel `{name}`"), other, expected, remedy));
     }
     Ok(())
 }

@@ -1,11 +1,12 @@
 use std::ops::Range;
 
 use numerics::statistics::streamed_median as median_again;
+use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::samples::{Samples, View};
-use crate::{Channels, Grid, Series, body_velocity, local_quadratic};
+use crate::{Channels, Grid, Series, Setup, body_velocity, local_quadratic};
 
 /// Samples of the parabolas that noise is measured from.
 const WINDOW: usize = 11;
@@ -16,9 +17,8 @@ const FOLLOWED: f64 = 89.0 / 429.0;
 /// Standard deviation of normal noise from the median of its modulus.
 const FROM_MEDIAN: f64 = 1.482_602_218_505_602;
 
-/// Robust standard deviation of a channel's residuals from parabolas through 11 neighbours, in its unit: it
-/// contains white noise in full, and nothing that moves more slowly than some 11 samples. `None` if no
-/// section without gaps has 11 samples.
+/// Robust standard deviation of a channel's residuals from parabolas through 11 neighbours, in its unit: it contains white
+/// noise in full, and nothing that moves more slowly than some 11 samples. `None` if no section without gaps has 11 samples.
 pub fn noise_std(series: &Series) -> Option<f64> {
     let mut residuals = series.values.none();
     for section in series.sections().into_iter().filter(|section| section.len() >= WINDOW) {
@@ -124,8 +124,7 @@ impl Derivatives {
         Some(Self { psi, r, over_ground })
     }
 
-    /// Compares measured surge, sway and yaw rate with these. `None` where either is unknown or they never
-    /// overlap.
+    /// Compares measured surge, sway and yaw rate with these. `None` where either is unknown or they never overlap.
     pub(crate) fn compared(&self, channels: &Channels) -> [Option<MotionSummary>; 3] {
         let Self { psi, r, over_ground } = self;
         [("y_u", State::U), ("y_v", State::V), ("y_r", State::R)].map(|(name, state)| {
@@ -288,4 +287,50 @@ fn each_overlap(overlaps: &mut [Overlap], both: [&Samples; 2], add: impl Fn(&mut
             add(overlap, [a.slice(first + part..first + end), b.slice(second + part..second + end)]);
         }
     }
+}
+
+// Whether samples come about as often as requested: where they are off by far, times are in another unit.
+
+/// No setup resamples to a rate that is so many times higher or lower than the logged one.
+const FAR: f64 = 900.0;
+
+/// Nor so many times higher in a recording of a few seconds.
+const OFTEN: f64 = 90.0;
+const SHORT_S: f64 = 5.0;
+
+/// A recording of fewer samples is a short one.
+const FEW: f64 = 100.0;
+
+/// Refuses channels whose steps are a thousandth, or thousands, of the requested step.
+pub(crate) fn check_pace(
+    setup: &Setup,
+    channels: &Channels,
+    summaries: &[ChannelSummary],
+) -> Result<(), Invalid> {
+    let common = setup.conventions.rate_hz;
+    // Some channels, such as depth, may be logged very slowly.
+    let all_slow =
+        summaries.iter().filter_map(|channel| channel.rate_hz).all(|rate| rate / common <= 1.0 / FAR);
+    for spec in setup.channels() {
+        let rate =
+            summaries.iter().find(|channel| channel.name == spec.channel).and_then(|channel| channel.rate_hz);
+        let times = channels.get(&spec.channel).map(|series| &series.t);
+        let (Some(rate), Some([first, last])) = (rate, times.and_then(|t| Some([t.first()?, t.last()?])))
+        else {
+            continue;
+        };
+        let (pace, duration_s) = (rate / common, last - first);
+        let too_fast = pace >= FAR && duration_s * common < FEW || pace >= OFTEN && duration_s < SHORT_S;
+        if !too_fast && !all_slow {
+            continue;
+        }
+        let unit = if too_fast { "seconds, or milliseconds" } else { "milliseconds, or finer" };
+        return Err(Invalid::new(
+            format!("times of channel `{}`", spec.channel),
+            format!("{:.3e} s from row to row, {duration_s:.3} s in all", 1.0 / rate),
+            format!("about {} s, as `sample_rate_hz` says", 1.0 / common),
+            format!("correct the time's `unit`: it may count {unit}; or else `sample_rate_hz`"),
+        ));
+    }
+    Ok(())
 }

@@ -11,20 +11,16 @@ use ship::engine::{Run, Segment};
 use ship::model::DerivedChannel;
 
 use crate::assemble::{on_one_clock, sources};
-use crate::axes::{check_axes, drift};
-use crate::contradiction::Contradictions;
+use crate::axes::{Contradictions, check_axes, drift, rescaled};
 use crate::gate::{check_share, keep_alive, keep_possible};
-use crate::pace::check_pace;
-use crate::quality::Derivatives;
-use crate::rescaled::rescaled;
+use crate::quality::{Derivatives, check_pace};
 use crate::segment::Labelled;
-use crate::source::called;
-use crate::spans::Spans;
-use crate::suspicion::{Seen, check_ratios, warnings};
+use crate::source::{Spans, called};
+use crate::suspicion::{LoggedShape, check_ratios, warnings};
 use crate::{
-    Assembled, ChannelSpec, ChannelSummary, Channels, Grid, Log, MotionSummary, Omission, Omissions, Part,
-    Plan, Reason, RowSummary, Samples, Segmentation, Series, Setup, Source, Unassembled, WarningSummary,
-    noise_std, prepare,
+    Assembled, ChannelSpec, ChannelSummary, Channels, Grid, Log, MotionSummary, Omission, Omissions, Plan,
+    Reason, RowSummary, Samples, Segmentation, Series, Setup, Source, SubExperiment, Unassembled,
+    WarningSummary, noise_std, prepare,
 };
 
 /// The result of one recording.
@@ -67,16 +63,16 @@ impl RecordedRun {
 
     /// Derived channel `i`, N values, each computed from its sources at the same sample.
     fn derived(&self, i: usize) -> Box<dyn Iterator<Item = f64> + '_> {
-        let Some(own) = self.derived.iter().find(|own| own.variable == i + 3) else {
+        let Some(channel) = self.derived.iter().find(|channel| channel.variable == i + 3) else {
             return Box::new(std::iter::empty());
         };
-        let mut sources: Vec<_> = own.sources.iter().map(|source| self.exogenous(source - 3)).collect();
+        let mut sources: Vec<_> = channel.sources.iter().map(|source| self.exogenous(source - 3)).collect();
         let mut row = vec![0.0; sources.len()];
         Box::new((1..self.rows.len()).map(move |_| {
             row.iter_mut()
                 .zip(&mut sources)
                 .for_each(|(value, source)| *value = source.next().unwrap_or(f64::NAN));
-            own.formula.evaluate(&row)
+            channel.formula.evaluate(&row)
         }))
     }
 
@@ -110,12 +106,12 @@ impl RecordedRun {
 
     /// The same run with its own rows copied into memory, so that the recording can be dropped.
     pub fn detached(&self) -> Self {
-        let own = |channel: &Samples| Samples::from(channel.range(self.rows.clone()).collect::<Vec<_>>());
+        let copied = |channel: &Samples| Samples::from(channel.range(self.rows.clone()).collect::<Vec<_>>());
         let made = Assembled {
             grid: Grid { rows: self.rows.len(), ..self.made.grid },
-            measured: self.made.measured.each_ref().map(own),
-            exogenous: self.made.exogenous.iter().map(own).collect(),
-            further: self.made.further.iter().map(own).collect(),
+            measured: self.made.measured.each_ref().map(copied),
+            exogenous: self.made.exogenous.iter().map(copied).collect(),
+            further: self.made.further.iter().map(copied).collect(),
             sections: Vec::new(),
         };
         Self { rows: 0..self.rows.len(), made: Arc::new(made), ..self.clone() }
@@ -195,10 +191,12 @@ pub fn record(
 ) -> Result<Recorded, Invalid> {
     check_leaps(source, &logs)?;
     let start_s = logs.iter().filter_map(|log| log.times.first()).fold(f64::INFINITY, f64::min);
-    let labels = logs.iter().find_map(|log| labels(log, start_s));
+    let labels = logs.iter().find_map(|log| {
+        Some(Labelled { times: Arc::clone(&log.times), start_s, labels: log.labels.clone()? })
+    });
     let setup = &plan.setup;
     let rows_of = rows_of(plan, &logs);
-    let seen: Vec<Seen> = logs.iter().flat_map(|log| &log.seen).copied().collect();
+    let seen: Vec<LoggedShape> = logs.iter().flat_map(|log| &log.seen).copied().collect();
     let mut rows = RowSummary::default();
     logs.iter().for_each(|log| rows += log.counts);
     let mut omitted = Omissions::default();
@@ -210,7 +208,8 @@ pub fn record(
     let logged = plan.exogenous.len() - plan.derived.len();
     let exogenous: Vec<&str> = plan.exogenous[..logged].iter().map(|channel| channel.name.as_str()).collect();
     let further: Vec<&str> = plan.further.iter().map(|(name, _)| name.as_str()).collect();
-    let refused = |why: &Unassembled, found: &[ChannelSummary]| refused(source, why, slowest(plan, found));
+    let refused =
+        |why: &Unassembled, summaries: &[ChannelSummary]| refused(source, why, slowest(plan, summaries));
     let channels = prepare(channels, &setup.conventions).map_err(|why| refused(&why, &[]))?;
     let derivatives = Derivatives::of(&channels, setup.conventions.window_s);
     let (motion, turned) = match &derivatives {
@@ -220,7 +219,7 @@ pub fn record(
         }
         None => ([None; 3], None),
     };
-    let turned_heading = derivatives.as_ref().and_then(|own| drift(&channels, own));
+    let turned_heading = derivatives.as_ref().and_then(|derivatives| drift(&channels, derivatives));
     let changed =
         |spec: &ChannelSpec| Some((spec.channel.clone(), rescaled(spec, &channels, derivatives.as_ref())?));
     let changed: Vec<_> = setup.channels().filter_map(changed).collect();
@@ -305,10 +304,6 @@ fn refused(source: &Source, why: &Unassembled, slowest: Option<(String, f64)>) -
     Invalid::new(called(&source.name), why.to_string(), expected, remedy)
 }
 
-fn labels(log: &Log, start_s: f64) -> Option<Labelled> {
-    Some(Labelled { times: Arc::clone(&log.times), start_s, labels: log.labels.clone()? })
-}
-
 /// Per channel of the files, the number of rows.
 fn rows_of(plan: &Plan, logs: &[Log]) -> Vec<(String, usize)> {
     let rows = logs.iter().flat_map(|log| log.rows.iter().copied());
@@ -317,12 +312,11 @@ fn rows_of(plan: &Plan, logs: &[Log]) -> Vec<(String, usize)> {
 
 /// Of these, the number without a value.
 fn missing(rows_of: Vec<(String, usize)>, channels: &Channels) -> Vec<(String, usize)> {
-    let known = |name: &String| channels.get(name).map_or(0, |series| series.t.len());
-    let lacking = |(name, rows): (String, usize)| {
-        let lacking = rows.saturating_sub(known(&name));
-        (name, lacking)
-    };
-    rows_of.into_iter().map(lacking).collect()
+    let mut lacking = rows_of;
+    for (name, rows) in &mut lacking {
+        *rows = rows.saturating_sub(channels.get(name).map_or(0, |series| series.t.len()));
+    }
+    lacking
 }
 
 /// Share of a channel's values from which on leaving them out makes the rest doubtful.
@@ -337,15 +331,16 @@ fn doubts(setup: &Setup, channels: &Channels, omitted: &[Omission]) -> Vec<Strin
             Reason::Range => spec.valid.is_some(),
             reason => [Reason::Quality, Reason::Incomplete, Reason::Time].contains(&reason),
         };
-        let own = omitted.iter().filter(|one| one.channel == spec.channel);
-        let (configured, found) = own.fold((0, 0), |(configured, found), one| match stated(one.reason) {
-            true => (configured + one.count, found),
-            false => (configured, found + one.count),
-        });
+        let omissions = omitted.iter().filter(|one| one.channel == spec.channel);
+        let (configured, unforeseen) =
+            omissions.fold((0, 0), |(configured, unforeseen), one| match stated(one.reason) {
+                true => (configured + one.count, unforeseen),
+                false => (configured, unforeseen + one.count),
+            });
         let kept = channels.get(&spec.channel).map_or(0, |series| series.t.len() as u64);
-        let all = kept + configured + found;
-        (found as f64 > DOUBTFUL * all as f64)
-            .then(|| format!("`{}` lacks {found} of {all} values, which were left out", spec.channel))
+        let all = kept + configured + unforeseen;
+        (unforeseen as f64 > DOUBTFUL * all as f64)
+            .then(|| format!("`{}` lacks {unforeseen} of {all} values, which were left out", spec.channel))
     };
     setup.channels().filter_map(of).collect()
 }
@@ -354,13 +349,13 @@ fn doubts(setup: &Setup, channels: &Channels, omitted: &[Omission]) -> Vec<Strin
 fn possible(mut channels: Channels, setup: &Setup, omitted: &mut Omissions) -> Result<Channels, Invalid> {
     let before: Vec<(&ChannelSpec, usize)> =
         setup.channels().filter_map(|spec| Some((spec, channels.get(&spec.channel)?.t.len()))).collect();
-    let mut own = Omissions::default();
-    keep_possible(&mut channels, setup.max_speed_m_s, &mut own);
-    keep_alive(&mut channels, &mut own);
+    let mut rejected = Omissions::default();
+    keep_possible(&mut channels, setup.max_speed_m_s, &mut rejected);
+    keep_alive(&mut channels, &mut rejected);
     for (spec, values) in before {
-        check_share(&spec.channel, values as u64, own.as_slice(), spec.max_omitted, None)?;
+        check_share(&spec.channel, values as u64, rejected.as_slice(), spec.max_omitted, None)?;
     }
-    omitted.append(&own, |name| name);
+    omitted.append(&rejected, |name| name);
     Ok(channels)
 }
 
@@ -371,76 +366,66 @@ fn channels(plan: &Plan, logs: Vec<Log>, start_s: f64) -> Channels {
     let mut moved: Option<[Arc<Samples>; 2]> = None;
     let mut on_clock = |mut series: Series| {
         let same = moved.take().filter(|[file, _]| Arc::ptr_eq(file, &series.t));
-        let [file, own] = same.unwrap_or_else(|| {
-            let own = series.t.made(series.t.iter().map(|time| time - start_s));
-            [Arc::clone(&series.t), Arc::new(own)]
+        let [file, shifted] = same.unwrap_or_else(|| {
+            let shifted = series.t.made(series.t.iter().map(|time| time - start_s));
+            [Arc::clone(&series.t), Arc::new(shifted)]
         });
-        series.t = Arc::clone(&own);
-        moved = Some([file, own]);
+        series.t = Arc::clone(&shifted);
+        moved = Some([file, shifted]);
         series
     };
     names.zip(logs.into_iter().flat_map(|log| log.channels).map(&mut on_clock)).collect()
 }
 
 /// The logged channel with the longest step, and that step \[s\].
-fn slowest(plan: &Plan, found: &[ChannelSummary]) -> Option<(String, f64)> {
+fn slowest(plan: &Plan, summaries: &[ChannelSummary]) -> Option<(String, f64)> {
     let logged =
         |name: &str| plan.setup.channels().any(|spec| spec.channel == name) || ["x", "y"].contains(&name);
-    let steps = found.iter().filter(|channel| logged(&channel.name));
+    let steps = summaries.iter().filter(|channel| logged(&channel.name));
     let steps = steps.filter_map(|channel| Some((channel.name.clone(), 1.0 / channel.rate_hz?)));
     steps.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// The runs that consist of `parts` each, which follow each other without a break.
-fn cut(plan: &Plan, made: Assembled, parts: &[Vec<Part>]) -> Vec<RecordedRun> {
-    let (made, factors) = (Arc::new(made), plan.exogenous.iter().map(|input| input.factor).collect());
-    let derived = plan.derived.as_slice().into();
-    parts.iter().map(|parts| run_of(parts, &made, &factors, &derived)).collect()
-}
-
-fn run_of(
-    parts: &[Part],
-    made: &Arc<Assembled>,
-    factors: &Arc<[f64]>,
-    derived: &Arc<[DerivedChannel]>,
-) -> RecordedRun {
-    let start = parts[0].samples.start;
-    let segment =
-        |part: &Part| Segment { maneuver: part.maneuver.clone(), start: part.samples.start - start };
-    RecordedRun {
-        number: 0,
-        segments: parts.iter().map(segment).collect(),
-        // A run has one row more than samples.
-        rows: start..parts[parts.len() - 1].samples.end + 1,
-        made: Arc::clone(made),
-        factors: Arc::clone(factors),
-        derived: Arc::clone(derived),
-    }
-}
-
-/// Properties of a clock, which many channels share.
-struct Clock {
-    t: Arc<Samples>,
-    rate_hz: Option<f64>,
+fn cut(plan: &Plan, made: Assembled, parts: &[Vec<SubExperiment>]) -> Vec<RecordedRun> {
+    let factors: Arc<[f64]> = plan.exogenous.iter().map(|input| input.factor).collect();
+    let (made, derived) = (Arc::new(made), Arc::<[DerivedChannel]>::from(plan.derived.as_slice()));
+    let run = |parts: &Vec<SubExperiment>| {
+        let start = parts[0].samples.start;
+        let segments = parts
+            .iter()
+            .map(|part| Segment { maneuver: part.maneuver.clone(), start: part.samples.start - start });
+        RecordedRun {
+            number: 0,
+            segments: segments.collect(),
+            // A run has one row more than samples.
+            rows: start..parts[parts.len() - 1].samples.end + 1,
+            made: Arc::clone(&made),
+            factors: Arc::clone(&factors),
+            derived: Arc::clone(&derived),
+        }
+    };
+    parts.iter().map(run).collect()
 }
 
 /// Channels that are summarized in parallel: each holds a few blocks in memory.
 const SIDE_BY_SIDE: usize = 16;
 
 fn summaries(plan: &Plan, channels: &Channels, missing: &[(String, usize)]) -> Vec<ChannelSummary> {
-    let mut clocks: Vec<Clock> = Vec::new();
+    // Many channels share a clock.
+    let mut clocks: Vec<(Arc<Samples>, Option<f64>)> = Vec::new();
     for series in channels.values() {
-        if !clocks.iter().any(|clock| Arc::ptr_eq(&clock.t, &series.t)) {
-            clocks.push(Clock { t: Arc::clone(&series.t), rate_hz: series.rate_hz() });
+        if !clocks.iter().any(|(t, _)| Arc::ptr_eq(t, &series.t)) {
+            clocks.push((Arc::clone(&series.t), series.rate_hz()));
         }
     }
     let of = |(name, series): &(&String, &Series)| {
         let extreme = |f: fn(f64, f64) -> f64| series.values.iter().reduce(f);
-        let clock = clocks.iter().find(|clock| Arc::ptr_eq(&clock.t, &series.t));
+        let clock = clocks.iter().find(|(t, _)| Arc::ptr_eq(t, &series.t));
         ChannelSummary {
             name: (*name).clone(),
             unit: plan.unit_of(name).to_owned(),
-            rate_hz: clock.and_then(|clock| clock.rate_hz),
+            rate_hz: clock.and_then(|(_, rate_hz)| *rate_hz),
             missing: missing.iter().find(|(known, _)| known == *name).map_or(0, |(_, count)| *count as u64),
             gaps: series.gaps() as u64,
             noise: noise_std(series),
@@ -451,4 +436,53 @@ fn summaries(plan: &Plan, channels: &Channels, missing: &[(String, usize)]) -> V
     let channels: Vec<(&String, &Series)> = channels.iter().collect();
     let some = |some: &[(&String, &Series)]| some.par_iter().map(of).collect::<Vec<_>>();
     channels.chunks(SIDE_BY_SIDE).flat_map(some).collect()
+}
+
+/// Numbers runs and counts them.
+#[derive(Clone, Debug, Default)]
+pub struct Totals {
+    /// Runs so far; the number of the next run.
+    pub runs: u32,
+    /// Samples of all runs.
+    pub samples: u64,
+    /// Per maneuver, in the order of appearance.
+    pub maneuvers: Vec<ManeuverCount>,
+}
+
+/// How much there is of a maneuver.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ManeuverCount {
+    /// Its name.
+    pub name: String,
+    /// Number of segments.
+    pub segments: u64,
+    /// Their samples.
+    pub samples: u64,
+}
+
+impl Totals {
+    /// Counts the runs of a recording and numbers them.
+    pub fn number(&mut self, recorded: &mut Recorded) {
+        for run in &mut recorded.runs {
+            run.number = self.runs as i32;
+            recorded.summary.runs.push(u64::from(self.runs));
+            self.runs += 1;
+            self.samples += run.samples() as u64;
+            let ends = run.segments.iter().skip(1).map(|next| next.start).chain([run.samples()]);
+            for (segment, end) in run.segments.iter().zip(ends) {
+                let count = self.count(&segment.maneuver);
+                count.segments += 1;
+                count.samples += (end - segment.start) as u64;
+            }
+        }
+    }
+
+    fn count(&mut self, maneuver: &str) -> &mut ManeuverCount {
+        let place = self.maneuvers.iter().position(|count| count.name == maneuver).unwrap_or_else(|| {
+            self.maneuvers.push(ManeuverCount { name: maneuver.to_owned(), segments: 0, samples: 0 });
+            self.maneuvers.len() - 1
+        });
+        &mut self.maneuvers[place]
+    }
 }

@@ -11,7 +11,7 @@ use crate::{Assembled, Grid, Labels, Samples, Section, Source};
 
 /// A range of samples that is to be one sub-experiment.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Part {
+pub struct SubExperiment {
     /// Its samples; the row at `samples.end` holds the state after the last.
     pub samples: Range<usize>,
     /// Name of the maneuver.
@@ -99,38 +99,37 @@ impl Segmentation {
         source: &Source,
         made: &Assembled,
         labels: Option<&Labelled>,
-    ) -> (Vec<Vec<Part>>, usize) {
+    ) -> (Vec<Vec<SubExperiment>>, usize) {
         let marked = self.cut.marked(source, &made.grid, labels);
-        let (mut runs, mut short) = (Vec::new(), 0);
-        for section in &made.sections {
-            let speeds = [&made.measured[0], &made.measured[1]];
-            let parts = self.cut.parts(&source.kind, &marked, section, speeds);
-            let found = parts.len();
-            let kept = self.long_enough(parts);
-            short += found - kept.len();
-            let joined = |a: &Part, b: &Part| !self.each_is_a_run && a.samples.end == b.samples.start;
-            runs.extend(kept.chunk_by(joined).map(<[Part]>::to_vec));
-        }
-        (runs, short)
-    }
-
-    fn long_enough(&self, parts: Vec<Part>) -> Vec<Part> {
         let least = match self.cut {
             Cut::Windows { tail, .. } => self.least.max(tail),
             _ => self.least.max(1),
         };
-        parts.into_iter().filter(|part| part.samples.len() >= least).collect()
+        let (mut runs, mut short) = (Vec::new(), 0);
+        for section in &made.sections {
+            let speeds = [&made.measured[0], &made.measured[1]];
+            let parts = self.cut.parts(&source.kind, &marked, section, speeds);
+            let count = parts.len();
+            let kept: Vec<_> = parts.into_iter().filter(|part| part.samples.len() >= least).collect();
+            short += count - kept.len();
+            let joined = |a: &SubExperiment, b: &SubExperiment| {
+                !self.each_is_a_run && a.samples.end == b.samples.start
+            };
+            runs.extend(kept.chunk_by(joined).map(<[SubExperiment]>::to_vec));
+        }
+        (runs, short)
     }
 }
 
 impl Cut {
     /// The sub-experiments of a recording that are marked in it, in order, regardless of what is known there.
-    fn marked(&self, source: &Source, grid: &Grid, labels: Option<&Labelled>) -> Vec<Part> {
+    fn marked(&self, source: &Source, grid: &Grid, labels: Option<&Labelled>) -> Vec<SubExperiment> {
         match (self, labels) {
             (Self::Labels, Some(labels)) => labelled(grid, labels),
             (Self::Intervals(intervals), _) => {
-                let own = intervals.iter().filter(|interval| interval.run == source.name);
-                let mut parts: Vec<Part> = own.map(|interval| within(grid, interval)).collect();
+                let of_source = intervals.iter().filter(|interval| interval.run == source.name);
+                let mut parts: Vec<SubExperiment> =
+                    of_source.map(|interval| within(grid, interval)).collect();
                 parts.sort_by_key(|part| part.samples.start);
                 parts
             }
@@ -139,10 +138,16 @@ impl Cut {
     }
 
     /// The sub-experiments of one section, in order. `u` and `v` are surge and sway on the grid \[m/s\].
-    fn parts(&self, kind: &str, marked: &[Part], section: &Section, [u, v]: [&Samples; 2]) -> Vec<Part> {
+    fn parts(
+        &self,
+        kind: &str,
+        marked: &[SubExperiment],
+        section: &Section,
+        [u, v]: [&Samples; 2],
+    ) -> Vec<SubExperiment> {
         let all = section.start..section.start + section.samples;
         match self {
-            Self::Whole => vec![Part { samples: all, maneuver: kind.to_owned() }],
+            Self::Whole => vec![SubExperiment { samples: all, maneuver: kind.to_owned() }],
             Self::Windows { samples, classes, .. } => {
                 let window = |start: usize| {
                     let range = start..(start + samples).min(all.end);
@@ -152,12 +157,16 @@ impl Cut {
                         }
                         None => kind.to_owned(),
                     };
-                    Part { samples: range, maneuver }
+                    SubExperiment { samples: range, maneuver }
                 };
                 all.clone().step_by((*samples).max(1)).map(window).collect()
             }
             Self::Labels | Self::Intervals(_) => {
-                marked.iter().filter_map(|part| overlap(part, &all)).collect()
+                let overlap = |part: &SubExperiment| {
+                    let samples = part.samples.start.max(all.start)..part.samples.end.min(all.end);
+                    (!samples.is_empty()).then(|| SubExperiment { samples, maneuver: part.maneuver.clone() })
+                };
+                marked.iter().filter_map(overlap).collect()
             }
         }
     }
@@ -171,10 +180,10 @@ pub fn check_intervals(intervals: &[Interval], sources: &[Source]) -> Result<(),
     let known: Vec<&str> = sources.iter().map(|source| source.name.as_str()).collect();
     for (i, Interval { run, from_s, to_s, .. }) in intervals.iter().enumerate() {
         if !known.contains(&run.as_str()) {
-            let found = format!("`{run}`, which no file has");
+            let name = format!("`{run}`, which no file has");
             let expected = format!("one of {}", known.join(", "));
             return Err(Invalid {
-                found,
+                found: name,
                 expected,
                 ..Invalid::unknown("`run` of a [[segment]]", run, known)
             });
@@ -192,22 +201,17 @@ pub fn check_intervals(intervals: &[Interval], sources: &[Source]) -> Result<(),
     Ok(())
 }
 
-fn overlap(part: &Part, all: &Range<usize>) -> Option<Part> {
-    let samples = part.samples.start.max(all.start)..part.samples.end.min(all.end);
-    (!samples.is_empty()).then(|| Part { samples, maneuver: part.maneuver.clone() })
-}
-
 /// The samples of `interval`, both its ends included, as one sub-experiment.
-fn within(grid: &Grid, interval: &Interval) -> Part {
+fn within(grid: &Grid, interval: &Interval) -> SubExperiment {
     let rows = grid.rows_within(interval.from_s, interval.to_s);
     let samples = rows.start..rows.end.saturating_sub(1).max(rows.start);
-    Part { samples, maneuver: interval.maneuver.clone() }
+    SubExperiment { samples, maneuver: interval.maneuver.clone() }
 }
 
 /// One sub-experiment per range of equal labels, each valid from its time on. Rows under an empty label, or
 /// before the first label, belong to none.
-fn labelled(grid: &Grid, Labelled { times, start_s, labels }: &Labelled) -> Vec<Part> {
-    let mut parts: Vec<Part> = Vec::new();
+fn labelled(grid: &Grid, Labelled { times, start_s, labels }: &Labelled) -> Vec<SubExperiment> {
+    let mut parts: Vec<SubExperiment> = Vec::new();
     let mut begun = times.iter().map(|time| time - start_s).peekable();
     let mut place = 0;
     for (row, time) in grid.times().enumerate() {
@@ -218,7 +222,7 @@ fn labelled(grid: &Grid, Labelled { times, start_s, labels }: &Labelled) -> Vec<
         match parts.last_mut() {
             Some(part) if part.maneuver == label && part.samples.end == row => part.samples.end += 1,
             _ if label.is_empty() => {}
-            _ => parts.push(Part { samples: row..row + 1, maneuver: label.to_owned() }),
+            _ => parts.push(SubExperiment { samples: row..row + 1, maneuver: label.to_owned() }),
         }
     }
     parts
@@ -228,7 +232,7 @@ fn labelled(grid: &Grid, Labelled { times, start_s, labels }: &Labelled) -> Vec<
 mod tests {
     use super::*;
 
-    fn ranges(parts: &[Part]) -> Vec<(usize, usize, &str)> {
+    fn ranges(parts: &[SubExperiment]) -> Vec<(usize, usize, &str)> {
         parts.iter().map(|p| (p.samples.start, p.samples.end, p.maneuver.as_str())).collect()
     }
 
@@ -309,9 +313,9 @@ mod tests {
         let sections = vec![Section { start: 0, samples: 12 }, Section { start: 12, samples: 4 }];
         let joined = Segmentation { cut, least: 1, each_is_a_run: false };
         let (runs, short) = joined.runs(&source(), &made(vec![0.0; 17], 1.0, sections), None);
-        let found: Vec<_> = runs.iter().map(|run| ranges(run)).collect();
-        assert_eq!(found[0], [(0, 5, "from 0"), (5, 8, "from 5")]);
-        assert_eq!(found[1..], [[(9, 12, "from 9")], [(12, 14, "from 12")]]);
+        let sizes: Vec<_> = runs.iter().map(|run| ranges(run)).collect();
+        assert_eq!(sizes[0], [(0, 5, "from 0"), (5, 8, "from 5")]);
+        assert_eq!(sizes[1..], [[(9, 12, "from 9")], [(12, 14, "from 12")]]);
         assert_eq!(short, 0);
     }
 }

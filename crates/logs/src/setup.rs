@@ -280,7 +280,7 @@ impl QuaternionSpec {
 
     /// The channels that are made of it, heading first.
     fn channels(&self, body: Body) -> impl Iterator<Item = ChannelSpec> {
-        let own = |channel: &String, sign, optional| ChannelSpec {
+        let angle = |channel: &String, sign, optional| ChannelSpec {
             column: format!("{}`, `{}`, `{}`, `{}", self.w, self.x, self.y, self.z),
             channel: channel.clone(),
             unit: "rad".to_owned(),
@@ -295,9 +295,9 @@ impl QuaternionSpec {
             optional,
         };
         // A rotation about the axis to port puts the bow down.
-        let pitch = self.pitch.iter().map(move |pitch| own(pitch, body.starboard(), true));
-        let roll = self.roll.iter().map(move |roll| own(roll, 1.0, true));
-        [own(&self.heading, 1.0, false)].into_iter().chain(roll).chain(pitch)
+        let pitch = self.pitch.iter().map(move |pitch| angle(pitch, body.starboard(), true));
+        let roll = self.roll.iter().map(move |roll| angle(roll, 1.0, true));
+        [angle(&self.heading, 1.0, false)].into_iter().chain(roll).chain(pitch)
     }
 }
 

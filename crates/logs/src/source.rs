@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use refusal::{Invalid, check_name, foreign};
 
-use crate::{FileSpec, Template};
+use crate::stamp::moment;
+use crate::suspicion::{Oddity, WarningKind};
+use crate::{Channels, FileSpec};
 
 /// The files of one recording.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,12 +27,12 @@ pub struct Naming {
     /// named like the file.
     pub recordings: Vec<Option<Template>>,
     /// Their maneuvers.
-    pub kind: Kind,
+    pub kind: ManeuverKind,
 }
 
 /// The kind of maneuver of a recording.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Kind {
+pub enum ManeuverKind {
     /// The same in all.
     Given(String),
     /// As the name of the file of the first group says.
@@ -54,14 +56,14 @@ impl Naming {
                     Some(template) => named(template, file)?,
                     None => stem(file).to_owned(),
                 };
-                let own =
+                let groups =
                     recordings.entry(name.clone()).or_insert_with(|| vec![Vec::new(); self.recordings.len()]);
-                let parts = &mut own[group];
+                let parts = &mut groups[group];
                 match parts.first() {
                     Some(other) if template.is_none() && other != file => {
                         let remedy = "rename a file, or say in `run_from_file` which are parts of one run";
-                        let found = format!("`{}` and `{}`", foreign(other), foreign(file));
-                        return Err(Invalid::new(called(&name), found, "one file", remedy));
+                        let files = format!("`{}` and `{}`", foreign(other), foreign(file));
+                        return Err(Invalid::new(called(&name), files, "one file", remedy));
                     }
                     _ if parts.contains(file) => {}
                     _ => parts.push(file.clone()),
@@ -86,9 +88,9 @@ impl Naming {
         files.iter_mut().for_each(|parts| parts.sort_by_key(|name| counted(name)));
         let first = files.iter().flatten().next().map_or("", String::as_str);
         let kind = match &self.kind {
-            Kind::Given(kind) => kind.clone(),
-            Kind::Named(template) => named(template, first)?,
-            Kind::Recording => name.clone(),
+            ManeuverKind::Given(kind) => kind.clone(),
+            ManeuverKind::Named(template) => named(template, first)?,
+            ManeuverKind::Recording => name.clone(),
         };
         let made = Source { name, kind, files: Vec::new() };
         check_name(format!("recording of `{}`", foreign(first)), &made.name)?;
@@ -141,6 +143,166 @@ fn stem(file: &str) -> &str {
     let name = base(file);
     let name = name.strip_suffix(".gz").unwrap_or(name);
     name.rsplit_once('.').map_or(name, |(stem, _)| stem)
+}
+
+// Patterns of file names: `*` for anything but `/`, and `{name}` for a part to be extracted.
+
+/// A token of a pattern.
+#[derive(Clone, Debug, PartialEq)]
+enum Token {
+    Text(String),
+    /// Anything, also nothing.
+    Any,
+    /// At least one character: the part to be extracted.
+    Part,
+    /// At least one character.
+    Some,
+}
+
+/// A pattern in which only `*` is special.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pattern(Vec<Token>);
+
+impl Pattern {
+    /// Parses a pattern.
+    pub fn new(text: &str) -> Self {
+        Self(tokens(text))
+    }
+
+    /// Whether `text` fits.
+    pub fn fits(&self, text: &str) -> bool {
+        fit(&self.0, text).is_some()
+    }
+}
+
+/// A pattern in which `*` and `{name}` are special, with one such part to be extracted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Template {
+    text: String,
+    tokens: Vec<Token>,
+}
+
+impl Template {
+    /// Parses a template with a part called `name`; `None` where there is no such part, a brace is unclosed
+    /// or its name empty.
+    pub fn new(text: &str, name: &str) -> Option<Self> {
+        let mut matches = Vec::new();
+        let mut rest = text;
+        while let Some((before, after)) = rest.split_once('{') {
+            matches.extend(tokens(before));
+            let (named, after) = after.split_once('}')?;
+            if named.is_empty() || named.contains('{') {
+                return None;
+            }
+            let first = named == name && !matches.contains(&Token::Part);
+            matches.push(if first { Token::Part } else { Token::Some });
+            rest = after;
+        }
+        matches.extend(tokens(rest));
+        matches.contains(&Token::Part).then(|| Self { text: text.to_owned(), tokens: matches })
+    }
+
+    /// As written.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The extracted part where `text` fits; parts are as short as possible.
+    pub fn part<'a>(&self, text: &'a str) -> Option<&'a str> {
+        fit(&self.tokens, text)?
+    }
+}
+
+/// Texts, and [`Token::Any`] where stars are between them.
+fn tokens(text: &str) -> Vec<Token> {
+    let mut tokens = Vec::new();
+    for (i, part) in text.split('*').enumerate() {
+        tokens.extend((i > 0).then_some(Token::Any));
+        tokens.extend((!part.is_empty()).then(|| Token::Text(part.to_owned())));
+    }
+    tokens
+}
+
+/// Whether `text` fits `tokens`, and then the extracted part.
+fn fit<'a>(tokens: &[Token], text: &'a str) -> Option<Option<&'a str>> {
+    let Some((token, rest)) = tokens.split_first() else { return text.is_empty().then_some(None) };
+    if let Token::Text(known) = token {
+        return fit(rest, text.strip_prefix(known.as_str())?);
+    }
+    let ends = text.char_indices().map(|(i, _)| i).chain([text.len()]);
+    let ends = ends.skip(usize::from(*token != Token::Any)).take_while(|end| !text[..*end].contains('/'));
+    let fitting = |end: usize| {
+        let captured = fit(rest, &text[end..])?;
+        Some(if *token == Token::Part { Some(&text[..end]) } else { captured })
+    };
+    ends.into_iter().find_map(fitting)
+}
+
+/// Share of a recording that some needed channel may not cover.
+const UNCOVERED: f64 = 0.1;
+
+/// Needed channels by their first and last times \[s\].
+pub(crate) struct Spans(Vec<([f64; 2], Vec<String>)>);
+
+impl Spans {
+    /// Of those of `channels` that are `needed`, whose clock starts at `start_s`.
+    pub(crate) fn of<'a>(channels: &Channels, needed: impl Iterator<Item = &'a str>, start_s: f64) -> Self {
+        let mut all: Vec<([f64; 2], Vec<String>)> = Vec::new();
+        for name in needed {
+            let Some(t) = channels.get(name).map(|series| &series.t) else { continue };
+            let (Some(first), Some(last)) = (t.first(), t.last()) else { continue };
+            let span = [start_s + first, start_s + last];
+            match all.iter_mut().find(|(other, _)| *other == span) {
+                Some((_, names)) => names.push(format!("`{name}`")),
+                None => all.push((span, vec![format!("`{name}`")])),
+            }
+        }
+        Self(all)
+    }
+
+    /// The time that all have in common, and the channels that begin last and end first (or last, where these are the same), in
+    /// words.
+    fn common(&self) -> Option<([f64; 2], String)> {
+        let late = self.0.iter().max_by(|a, b| a.0[0].total_cmp(&b.0[0]))?;
+        let early = self.0.iter().min_by(|a, b| a.0[1].total_cmp(&b.0[1]))?;
+        let other = self.0.iter().filter(|entry| entry.0 != late.0).max_by(|a, b| a.0[1].total_cmp(&b.0[1]));
+        let is_dated = self.0.iter().any(|([_, to], _)| *to > 1e8);
+        let said = |([from, to], names): &([f64; 2], Vec<String>)| {
+            let [from, to] =
+                [from, to].map(|end| if is_dated { moment(*end) } else { format!("{end:.1} s") });
+            format!("{} from {from} to {to}", names.join(", "))
+        };
+        let first = if early.0 == late.0 { other? } else { early };
+        Some(([late.0[0], early.0[1]], format!("{}; {}", said(late), said(first))))
+    }
+
+    /// Refuses channels that were never logged at the same time.
+    pub(crate) fn check(&self, source: &Source) -> Result<(), Invalid> {
+        let Some((_, said)) = self.common().filter(|([from, to], _)| from > to) else { return Ok(()) };
+        Err(Invalid::new(
+            called(&source.name),
+            said,
+            "channels that were logged at the same time",
+            "check the clock of each [[file]]: simulated time beside a computer's? Name one that all have as `time`, such as \
+             `log_time` of bags, or set its `offset_s`",
+        ))
+    }
+
+    /// The warning where not all channels cover much of the recording.
+    pub(crate) fn uncovered(&self, max_gap_s: f64) -> Option<(String, Oddity)> {
+        let ([from, to], said) = self.common()?;
+        let end =
+            |end: usize, more: fn(f64, f64) -> f64| self.0.iter().map(|entry| entry.0[end]).reduce(more);
+        let whole_s = end(1, f64::max)? - end(0, f64::min)?;
+        let lost_s = whole_s - (to - from);
+        let text = format!(
+            "and others cover different times, {lost_s:.1} s of {whole_s:.1} s ({:.0} %) are not covered by all: {said}; compare the \
+             clocks",
+            100.0 * lost_s / whole_s
+        );
+        let name = said.split('`').nth(1)?.to_owned();
+        (lost_s > (UNCOVERED * whole_s).max(2.0 * max_gap_s)).then_some((name, (WarningKind::Clock, 1, text)))
+    }
 }
 
 #[cfg(test)]

@@ -108,8 +108,7 @@ impl Stamps {
         text.match_indices("60").any(|(at, _)| is_second(at))
     }
 
-    /// Seconds since 1970-01-01 UTC of the local time `shown` in the zone, which is in seconds as if it were
-    /// UTC.
+    /// Seconds since 1970-01-01 UTC of the local time `shown` in the zone, which is in seconds as if it were UTC.
     ///
     /// # Errors
     /// See [`NoStamp`].
@@ -129,22 +128,11 @@ impl Stamps {
 
     /// The refusal of a cell that is not a time.
     pub fn refused(&self, line: usize, column: &str, text: &str, why: NoStamp, written_in: &str) -> Invalid {
-        let found = match why {
+        let shown = |how: &str| format!("`{}`, which clocks in {} {how}", foreign(text), self.called);
+        let problem = match why {
             NoStamp::Unread => format!("`{}`", foreign(text)),
-            NoStamp::Twice => {
-                format!(
-                    "`{}`, which clocks in {} showed twice: they were set back",
-                    foreign(text),
-                    self.called
-                )
-            }
-            NoStamp::Never => {
-                format!(
-                    "`{}`, which clocks in {} never showed: they were set forward",
-                    foreign(text),
-                    self.called
-                )
-            }
+            NoStamp::Twice => shown("showed twice: they were set back"),
+            NoStamp::Never => shown("never showed: they were set forward"),
         };
         let expected = match (why, &self.format) {
             (NoStamp::Unread, Some(format)) => format!("a time that fits `{format}` as a whole"),
@@ -159,12 +147,11 @@ impl Stamps {
                  `zone = \"+03:00\"` for such files"
             ),
         };
-        Invalid::new(cell_of(line, column), found, expected, remedy)
+        Invalid::new(cell_of(line, column), problem, expected, remedy)
     }
 }
 
-/// Reads the times of consecutive rows. A leap second is a second of its own: all later times are a second
-/// later.
+/// Reads the times of consecutive rows. A leap second is a second of its own: all later times are a second later.
 pub struct Moments<'a> {
     pub(crate) stamps: &'a Stamps,
     /// When it began \[s\].
@@ -221,9 +208,9 @@ fn unknown(name: &str, near: Option<&str>) -> Invalid {
 
 /// Whether a `format` has a day, found by writing a time and reading it back.
 fn has_day(format: &str) -> Result<bool, Invalid> {
-    let refused = |found: String| {
+    let refused = |text: String| {
         let expected = "a format such as `%Y/%m/%d %H:%M:%S%.f`, with hours at least";
-        Invalid::new("`format`", found, expected, "correct it")
+        Invalid::new("`format`", text, expected, "correct it")
     };
     let moment: Zoned = Timestamp::UNIX_EPOCH.to_zoned(TimeZone::UTC);
     let written = jiff::fmt::strtime::format(format, &moment)

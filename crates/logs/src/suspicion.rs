@@ -38,7 +38,7 @@ pub(crate) struct Turns<'a> {
 
 /// How a channel looked as logged.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Seen {
+pub(crate) struct LoggedShape {
     /// Its largest modulus, in SI units.
     largest: f64,
     /// How often it moved faster than any direction of a turning ship.
@@ -97,8 +97,8 @@ impl<'a> Turns<'a> {
     }
 
     /// How the numbers looked.
-    pub(crate) fn seen(&self) -> Seen {
-        Seen { largest: self.unit.factor * self.largest, fast: self.fast }
+    pub(crate) fn seen(&self) -> LoggedShape {
+        LoggedShape { largest: self.unit.factor * self.largest, fast: self.fast }
     }
 
     /// Refuses `column`, whose number `i` stands on `line(i)`, if it wraps at another unit's turn.
@@ -120,8 +120,8 @@ impl<'a> Turns<'a> {
 /// Refuses velocities that differ from the derivative of position or heading by the ratio of two units.
 pub(crate) fn check_ratios(motion: &[Option<MotionSummary>; 3]) -> Result<(), Invalid> {
     let units = [("y_u", &SPEEDS[..]), ("y_v", &SPEEDS), ("y_r", &RATES)];
-    for ((channel, units), found) in units.into_iter().zip(motion) {
-        let Some(gain) = found.and_then(|found| found.gain) else { continue };
+    for ((channel, units), fit) in units.into_iter().zip(motion) {
+        let Some(gain) = fit.and_then(|fit| fit.gain) else { continue };
         let same = |ratio: f64| (gain / ratio - 1.0).abs() < SAME_RATIO;
         if let Some((unit, ratio)) = units.iter().find(|(_, ratio)| same(*ratio) || same(1.0 / ratio)) {
             return Err(other_unit(channel, gain, same(*ratio).then_some(*unit)));
@@ -139,8 +139,8 @@ fn other_unit(channel: &str, gain: f64, unit: Option<&str>) -> Invalid {
         (None, "y_r") => format!("{of} may be in deg: correct its `unit`, or that of `{channel}`"),
         (None, _) => format!("{of} may be in another unit: correct it, or that of `{channel}`"),
     };
-    let found = format!("{gain:.4} times the derivative of {of}");
-    Invalid::new(format!("unit of channel `{channel}`"), found, "about 1 times it", remedy)
+    let ratio = format!("{gain:.4} times the derivative of {of}");
+    Invalid::new(format!("unit of channel `{channel}`"), ratio, "about 1 times it", remedy)
 }
 
 /// Something odd about a channel that does not hinder its use.
@@ -188,13 +188,13 @@ pub(crate) type Oddity = (WarningKind, u64, String);
 pub(crate) fn warnings(
     setup: &Setup,
     channels: &Channels,
-    found: &[ChannelSummary],
-    seen: &[Seen],
+    summaries: &[ChannelSummary],
+    seen: &[LoggedShape],
     contradictions: &[(String, Oddity)],
 ) -> Vec<WarningSummary> {
     let mut odd: Vec<(&str, Oddity)> = Vec::new();
     for (spec, seen) in setup.channels().zip(seen) {
-        let Some(channel) = found.iter().find(|channel| channel.name == spec.channel) else { continue };
+        let Some(channel) = summaries.iter().find(|channel| channel.name == spec.channel) else { continue };
         let constant = constant(channel);
         let oddities = [angle(spec, *seen, constant.is_some()), slow(setup.conventions.rate_hz, channel)];
         let oddities = [constant].into_iter().chain(oddities);
@@ -219,7 +219,7 @@ fn constant(channel: &ChannelSummary) -> Option<Oddity> {
 
 /// An angle that stands still beyond a turn, or moves faster there than anything that rotates with a ship; or
 /// one in degrees that stays within a turn in radians. An angle without wraps may make any number of turns.
-fn angle(spec: &ChannelSpec, Seen { largest, fast }: Seen, still: bool) -> Option<Oddity> {
+fn angle(spec: &ChannelSpec, LoggedShape { largest, fast }: LoggedShape, still: bool) -> Option<Oddity> {
     let degrees = largest.to_degrees();
     let text = match spec.unit.as_str() {
         "rad" if largest > TAU && spec.channel != "psi" && (still || fast >= OFTEN) => {
@@ -272,4 +272,85 @@ fn place_jumps(channels: &Channels) -> Option<Oddity> {
     let count = changes().filter(|change| *change > above).count();
     let text = format!("and `y` jump, by their speed, by more than {above:.1} m/s {count} times");
     (count > 0).then_some((WarningKind::Jump, count as u64, text))
+}
+
+refusal::choices! {
+    /// Why values of a channel were left out.
+    pub enum Reason {
+        /// Numbers that stand for no value.
+        Missing = "missing",
+        /// Beyond `valid`, or beyond what is possible where that is not said.
+        Range = "range",
+        /// Of a place that no ship gets to from the one before.
+        Motion = "motion",
+        /// The same value again and again while the ship moves.
+        Frozen = "frozen",
+        /// 0 N 0 E, where there is no fix.
+        NullIsland = "0 N 0 E",
+        /// Of a fix that is none, or of a quality that nobody asked for.
+        Quality = "quality",
+        /// Of a sentence that lacks what its value is made of, such as a heading without variation.
+        Incomplete = "incomplete",
+        /// Of a time that is not the clock's, or under a clock that was not set yet.
+        Time = "time",
+    }
+}
+
+/// Values of a channel that were left out for one reason.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Omission {
+    /// The channel, or the column where no channel was made of it.
+    pub channel: String,
+    /// Why.
+    pub reason: Reason,
+    /// How many.
+    pub count: u64,
+}
+
+/// What was left out, each channel and reason once, in order of first appearance.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Omissions(Vec<Omission>);
+
+impl Omissions {
+    /// Counts `count` more values of `channel`.
+    pub fn add(&mut self, channel: &str, reason: Reason, count: u64) {
+        if count == 0 {
+            return;
+        }
+        match self.0.iter_mut().find(|known| known.channel == channel && known.reason == reason) {
+            Some(known) => known.count += count,
+            None => self.0.push(Omission { channel: channel.to_owned(), reason, count }),
+        }
+    }
+
+    /// Adds the counts of `others`, whose columns belong to the channels that `named` returns.
+    pub fn append<'a>(&mut self, others: &'a Self, named: impl Fn(&'a str) -> &'a str) {
+        others.0.iter().for_each(|other| self.add(named(&other.channel), other.reason, other.count));
+    }
+
+    /// `14 values left out: 12 of psi (missing), 2 of y_u (range)`, naming only a few; `None` where there are none.
+    pub fn in_words(&self) -> Option<String> {
+        const NAMED: usize = 6;
+        let all: u64 = self.0.iter().map(|one| one.count).sum();
+        let one = |one: &Omission| format!("{} of `{}` ({})", one.count, one.channel, one.reason);
+        let named: Vec<String> = self.0.iter().take(NAMED).map(one).collect();
+        let more = self.0.len().saturating_sub(NAMED);
+        let more = if more > 0 {
+            format!(" and more of {more} other kinds, see ingest.json")
+        } else {
+            String::new()
+        };
+        (all > 0).then(|| format!("{all} values left out: {}{more}", named.join(", ")))
+    }
+
+    /// All of them.
+    pub fn as_slice(&self) -> &[Omission] {
+        &self.0
+    }
+
+    /// All of them.
+    pub fn into_vec(self) -> Vec<Omission> {
+        self.0
+    }
 }

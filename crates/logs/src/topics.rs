@@ -1,11 +1,14 @@
 //! Bags: a topic is a table, whose rows are its messages and whose columns are their fields (`twist.twist.linear.x`).
 
+use std::collections::BTreeSet;
 use std::io::Read;
 use std::sync::Arc;
 
-use crate::bag::{BagError, DatabaseFile, Message, Topic, Wanted};
-use refusal::Invalid;
+use refusal::{Invalid, foreign, nearest, some_of};
 
+use crate::bag::channels::{Schemas, TopicChannels};
+use crate::bag::stream::each_part;
+use crate::bag::{BagPart, DatabaseFile, Effort, database};
 use crate::{Cells, Columns, Content, FileSpec, Format, LogError, Plan, Store};
 
 /// The times that every message has besides its fields.
@@ -17,7 +20,8 @@ pub const PUBLISH_TIME: &str = "publish_time";
 /// numbers. Rows are numbered like the topic's messages. `format` is one of those that are read from beginning to end.
 ///
 /// # Errors
-/// What [`crate::bag::each_message`] refuses; too many messages.
+/// Bytes that cannot be read or are not a bag, an unknown topic, encoding or field, messages shorter than
+/// their definition, several publishers of which none is named; too many messages.
 pub fn read_bag(
     mut bytes: impl Read,
     format: Format,
@@ -25,7 +29,7 @@ pub fn read_bag(
     group: usize,
     store: Option<&Arc<dyn Store>>,
 ) -> Result<Columns, LogError> {
-    read(plan, group, store, |wanted, each| crate::bag::each_message(&mut bytes, kind(format), wanted, each))
+    read(plan, group, store, |_, effort, each| each_part(&mut bytes, format, effort, each))
 }
 
 /// As [`read_bag`], of a bag in SQLite.
@@ -38,47 +42,36 @@ pub fn read_database(
     group: usize,
     store: Option<&Arc<dyn Store>>,
 ) -> Result<Columns, LogError> {
-    read(plan, group, store, |wanted, each| crate::bag::each_message_of_database(file, wanted, each))
+    read(plan, group, store, |topic, effort, each| database::each_part(file, Some(topic), effort, each))
 }
 
-/// Reads the wanted fields of a topic, whose messages `pass` passes on.
+/// Reads the wanted fields of a topic, the parts of whose bag `pass` passes on.
 fn read(
     plan: &Plan,
     group: usize,
     store: Option<&Arc<dyn Store>>,
-    pass: impl FnOnce(&Wanted, &mut dyn FnMut(Message) -> Result<(), Invalid>) -> Result<(), BagError>,
+    pass: impl FnOnce(&str, &Effort, &mut dyn FnMut(BagPart) -> Result<(), LogError>) -> Result<(), LogError>,
 ) -> Result<Columns, LogError> {
     let (clock, paths) = columns(plan, group);
-    let mut reading = Reading::new(plan, clock, store, group);
     let spec = &plan.setup.files[group];
     let topic = spec.topic.as_deref().unwrap_or_default();
-    let wanted = Wanted { topic, publisher: spec.publisher.as_deref(), paths: &paths, memory: plan.memory };
-    pass(&wanted, &mut |message| reading.take(&message))?;
-    Ok(reading.made)
-}
-
-/// The topics of a bag and the first of their messages, by means of `memory` bytes; `format` as in [`read_bag`].
-///
-/// # Errors
-/// Bytes that cannot be read or are not a bag.
-pub fn bag_census(mut bytes: impl Read, format: Format, memory: f64) -> Result<Vec<Topic>, LogError> {
-    Ok(crate::bag::census(&mut bytes, kind(format), memory)?)
-}
-
-/// As [`bag_census`], of a bag in SQLite.
-///
-/// # Errors
-/// As [`bag_census`].
-pub fn database_census(file: &DatabaseFile, memory: f64) -> Result<Vec<Topic>, LogError> {
-    Ok(crate::bag::census_of_database(file, memory)?)
-}
-
-fn kind(format: Format) -> crate::bag::Format {
-    match format {
-        Format::Bag => crate::bag::Format::Ros1,
-        Format::Ulg => crate::bag::Format::ULog,
-        _ => crate::bag::Format::Mcap,
-    }
+    let effort = Effort::new(plan.memory);
+    let cells = plan.wanted(group).iter().map(|_| Cells::none(Content::Numbers, store)).collect();
+    let mut reading = TopicReading {
+        plan,
+        topic,
+        paths: &paths,
+        clock,
+        row: vec![f64::NAN; paths.len()],
+        messages: 0,
+        schemas: Schemas::default(),
+        channels: TopicChannels::new(spec.publisher.as_deref(), &effort),
+        topics: BTreeSet::new(),
+        effort: &effort,
+        made: Columns { cells, ..Columns::default() },
+    };
+    pass(topic, &effort, &mut |part| reading.take(part))?;
+    reading.finish()
 }
 
 /// The clock of group `group`, and the paths to the fields of its time and of its channels.
@@ -118,27 +111,78 @@ impl Time {
     }
 }
 
-struct Reading<'a> {
+/// Whole nanoseconds since 1970 in seconds: a number cannot hold all of their digits at once.
+fn seconds(nanoseconds: u64) -> f64 {
+    const SECOND: u64 = 1_000_000_000;
+    (nanoseconds / SECOND) as f64 + 1e-9 * (nanoseconds % SECOND) as f64
+}
+
+/// The messages of a topic, as far as they are read.
+struct TopicReading<'a> {
     plan: &'a Plan,
+    topic: &'a str,
+    /// Paths to the numbers that are wanted.
+    paths: &'a [String],
     clock: Time,
+    /// The values of a message, one per path; NaN where it has none.
+    row: Vec<f64>,
+    messages: usize,
+    schemas: Schemas,
+    channels: TopicChannels<'a>,
+    topics: BTreeSet<String>,
+    effort: &'a Effort,
     made: Columns,
 }
 
-impl<'a> Reading<'a> {
-    fn new(plan: &'a Plan, clock: Time, store: Option<&Arc<dyn Store>>, group: usize) -> Self {
-        let cells = plan.wanted(group).iter().map(|_| Cells::none(Content::Numbers, store)).collect();
-        Self { plan, clock, made: Columns { cells, ..Columns::default() } }
+/// Most topics of a bag whose names are kept; also the most channels.
+const MOST_TOPICS: usize = 1 << 16;
+
+impl TopicReading<'_> {
+    fn take(&mut self, part: BagPart) -> Result<(), LogError> {
+        match part {
+            BagPart::Schema { id, name, encoding, data } => {
+                self.schemas.add(id, [name, encoding], data, self.effort)?;
+            }
+            BagPart::Channel { id, number, schema, topic, encoding, metadata } => {
+                if topic == self.topic {
+                    let (schema, paths) = (self.schemas.get(schema), self.paths);
+                    self.channels.add([id, number], schema, encoding, metadata, (topic, paths))?;
+                }
+                if self.topics.len() < MOST_TOPICS && !self.topics.contains(topic) {
+                    self.effort.keep(topic.len())?;
+                    self.topics.insert(topic.to_owned());
+                }
+            }
+            BagPart::Message { channel, log_time, publish_time, data } => {
+                self.message(channel, [log_time, publish_time], data)?;
+            }
+            BagPart::Chunk { .. } | BagPart::Other => {}
+        }
+        Ok(())
     }
 
-    fn take(&mut self, message: &Message) -> Result<(), Invalid> {
+    fn message(&mut self, channel: u32, times: [u64; 2], data: &[u8]) -> Result<(), Invalid> {
+        let Some(decoder) = self.channels.heard(channel, self.topic)? else { return Ok(()) };
+        self.messages += 1;
+        self.row.fill(f64::NAN);
+        if let Err((found, expected)) = decoder.decode(data, &mut self.row, self.effort) {
+            let thing = format!("message {} of topic `{}`", self.messages, foreign(self.topic));
+            let remedy = "the bag is damaged, or its definitions are of another version: record again";
+            return Err(Invalid::new(thing, found, expected, remedy));
+        }
+        self.append(times)
+    }
+
+    /// Appends the row of a message with the times when it was logged and published.
+    fn append(&mut self, [logged, published]: [u64; 2]) -> Result<(), Invalid> {
         let number = self.made.lines.rows() + 1;
         if number > self.plan.most_rows {
             return Err(self.plan.too_many_rows(number));
         }
-        let row = message.values;
+        let row = &self.row[..];
         let (time, fields) = match self.clock {
-            Time::Logged => (seconds(message.log_time), row),
-            Time::Published => (seconds(message.publish_time), row),
+            Time::Logged => (seconds(logged), row),
+            Time::Published => (seconds(published), row),
             Time::Stamp => (row[0] + 1e-9 * row[1], &row[2..]),
             Time::Field => (row[0], &row[1..]),
         };
@@ -150,10 +194,22 @@ impl<'a> Reading<'a> {
         }
         Ok(())
     }
-}
 
-/// Whole nanoseconds since 1970 in seconds: a number cannot hold all of their digits at once.
-fn seconds(nanoseconds: u64) -> f64 {
-    const SECOND: u64 = 1_000_000_000;
-    (nanoseconds / SECOND) as f64 + 1e-9 * (nanoseconds % SECOND) as f64
+    fn finish(self) -> Result<Columns, LogError> {
+        self.channels.check_named(self.topic)?;
+        if self.channels.is_empty() {
+            let known: Vec<&str> = self.topics.iter().map(String::as_str).collect();
+            let near = nearest(self.topic, known.iter().copied());
+            let remedy = near
+                .map_or("correct `topic`".to_owned(), |near| format!("did you mean `{}`?", foreign(near)));
+            let expected = match known.is_empty() {
+                true => "a bag with topics".to_owned(),
+                false => format!("one of {}", some_of(&known, self.topic)),
+            };
+            let name = format!("no `{}`", foreign(self.topic));
+            return Err(Invalid::new("topic", name, expected, remedy).into());
+        }
+        self.channels.check_found(self.paths, self.messages)?;
+        Ok(self.made)
+    }
 }

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use estimation::fitting::{AbsentTerm, Channels, Criticism, Fit, LEVEL, Problem, RecordingView as Recording, Settings, Unfit};
+use estimation::fitting::{
+    AbsentTerm, Channels, Criticism, Fit, LEVEL, Problem, RecordingView as Recording, Settings, Unfit,
+};
 use refusal::Invalid;
 use regression::pooled::Part;
 use ship::forces::{Channel, Description, Forces, Parameter, TermSpec};

@@ -5,7 +5,9 @@ use std::ops::Range;
 use design::{Bounds, Criterion, Design, NoDesign, Options};
 use estimation::predictor::InitialState;
 use estimation::runs::{AdditionalUnknowns, RunError, RunEstimators};
-use estimation::{EstimateStatus, EstimateView as Candidate, Estimator, RunEstimate, RunScore, ValidationRuns};
+use estimation::{
+    EstimateStatus, EstimateView as Candidate, Estimator, RunEstimate, RunScore, ValidationRuns,
+};
 use maneuver::{DictionaryFile, Generator};
 use numerics::{GROUPS, LANES};
 use plan::voyage::Shares;

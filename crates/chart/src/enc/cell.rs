@@ -6,10 +6,9 @@ use refusal::foreign;
 
 use crate::enc::dataset::{Parameters, Structure, identity, parameters};
 use crate::enc::iso8211::{first_records, records};
-use crate::enc::record::{CONNECTED, EDGE, ISOLATED, Name, Object, Vector};
+use crate::enc::record::{CONNECTED, EDGE, ISOLATED, Name, Object, Vector, apply, moved};
 use crate::enc::topology::{Topology, stored};
-use crate::enc::update::{apply, moved};
-use crate::enc::{Datums, Feature, Identity, Invalid, Purpose, layout};
+use crate::enc::{Datums, Feature, Identity, Invalid, Purpose, iso8211};
 
 /// How often objects may use the stored places, on average: real cells stay below ten.
 const MOST_USES: u64 = 64;
@@ -36,10 +35,10 @@ impl Cell {
     pub fn read(file: &[u8]) -> Result<Self, Invalid> {
         let (identity, changes) = read(file)?;
         if identity.purpose == Purpose::Update {
-            let found = format!("update {} of edition {}", identity.update, identity.edition);
+            let update = format!("update {} of edition {}", identity.update, identity.edition);
             return Err(Invalid::new(
                 "cell",
-                found,
+                update,
                 "a base cell",
                 "name the `.000` file, with its updates beside it",
             ));
@@ -53,39 +52,38 @@ impl Cell {
         Ok(cell)
     }
 
-    /// Applies the next update. One that the base file already contains, as a new issue does, changes
-    /// nothing.
+    /// Applies the next update. One that the base file already contains, as a new issue does, changes nothing.
     ///
     /// # Errors
     /// As [`Cell::read`]; an update that is not the next one, or of another edition; changes of missing
     /// records. The cell must not be used afterwards.
     pub fn update(&mut self, file: &[u8]) -> Result<(), Invalid> {
         let (identity, changes) = read(file)?;
-        let own = &self.identity;
-        let found = format!("update {} of edition {}", identity.update, identity.edition);
-        let refuse = |found: String| {
-            let expected = format!("update {} of edition {}", own.update + 1, own.edition);
+        let current = &self.identity;
+        let named = format!("update {} of edition {}", identity.update, identity.edition);
+        let refuse = |named: String| {
+            let expected = format!("update {} of edition {}", current.update + 1, current.edition);
             let remedy =
                 "put all updates of the cell's edition beside it, or take its exchange set as a whole";
-            Err(Invalid::new("update", found, expected, remedy))
+            Err(Invalid::new("update", named, expected, remedy))
         };
         if identity.purpose == Purpose::Base {
             return refuse(format!("a base cell of edition {}", identity.edition));
         }
-        if identity.edition == own.edition && identity.update <= own.update {
+        if identity.edition == current.edition && identity.update <= current.update {
             return Ok(());
         }
         if identity.edition == "0" {
             return refuse("the cell's cancellation".to_owned());
         }
-        if identity.edition != own.edition || identity.update != own.update + 1 {
-            return refuse(found);
+        if identity.edition != current.edition || identity.update != current.update + 1 {
+            return refuse(named);
         }
-        if stem(&identity.name) != stem(&own.name) {
-            return refuse(format!("{found} of the cell `{}`", foreign(&identity.name)));
+        if stem(&identity.name) != stem(&current.name) {
+            return refuse(format!("{named} of the cell `{}`", foreign(&identity.name)));
         }
         if changes.parameters.is_some_and(|units| units != self.parameters) {
-            return refuse(format!("{found} in other units (DSPM)"));
+            return refuse(format!("{named} in other units (DSPM)"));
         }
         (self.identity.update, self.identity.issued) = (identity.update, identity.issued);
         self.take(changes.vectors, changes.objects)
@@ -149,7 +147,7 @@ impl Cell {
 pub fn identify(file: &[u8]) -> Result<Identity, Invalid> {
     let records = first_records(file, 2)?;
     let [descriptive, first] = &records[..] else { return Err(broken("no data records")) };
-    layout::check(descriptive)?;
+    iso8211::check(descriptive)?;
     Ok(identity(first)?.0)
 }
 
@@ -163,8 +161,8 @@ fn check_moved(all: u64) -> Result<(), Invalid> {
     if all <= MOST_MOVED {
         return Ok(());
     }
-    let found = format!("changes that move more than {MOST_MOVED} places and pointers along their lists");
-    Err(Invalid::new("update", found, "changes of a chart", "report it to the chart's producer"))
+    let changes = format!("changes that move more than {MOST_MOVED} places and pointers along their lists");
+    Err(Invalid::new("update", changes, "changes of a chart", "report it to the chart's producer"))
 }
 
 /// The contents of a file besides its identity.
@@ -179,13 +177,13 @@ impl Changes {
     /// Refuses a file that ends between two records.
     fn check(&self, structure: &Structure) -> Result<(), Invalid> {
         let nodes = |kind: u8| self.vectors.iter().filter(|vector| vector.name.0 == kind).count();
-        let found = [self.objects.len(), nodes(ISOLATED), nodes(CONNECTED), nodes(EDGE)];
+        let counts = [self.objects.len(), nodes(ISOLATED), nodes(CONNECTED), nodes(EDGE)];
         let names = ["objects", "isolated nodes", "connected nodes", "edges"];
-        for ((name, found), stated) in names.iter().zip(found).zip(structure.records) {
-            if found < stated as usize {
+        for ((name, count), stated) in names.iter().zip(counts).zip(structure.records) {
+            if count < stated as usize {
                 let expected = format!("the {stated} that it states");
                 let remedy = "download or copy the file again: it is cut off";
-                return Err(Invalid::new("cell", format!("{found} {name}"), expected, remedy));
+                return Err(Invalid::new("cell", format!("{count} {name}"), expected, remedy));
             }
         }
         Ok(())
@@ -195,7 +193,7 @@ impl Changes {
 fn read(file: &[u8]) -> Result<(Identity, Changes), Invalid> {
     let records = records(file)?;
     let (descriptive, data) = records.split_first().ok_or_else(|| broken("no records"))?;
-    layout::check(descriptive)?;
+    iso8211::check(descriptive)?;
     let first = data.first().ok_or_else(|| broken("no data records"))?;
     let (identity, structure) = identity(first)?;
     let mut changes = Changes::default();

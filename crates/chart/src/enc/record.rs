@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::enc::Invalid;
-use crate::enc::cursor::{Cursor, Lexical};
-use crate::enc::iso8211::Record;
+use crate::enc::iso8211::{Cursor, Lexical, Record};
 
 /// Kind and number of a vector record.
 pub(crate) type Name = (u8, u32);
@@ -84,9 +83,9 @@ pub(crate) struct Object {
 impl Vector {
     /// `None` for a record of another kind.
     pub(crate) fn read(record: &Record<'_>) -> Result<Option<Self>, Invalid> {
-        let Some(mut own) = Cursor::of(record, "VRID") else { return Ok(None) };
-        let name = (own.u8()?, own.u32()?);
-        let (version, code) = (own.u16()?, own.u8()?);
+        let Some(mut cursor) = Cursor::of(record, "VRID") else { return Ok(None) };
+        let name = (cursor.u8()?, cursor.u32()?);
+        let (version, code) = (cursor.u16()?, cursor.u8()?);
         if ![ISOLATED, CONNECTED, EDGE].contains(&name.0) {
             let expected = "nodes (110, 120) and edges (130), as in every ENC";
             return Err(refuse(record, format!("a vector record of kind {}", name.0), expected));
@@ -110,10 +109,10 @@ impl Vector {
 impl Object {
     /// `None` for a record of another kind.
     pub(crate) fn read(record: &Record<'_>, national: Lexical) -> Result<Option<Self>, Invalid> {
-        let Some(mut own) = Cursor::of(record, "FRID") else { return Ok(None) };
-        let (kind, number) = (own.u8()?, own.u32()?);
-        let (primitive, _group) = (own.u8()?, own.u8()?);
-        let (class, version, code) = (own.u16()?, own.u16()?, own.u8()?);
+        let Some(mut cursor) = Cursor::of(record, "FRID") else { return Ok(None) };
+        let (kind, number) = (cursor.u8()?, cursor.u32()?);
+        let (primitive, _group) = (cursor.u8()?, cursor.u8()?);
+        let (class, version, code) = (cursor.u16()?, cursor.u16()?, cursor.u8()?);
         if kind != FEATURE {
             return Err(refuse(record, format!("a feature record of kind {kind}"), "100"));
         }
@@ -121,7 +120,10 @@ impl Object {
         // Changes refer to the record by its number; its id is stated only once.
         let id = match Cursor::of(record, "FOID") {
             None if instruction != Instruction::Insert => (0, 0, 0),
-            _ => identifier(Cursor::needed(record, "FOID")?)?,
+            _ => {
+                let mut cursor = Cursor::needed(record, "FOID")?;
+                (cursor.u16()?, cursor.u32()?, cursor.u16()?)
+            }
         };
         let mut all = attributes(record, "ATTF", Lexical::Latin)?;
         all.extend(attributes(record, "NATF", national)?);
@@ -139,10 +141,6 @@ impl Object {
             },
         }))
     }
-}
-
-fn identifier(mut cursor: Cursor<'_>) -> Result<(u16, u32, u16), Invalid> {
-    Ok((cursor.u16()?, cursor.u32()?, cursor.u16()?))
 }
 
 /// All groups of subfields of a field; empty where the record lacks it.
@@ -177,9 +175,9 @@ fn attributes(record: &Record<'_>, tag: &'static str, lexical: Lexical) -> Resul
 }
 
 fn splice(record: &Record<'_>, tag: &'static str) -> Result<Option<Splice>, Invalid> {
-    let Some(mut own) = Cursor::of(record, tag) else { return Ok(None) };
-    let instruction = instruction(record, own.u8()?)?;
-    Ok(Some(Splice { instruction, index: own.u16()?.into(), count: own.u16()?.into() }))
+    let Some(mut cursor) = Cursor::of(record, tag) else { return Ok(None) };
+    let instruction = instruction(record, cursor.u8()?)?;
+    Ok(Some(Splice { instruction, index: cursor.u16()?.into(), count: cursor.u16()?.into() }))
 }
 
 fn instruction(record: &Record<'_>, code: u8) -> Result<Instruction, Invalid> {
@@ -193,4 +191,160 @@ fn instruction(record: &Record<'_>, code: u8) -> Result<Instruction, Invalid> {
 
 fn refuse(record: &Record<'_>, found: String, expected: &str) -> Invalid {
     Invalid::new(format!("record {}", record.number), found, expected, "download or copy the file again")
+}
+
+// The effect of update records on a cell (S-57, 3.1, part 3, 8).
+
+/// The value of a deleted attribute.
+const DELETED: &str = "\u{7f}";
+
+/// A record that others change.
+pub(crate) trait Versioned: Clone {
+    /// Identifies the record within the cell.
+    type Key: Ord + Clone;
+    fn key(&self) -> Self::Key;
+    fn named(&self) -> String;
+    /// Its version, and what it does to the record of the version before.
+    fn edition(&self) -> (u16, Instruction);
+    /// Elements of this record's lists that `change` moves.
+    fn moved(&self, change: &Self) -> u64;
+    /// Applies `change`.
+    fn modify(&mut self, change: Self) -> Result<(), Invalid>;
+}
+
+/// Inserts, deletes or modifies a record of the cell.
+pub(crate) fn apply<T: Versioned>(all: &mut BTreeMap<T::Key, T>, change: T) -> Result<(), Invalid> {
+    let (key, (version, instruction)) = (change.key(), change.edition());
+    if instruction == Instruction::Insert {
+        let named = change.named();
+        return match all.insert(key, change) {
+            None => Ok(()),
+            Some(_) => Err(refuse_change(named, "the insertion of an existing record", "a new record")),
+        };
+    }
+    let Some(record) = all.get_mut(&key) else {
+        return Err(refuse_change(change.named(), "a change of a missing record", "a record of the cell"));
+    };
+    let next = record.edition().0.wrapping_add(1);
+    if version != next {
+        let version = format!("version {version}");
+        return Err(refuse_change(change.named(), &version, &format!("version {next}, the next one")));
+    }
+    match instruction {
+        Instruction::Delete => {
+            all.remove(&key);
+            Ok(())
+        }
+        _ => record.modify(change),
+    }
+}
+
+/// Elements of lists that a change moves, before it is applied.
+pub(crate) fn moved<T: Versioned>(all: &BTreeMap<T::Key, T>, change: &T) -> u64 {
+    all.get(&change.key()).map_or(0, |record| record.moved(change))
+}
+
+/// As [`moved`], for one list: insertions and deletions move all elements behind them.
+fn moved_in<T>(list: &[T], change: &Part<T>) -> u64 {
+    let moves = |splice: &Splice| splice.instruction != Instruction::Modify;
+    change.splice.filter(moves).map_or(0, |splice| list.len().saturating_sub(splice.index) as u64)
+}
+
+impl Versioned for Vector {
+    type Key = (u8, u32);
+
+    fn key(&self) -> (u8, u32) {
+        self.name
+    }
+
+    fn named(&self) -> String {
+        format!("vector record {}-{}", self.name.0, self.name.1)
+    }
+
+    fn edition(&self) -> (u16, Instruction) {
+        (self.version, self.instruction)
+    }
+
+    fn moved(&self, change: &Self) -> u64 {
+        moved_in(&self.ends.items, &change.ends) + moved_in(&self.points.items, &change.points)
+    }
+
+    fn modify(&mut self, change: Self) -> Result<(), Invalid> {
+        let named = change.named();
+        self.version = change.version;
+        merge(&mut self.attributes, change.attributes);
+        change_list(&mut self.ends.items, change.ends, &named)?;
+        change_list(&mut self.points.items, change.points, &named)
+    }
+}
+
+impl Versioned for Object {
+    type Key = u32;
+
+    fn key(&self) -> u32 {
+        self.number
+    }
+
+    fn named(&self) -> String {
+        format!("feature record {}", self.number)
+    }
+
+    fn edition(&self) -> (u16, Instruction) {
+        (self.version, self.instruction)
+    }
+
+    fn moved(&self, change: &Self) -> u64 {
+        moved_in(&self.pointers.items, &change.pointers)
+    }
+
+    fn modify(&mut self, change: Self) -> Result<(), Invalid> {
+        let named = change.named();
+        self.version = change.version;
+        merge(&mut self.attributes, change.attributes);
+        change_list(&mut self.pointers.items, change.pointers, &named)
+    }
+}
+
+/// Sets attributes, and removes deleted ones.
+fn merge(attributes: &mut Attributes, changes: Attributes) {
+    for (code, value) in changes {
+        match value == DELETED {
+            true => attributes.remove(&code),
+            false => attributes.insert(code, value),
+        };
+    }
+}
+
+/// Changes a part of a list, or without a splice all of it, if there is a change.
+fn change_list<T>(list: &mut Vec<T>, change: Part<T>, named: &str) -> Result<(), Invalid> {
+    let Some(Splice { instruction, index, count }) = change.splice else {
+        if !change.items.is_empty() {
+            *list = change.items;
+        }
+        return Ok(());
+    };
+    let from = index.wrapping_sub(1);
+    let taken = if instruction == Instruction::Insert { 0 } else { count };
+    let given = if instruction == Instruction::Delete { 0 } else { count };
+    let fits = from.checked_add(taken).is_some_and(|end| end <= list.len());
+    if !fits || change.items.len() != given {
+        let places = format!(
+            "{} for places {index} to {} of {}",
+            change.items.len(),
+            from.saturating_add(count),
+            list.len()
+        );
+        return Err(refuse_change(named.to_owned(), &places, "a change within its list"));
+    }
+    list.splice(from..from + taken, change.items);
+    Ok(())
+}
+
+fn refuse_change(thing: String, found: &str, expected: &str) -> Invalid {
+    Invalid::new(
+        thing,
+        found,
+        expected,
+        "take base cell and updates of one edition, as their producer issued them",
+    )
 }

@@ -183,7 +183,7 @@ fn contours_are_kept_for_maps_and_block_nothing() {
     objects.push(Feature {
         class: class("DEPCNT").unwrap(),
         id: "1-2-3".into(),
-        attributes: BTreeMap::from([(chart::enc::attribute::VALDCO.0, "5".to_owned())]),
+        attributes: BTreeMap::from([(chart::enc::VALDCO.0, "5".to_owned())]),
         geometry: Geometry::Lines(vec![line(25.001), line(27.0)]),
         position_quality: Vec::new(),
     });
@@ -210,7 +210,7 @@ fn objects_that_matter_have_a_place() {
     let message = layer(wreck(Geometry::None), &Rules::default()).unwrap_err().to_string();
     assert!(message.contains("WRECKS 1-2-3") && message.contains("no geometry"), "{message}");
     let mut deep = wreck(Geometry::Points(vec![[25.0, 60.0]]));
-    deep.attributes.insert(chart::enc::attribute::VALSOU.0, "5 m".into());
+    deep.attributes.insert(chart::enc::VALSOU.0, "5 m".into());
     let message = layer(deep, &Rules::default()).unwrap_err().to_string();
     assert!(message.contains("VALSOU") && message.contains("5 m"), "{message}");
     // A class that no standard knows may be anything.
@@ -240,7 +240,7 @@ fn island_with(own: Feature, rules: &Rules) -> (PolygonLayer, Tallies) {
     let island = rectangle([24.99, 59.99], [25.01, 60.01]);
     let lake = rectangle([25.004, 60.004], [25.006, 60.006]);
     let mut water = object("DEPARE", Geometry::Area(vec![vec![outer, island.clone()], vec![lake.clone()]]));
-    water.attributes.insert(chart::enc::attribute::DRVAL1.0, "20".into());
+    water.attributes.insert(chart::enc::DRVAL1.0, "20".into());
     let land = object("LNDARE", Geometry::Area(vec![vec![island, lake]]));
     PolygonLayer::from_objects(&[water, land, own], Some(20_000), rules).unwrap()
 }
@@ -314,7 +314,7 @@ fn what_has_no_body_is_ignored_wherever_it_is_and_with_its_reason() {
     }
     let mut mark = object("DISMAR", point());
     assert_eq!(became(mark.clone()), (1, vec![]));
-    mark.attributes.insert(chart::enc::attribute::CATDIS.0, "1".into());
+    mark.attributes.insert(chart::enc::CATDIS.0, "1".into());
     assert_eq!(became(mark), (0, vec![Ignored::Unmarked]));
     let rules = |treatment| Rules { changed: [("LNDMRK".to_owned(), treatment)].into(), ..Rules::default() };
     let turbine = |treatment| island_with(object("LNDMRK", point()), &rules(treatment)).1["LNDMRK"].clone();
@@ -334,7 +334,7 @@ fn parts_in_other_units_or_of_another_datum_are_refused() {
             .map(|_| ())
             .map_err(|e| e.to_string())
     };
-    use chart::enc::attribute::{DUNITS, HORDAT, HUNITS};
+    use chart::enc::{DUNITS, HORDAT, HUNITS};
     for (name, attribute, good, bad) in
         [("M_UNIT", DUNITS, "1", "3"), ("M_UNIT", HUNITS, "1", "2"), ("M_HDAT", HORDAT, "2", "1")]
     {

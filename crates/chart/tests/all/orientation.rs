@@ -1,6 +1,6 @@
 //! On which side of a line a point lies.
 
-use chart::orientation::{cross_properly, turn};
+use chart::ring::{cross_properly, turn};
 
 #[test]
 fn turns_are_exact_where_rounding_would_decide() {

@@ -228,7 +228,7 @@ fn a_plan_on_a_whole_cell_keeps_from_every_danger_what_its_rule_says() {
         let danger = ["OBSTRN", "WRECKS", "UWTROC"]
             .contains(&chart::enc::class_name(object.class).unwrap_or_default());
         let chart::enc::Geometry::Points(points) = &object.geometry else { continue };
-        let over = object.number(chart::enc::attribute::VALSOU).unwrap();
+        let over = object.number(chart::enc::VALSOU).unwrap();
         if !danger || over.is_some_and(|depth| depth >= 8.0) {
             continue;
         }

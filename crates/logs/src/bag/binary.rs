@@ -4,8 +4,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::bag::effort::Effort;
-use crate::bag::fields::{Primitive, Shape, Step, Wrong};
+use super::Effort;
+use super::definition::{PathStep, Primitive, Shape, Wrong};
 
 /// Bytes of a message, and the read position.
 pub(crate) struct Cursor<'a> {
@@ -25,8 +25,9 @@ impl<'a> Cursor<'a> {
                 Ok(Self { data, at: 0, is_little: *order == 1, is_aligned: true, effort })
             }
             Some((head, _)) => {
-                let found = format!("the representation {:#06x}", u16::from_be_bytes([head[0], head[1]]));
-                Err((found, "plain CDR, 0x0000 or 0x0001".to_owned()))
+                let representation =
+                    format!("the representation {:#06x}", u16::from_be_bytes([head[0], head[1]]));
+                Err((representation, "plain CDR, 0x0000 or 0x0001".to_owned()))
             }
             None => Err((format!("{} bytes", message.len()), "at least 4".to_owned())),
         }
@@ -77,12 +78,12 @@ impl<'a> Cursor<'a> {
 
 /// A shape, and where its wanted numbers go.
 pub(crate) struct Node {
-    kind: Kind,
+    kind: ValueKind,
     /// Indices in the row.
     slots: Vec<usize>,
 }
 
-enum Kind {
+enum ValueKind {
     Number(Primitive),
     Text,
     Padding(usize),
@@ -100,7 +101,7 @@ impl Node {
     ///
     /// # Errors
     /// The index of a path that leads to no number.
-    pub(crate) fn new(shape: &Shape, wanted: &[(usize, &[Step])]) -> Result<Self, usize> {
+    pub(crate) fn new(shape: &Shape, wanted: &[(usize, &[PathStep])]) -> Result<Self, usize> {
         let ends: Vec<usize> =
             wanted.iter().filter(|(_, path)| path.is_empty()).map(|(slot, _)| *slot).collect();
         let is_number = matches!(shape, Shape::Number(_));
@@ -108,17 +109,17 @@ impl Node {
             return Err(*slot);
         }
         let kind = match shape {
-            Shape::Number(kind) => Kind::Number(*kind),
-            Shape::Text => wanted.first().map_or(Ok(Kind::Text), |(slot, _)| Err(*slot))?,
+            Shape::Number(kind) => ValueKind::Number(*kind),
+            Shape::Text => wanted.first().map_or(Ok(ValueKind::Text), |(slot, _)| Err(*slot))?,
             Shape::Padding(bytes) => {
-                wanted.first().map_or(Ok(Kind::Padding(*bytes)), |(slot, _)| Err(*slot))?
+                wanted.first().map_or(Ok(ValueKind::Padding(*bytes)), |(slot, _)| Err(*slot))?
             }
             Shape::Fields(fields) => {
                 let known: BTreeSet<&str> = fields.iter().map(|(name, _)| name.as_str()).collect();
-                let mut below: BTreeMap<&str, Vec<(usize, &[Step])>> = BTreeMap::new();
+                let mut below: BTreeMap<&str, Vec<(usize, &[PathStep])>> = BTreeMap::new();
                 for (slot, path) in wanted {
                     match &path[0] {
-                        Step::Name(name) if known.contains(name.as_str()) => {
+                        PathStep::Name(name) if known.contains(name.as_str()) => {
                             below.entry(name).or_default().push((*slot, &path[1..]));
                         }
                         _ => return Err(*slot),
@@ -126,13 +127,13 @@ impl Node {
                 }
                 let of = |name: &str| below.get(name).map_or(&[][..], Vec::as_slice);
                 let node = |(name, shape): &(String, Shape)| Self::new(shape, of(name));
-                Kind::Fields(fields.iter().map(node).collect::<Result<_, _>>()?)
+                ValueKind::Fields(fields.iter().map(node).collect::<Result<_, _>>()?)
             }
             Shape::List(of, len) => {
-                let mut below: BTreeMap<usize, Vec<(usize, &[Step])>> = BTreeMap::new();
+                let mut below: BTreeMap<usize, Vec<(usize, &[PathStep])>> = BTreeMap::new();
                 for (slot, path) in wanted {
                     match path[0] {
-                        Step::Index(i) if len.is_none_or(|len| i < len) => {
+                        PathStep::Index(i) if len.is_none_or(|len| i < len) => {
                             below.entry(i).or_default().push((*slot, &path[1..]));
                         }
                         _ => return Err(*slot),
@@ -140,7 +141,7 @@ impl Node {
                 }
                 let node = |(i, wanted): (usize, Vec<_>)| Self::new(of, &wanted).map(|node| (i, node));
                 let elements = below.into_iter().map(node).collect::<Result<_, _>>()?;
-                Kind::List { of: Box::new(Self::new(of, &[])?), len: *len, wanted: elements }
+                ValueKind::List { of: Box::new(Self::new(of, &[])?), len: *len, wanted: elements }
             }
         };
         Ok(Self { kind, slots: ends })
@@ -151,19 +152,21 @@ impl Node {
     pub(crate) fn read(&self, cursor: &mut Cursor, row: &mut [f64]) -> Option<()> {
         let start = cursor.at;
         match &self.kind {
-            Kind::Number(kind) => {
+            ValueKind::Number(kind) => {
                 let value = cursor.number(*kind)?;
                 self.slots.iter().for_each(|slot| row[*slot] = value);
             }
-            Kind::Text => {
+            ValueKind::Text => {
                 let length = cursor.length()?;
                 cursor.skip(length)?;
             }
-            Kind::Padding(bytes) => cursor.skip((*bytes).min(cursor.data.len().saturating_sub(cursor.at)))?,
+            ValueKind::Padding(bytes) => {
+                cursor.skip((*bytes).min(cursor.data.len().saturating_sub(cursor.at)))?
+            }
             // In CDR a message without fields still has one byte.
-            Kind::Fields(fields) if fields.is_empty() => cursor.skip(usize::from(cursor.is_aligned))?,
-            Kind::Fields(fields) => fields.iter().try_for_each(|field| field.read(cursor, row))?,
-            Kind::List { of, len, wanted } => {
+            ValueKind::Fields(fields) if fields.is_empty() => cursor.skip(usize::from(cursor.is_aligned))?,
+            ValueKind::Fields(fields) => fields.iter().try_for_each(|field| field.read(cursor, row))?,
+            ValueKind::List { of, len, wanted } => {
                 let len = len.map_or_else(|| cursor.length(), Some)?;
                 (0..len).try_for_each(|i| wanted.get(&i).unwrap_or(of).read(cursor, row))?;
             }
@@ -176,8 +179,7 @@ impl Node {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bag::definition::{Dialect, definition};
-    use crate::bag::fields::steps;
+    use crate::bag::definition::{Dialect, definition, steps};
 
     /// `uint8 a = 7`, `string s = "hi"`, `float64[] w = [1.5, -2]`, `int16 b = -3`, `float32 c = 0.25` as fastcdr writes them.
     fn message(is_little: bool) -> Vec<u8> {
@@ -210,7 +212,7 @@ mod tests {
         )
         .unwrap();
         let paths = ["a", "w[1]", "b", "c", "w[5]"].map(|path| steps(path).unwrap());
-        let wanted: Vec<(usize, &[Step])> = paths.iter().map(Vec::as_slice).enumerate().collect();
+        let wanted: Vec<(usize, &[PathStep])> = paths.iter().map(Vec::as_slice).enumerate().collect();
         let node = Node::new(&shape, &wanted).unwrap();
         let effort = Effort::new(0.0);
         for is_little in [true, false] {

@@ -1,12 +1,16 @@
 //! The channels of a topic: who publishes it, and how messages are laid out.
 
 use std::collections::BTreeMap;
+use std::io::Read;
 
 use refusal::{Invalid, foreign};
 
-use crate::bag::decoder::Decoder;
-use crate::bag::definition::LONGEST;
-use crate::bag::effort::Effort;
+use crate::bag::database::DatabaseFile;
+use crate::bag::decoder::{Decoder, shape};
+use crate::bag::definition::{LONGEST, leaves};
+use crate::bag::stream::each_part;
+use crate::bag::{BagPart, Effort, database};
+use crate::{Format, LogError};
 
 /// Bytes of a definition or a channel besides its texts.
 const ENTRY: usize = 256;
@@ -72,7 +76,7 @@ impl Channel {
 }
 
 /// The channels of the topic that is read.
-pub(crate) struct Channels<'a> {
+pub(crate) struct TopicChannels<'a> {
     /// The wanted publisher.
     publisher: Option<&'a str>,
     known: BTreeMap<u32, Channel>,
@@ -83,7 +87,7 @@ pub(crate) struct Channels<'a> {
     effort: &'a Effort,
 }
 
-impl<'a> Channels<'a> {
+impl<'a> TopicChannels<'a> {
     /// No channels yet; all of the topic count, or those of one publisher.
     pub(crate) fn new(publisher: Option<&'a str>, effort: &'a Effort) -> Self {
         Self { publisher, known: BTreeMap::new(), called: BTreeMap::new(), last: None, effort }
@@ -147,11 +151,11 @@ impl<'a> Channels<'a> {
 
     fn several(&self, topic: &str) -> Invalid {
         let called: Vec<&str> = self.called.values().take(4).map(String::as_str).collect();
-        let found = format!("{} channels, {}", self.called.len(), called.join(", "));
+        let listed = format!("{} channels, {}", self.called.len(), called.join(", "));
         let first = called.first().and_then(|called| called.split('`').nth(1)).unwrap_or_default();
         Invalid::new(
             format!("publishers of topic `{}`", foreign(topic)),
-            found,
+            listed,
             "messages of one",
             format!("name one by its channel or its metadata: `publisher = \"{first}\"` in its [[file]]"),
         )
@@ -183,5 +187,138 @@ impl<'a> Channels<'a> {
     pub(crate) fn check_found(&self, paths: &[String], messages: usize) -> Result<(), Invalid> {
         let mut heard = self.known.values().filter(|channel| channel.is_heard);
         heard.try_for_each(|channel| channel.decoder.check_found(paths, messages))
+    }
+}
+
+/// Messages of a topic that are decoded.
+const ROWS: usize = 400;
+
+/// Most values of a topic that are decoded.
+const CELLS: usize = 40_000;
+
+/// Most elements of a list that all are columns.
+const FEW: usize = 16;
+
+/// Most topics that are looked at.
+const MOST_TOPICS: usize = 1000;
+
+/// A topic of a bag.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Topic {
+    /// Its name.
+    pub name: String,
+    /// The type of its messages.
+    pub kind: String,
+    /// Numbers of its publishers.
+    pub publishers: Vec<u32>,
+    /// Paths to the numbers in a message; empty where its messages cannot be decoded.
+    pub fields: Vec<String>,
+    /// Values of the fields in the first messages.
+    pub rows: Vec<Vec<f64>>,
+    /// When the first and the last message were logged \[s\].
+    pub logged_s: [f64; 2],
+    /// How many messages it has.
+    pub messages: usize,
+}
+
+/// The topics of a bag and the first of their messages, by means of `memory` bytes; `format` as in [`crate::read_bag`].
+///
+/// # Errors
+/// Bytes that cannot be read or are not a bag.
+pub fn bag_census(mut bytes: impl Read, format: Format, memory: f64) -> Result<Vec<Topic>, LogError> {
+    census(memory, |effort, each| each_part(&mut bytes, format, effort, each))
+}
+
+/// As [`bag_census`], of a bag in SQLite.
+///
+/// # Errors
+/// As [`bag_census`].
+pub fn database_census(file: &DatabaseFile, memory: f64) -> Result<Vec<Topic>, LogError> {
+    census(memory, |effort, each| database::each_part(file, None, effort, each))
+}
+
+/// The topics of a bag, whose parts `pass` passes on.
+fn census(
+    memory: f64,
+    pass: impl FnOnce(&Effort, &mut dyn FnMut(BagPart) -> Result<(), LogError>) -> Result<(), LogError>,
+) -> Result<Vec<Topic>, LogError> {
+    let effort = Effort::new(memory);
+    let (schemas, topics, channels) = (Schemas::default(), BTreeMap::new(), BTreeMap::new());
+    let mut census = Census { schemas, topics, channels, effort: &effort };
+    pass(&effort, &mut |part| census.take(part))?;
+    Ok(census.topics.into_values().map(|(topic, _)| topic).collect())
+}
+
+/// What was found so far.
+struct Census<'a> {
+    schemas: Schemas,
+    /// Topics in the order of their names, with the decoder of each.
+    topics: BTreeMap<String, (Topic, Option<Decoder>)>,
+    /// The topic of each channel.
+    channels: BTreeMap<u32, String>,
+    effort: &'a Effort,
+}
+
+impl Census<'_> {
+    /// Takes the next part of a bag.
+    fn take(&mut self, part: BagPart) -> Result<(), LogError> {
+        match part {
+            BagPart::Schema { id, name, encoding, data } => {
+                self.schemas.add(id, [name, encoding], data, self.effort)?;
+            }
+            BagPart::Channel { id, number, schema, topic, encoding, .. } => {
+                if self.topics.len() < MOST_TOPICS {
+                    self.channel([id, number, schema], topic, encoding)?;
+                }
+            }
+            BagPart::Message { channel, log_time, data, .. } => self.message(channel, log_time, data),
+            BagPart::Chunk { .. } | BagPart::Other => {}
+        }
+        Ok(())
+    }
+
+    fn channel(
+        &mut self,
+        [id, number, schema]: [u32; 3],
+        topic: &str,
+        encoding: &str,
+    ) -> Result<(), Invalid> {
+        if self.channels.contains_key(&id) {
+            return Ok(());
+        }
+        let effort = self.effort;
+        effort.keep(2 * topic.len())?;
+        self.channels.insert(id, topic.to_owned());
+        if !self.topics.contains_key(topic) {
+            let parts = self.schemas.get(schema).map(|schema| schema.parts());
+            let shape = parts.and_then(|parts| shape(topic, encoding, parts, effort).ok());
+            let fields = shape.map_or(Ok(Vec::new()), |shape| leaves(&shape, FEW, effort))?;
+            let decoder = Decoder::new(topic, encoding, parts, &fields, effort).ok();
+            let kind = parts.map(|(name, ..)| name.to_owned()).unwrap_or_default();
+            let listed = Topic { name: topic.to_owned(), kind, fields, ..Topic::default() };
+            self.topics.insert(topic.to_owned(), (listed, decoder));
+        }
+        self.topics.entry(topic.to_owned()).and_modify(|(listed, _)| listed.publishers.push(number));
+        Ok(())
+    }
+
+    fn message(&mut self, channel: u32, log_time: u64, data: &[u8]) {
+        let entry = self.channels.get(&channel).and_then(|topic| self.topics.get_mut(topic));
+        let Some((topic, decoder)) = entry else { return };
+        let logged_s = 1e-9 * log_time as f64;
+        if topic.messages == 0 {
+            topic.logged_s[0] = logged_s;
+        }
+        topic.logged_s[1] = logged_s;
+        topic.messages += 1;
+        let rows = ROWS.min(CELLS / topic.fields.len().max(1));
+        let Some(decoder) = decoder.as_mut().filter(|_| topic.rows.len() < rows) else { return };
+        let mut row = vec![f64::NAN; topic.fields.len()];
+        // Damage is reported when the bag is ingested.
+        if decoder.decode(data, &mut row, self.effort).is_ok()
+            && self.effort.may_keep(size_of_val(row.as_slice()))
+        {
+            topic.rows.push(row);
+        }
     }
 }

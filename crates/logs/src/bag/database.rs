@@ -13,9 +13,8 @@ use rusqlite::limits::Limit;
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, Error, ErrorCode, OpenFlags, Row};
 
-use crate::bag::BagError;
-use crate::bag::effort::Effort;
-use crate::bag::parts::Part;
+use super::{BagPart, Effort};
+use crate::LogError;
 
 /// Instructions of SQLite's machine that a byte of the file pays for, those in any case, and after how many they are
 /// counted. A row of a bag takes ten for its twenty bytes.
@@ -61,8 +60,8 @@ pub(crate) fn each_part(
     file: &DatabaseFile,
     topic: Option<&str>,
     effort: &Effort,
-    each: &mut dyn FnMut(Part) -> Result<(), BagError>,
-) -> Result<(), BagError> {
+    each: &mut dyn FnMut(BagPart) -> Result<(), LogError>,
+) -> Result<(), LogError> {
     let database = Database { connection: connection(file, effort).map_err(damaged)?, bytes: file.bytes };
     let definitions = definitions(&database, effort)?;
     let mut wanted = BTreeSet::new();
@@ -74,10 +73,10 @@ pub(crate) fn each_part(
         if topic.is_none_or(|topic| topic == name) {
             wanted.insert(row);
         }
-        let (own, text) = definitions.get(&kind).map_or(("", ""), |(own, text)| (own, text));
-        each(Part::Schema { id, name: &kind, encoding: own, data: text.as_bytes() })?;
+        let (language, text) = definitions.get(&kind).map_or(("", ""), |(language, text)| (language, text));
+        each(BagPart::Schema { id, name: &kind, encoding: language, data: text.as_bytes() })?;
         let (topic, encoding, metadata) = (name.as_str(), encoding.as_str(), Vec::new());
-        each(Part::Channel { id, number: id, schema: id, topic, encoding, metadata })
+        each(BagPart::Channel { id, number: id, schema: id, topic, encoding, metadata })
     })?;
     let ids: Vec<String> = wanted.iter().map(i64::to_string).collect();
     let all = format!("WHERE topic_id IN ({}) OR typeof(topic_id) <> 'integer'", ids.join(", "));
@@ -90,7 +89,7 @@ pub(crate) fn each_part(
         // Messages may be compressed one by one: plain ones begin with a zero.
         let unpacked = data.starts_with(b"\x28\xB5\x2F\xFD").then(|| unpacked(data, effort)).transpose()?;
         let data = unpacked.as_deref().unwrap_or(data);
-        each(Part::Message { channel, log_time, publish_time: log_time, data })
+        each(BagPart::Message { channel, log_time, publish_time: log_time, data })
     })
 }
 
@@ -107,7 +106,7 @@ fn unpacked(data: &[u8], effort: &Effort) -> Result<Vec<u8>, Invalid> {
 }
 
 /// Encoding and text of each type's definition; older bags have none.
-fn definitions(database: &Database, effort: &Effort) -> Result<BTreeMap<String, (String, String)>, BagError> {
+fn definitions(database: &Database, effort: &Effort) -> Result<BTreeMap<String, (String, String)>, LogError> {
     let (table, mut all) = ("message_definitions", BTreeMap::new());
     if !database.has(table).map_err(damaged)? {
         return Ok(all);
@@ -165,8 +164,8 @@ impl Database {
         table: &str,
         columns: [&str; N],
         which: &str,
-        mut each: impl FnMut(i64, [ValueRef; N]) -> Result<(), BagError>,
-    ) -> Result<(), BagError> {
+        mut each: impl FnMut(i64, [ValueRef; N]) -> Result<(), LogError>,
+    ) -> Result<(), LogError> {
         if !self.has(table).map_err(damaged)? {
             return Err(no_bag(&format!("no table `{table}`")).into());
         }
@@ -174,7 +173,7 @@ impl Database {
         let name = |row: &Row| row.get("name").map(|name: String| known.push(name));
         // Generated columns are not in it.
         self.connection.pragma(None, "table_info", table, name).map_err(damaged)?;
-        if let Some(column) = columns.iter().find(|column| !known.iter().any(|own| own == *column)) {
+        if let Some(column) = columns.iter().find(|column| !known.iter().any(|other| other == *column)) {
             return Err(no_bag(&format!("no `{column}` in the table `{table}`")).into());
         }
         let sizes = columns.map(|column| format!("ifnull(octet_length({column}), 0)")).join(" + ");
@@ -182,8 +181,8 @@ impl Database {
         let total: f64 = self.connection.query_row(&total, [], |row| row.get(0)).map_err(damaged)?;
         // A page that several rows share, or that follows on itself, would be read again and again.
         if total > self.bytes as f64 {
-            let found = format!("{total} bytes in the table `{table}` of a file of {}", self.bytes);
-            return Err(Invalid::new("file", found, "a whole SQLite database", COPY).into());
+            let size = format!("{total} bytes in the table `{table}` of a file of {}", self.bytes);
+            return Err(Invalid::new("file", size, "a whole SQLite database", COPY).into());
         }
         let select = format!("SELECT rowid, {} FROM {table} NOT INDEXED {which}", columns.join(", "));
         let mut statement = self.connection.prepare(&select).map_err(damaged)?;
@@ -207,8 +206,8 @@ fn text(value: ValueRef) -> Option<String> {
         .map(|text| String::from_utf8_lossy(text).into_owned())
 }
 
-fn damaged(error: Error) -> BagError {
-    let (found, expected, remedy) = match error.sqlite_error_code() {
+fn damaged(error: Error) -> LogError {
+    let (problem, expected, remedy) = match error.sqlite_error_code() {
         Some(ErrorCode::TooBig) => (
             "a row that is too large".to_owned(),
             "rows of at most a quarter of the memory, and of 128 MiB",
@@ -219,7 +218,7 @@ fn damaged(error: Error) -> BagError {
         }
         _ => (foreign(&error.to_string()), "a whole SQLite database", COPY),
     };
-    Invalid::new("file", found, expected, remedy).into()
+    Invalid::new("file", problem, expected, remedy).into()
 }
 
 fn no_bag(found: &str) -> Invalid {

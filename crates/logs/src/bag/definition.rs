@@ -5,10 +5,9 @@
 use std::cell::Cell;
 use std::collections::BTreeMap;
 
-use refusal::foreign;
+use refusal::{Invalid, foreign};
 
-use crate::bag::effort::Effort;
-use crate::bag::fields::{Primitive, Shape};
+use super::Effort;
 
 /// Depth of nested types beyond which a definition is taken to be recursive.
 const DEEPEST: usize = 32;
@@ -155,6 +154,190 @@ impl Types<'_> {
     }
 }
 
+/// What is wrong with a message: found, expected.
+pub(crate) type Wrong = (String, String);
+
+/// A step of a path.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum PathStep {
+    /// To a field.
+    Name(String),
+    /// To an element of a list.
+    Index(usize),
+}
+
+/// The steps of a path such as `position[2].x`; `None` where it is not a path.
+pub(crate) fn steps(path: &str) -> Option<Vec<PathStep>> {
+    let mut steps = Vec::new();
+    for part in path.split('.') {
+        let (name, mut rest) = part.split_at(part.find('[').unwrap_or(part.len()));
+        if name.is_empty() {
+            return None;
+        }
+        steps.push(PathStep::Name(name.to_owned()));
+        while !rest.is_empty() {
+            let (index, after) = rest.strip_prefix('[')?.split_once(']')?;
+            steps.push(PathStep::Index(index.parse().ok()?));
+            rest = after;
+        }
+    }
+    Some(steps)
+}
+
+/// The shape of a value of a message.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Shape {
+    Number(Primitive),
+    Text,
+    /// Bytes without a meaning, which the end of a message may lack.
+    Padding(usize),
+    Fields(Vec<(String, Shape)>),
+    /// Elements of one shape: a fixed number, or as many as a count before them states.
+    List(Box<Shape>, Option<usize>),
+}
+
+/// A number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Primitive {
+    U8,
+    I8,
+    U16,
+    I16,
+    U32,
+    I32,
+    U64,
+    I64,
+    F32,
+    F64,
+}
+
+/// Most names to search for the one that was meant.
+const MOST_NAMES: usize = 1000;
+
+impl Shape {
+    /// How many fields and lists it has.
+    pub(crate) fn fields(&self) -> usize {
+        1 + match self {
+            Self::Fields(fields) => fields.iter().map(|(_, shape)| shape.fields()).sum(),
+            Self::List(of, _) => of.fields(),
+            Self::Number(_) | Self::Text | Self::Padding(_) => 0,
+        }
+    }
+}
+
+/// The paths to the numbers of `shape`; of a list all elements if they are `few` at most, else the first.
+///
+/// # Errors
+/// More paths, to anything or to nothing, than `effort` allows.
+pub(crate) fn leaves(shape: &Shape, few: usize, effort: &Effort) -> Result<Vec<String>, Invalid> {
+    let mut leaves = Vec::new();
+    collect(shape, "", few, effort, &mut leaves)?;
+    Ok(leaves)
+}
+
+fn collect(
+    shape: &Shape,
+    path: &str,
+    few: usize,
+    effort: &Effort,
+    found: &mut Vec<String>,
+) -> Result<(), Invalid> {
+    effort.text(path.len())?;
+    match shape {
+        _ if found.len() >= MOST_NAMES => Ok(()),
+        Shape::Number(_) => {
+            effort.keep(path.len())?;
+            found.push(path.to_owned());
+            Ok(())
+        }
+        Shape::Text | Shape::Padding(_) => Ok(()),
+        Shape::Fields(fields) => fields.iter().try_for_each(|(name, shape)| {
+            let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+            collect(shape, &path, few, effort, found)
+        }),
+        Shape::List(of, len) => {
+            let listed = len.filter(|len| *len <= few).unwrap_or(1);
+            (0..listed).try_for_each(|i| collect(of, &format!("{path}[{i}]"), few, effort, found))
+        }
+    }
+}
+
+// Definitions of common messages of ROS 2, for bags without any: fields as packages `std_msgs`, `geometry_msgs`,
+// `nav_msgs` and `sensor_msgs` have them.
+
+/// Types with their fields, which are those of every release of ROS 2 so far.
+const KNOWN: &[(&str, &str)] = &[
+    ("builtin_interfaces/Time", "int32 sec\nuint32 nanosec"),
+    ("builtin_interfaces/Duration", "int32 sec\nuint32 nanosec"),
+    ("std_msgs/Header", "builtin_interfaces/Time stamp\nstring frame_id"),
+    ("std_msgs/Bool", "bool data"),
+    ("std_msgs/Int8", "int8 data"),
+    ("std_msgs/Int16", "int16 data"),
+    ("std_msgs/Int32", "int32 data"),
+    ("std_msgs/Int64", "int64 data"),
+    ("std_msgs/UInt8", "uint8 data"),
+    ("std_msgs/UInt16", "uint16 data"),
+    ("std_msgs/UInt32", "uint32 data"),
+    ("std_msgs/UInt64", "uint64 data"),
+    ("std_msgs/Float32", "float32 data"),
+    ("std_msgs/Float64", "float64 data"),
+    ("std_msgs/MultiArrayDimension", "string label\nuint32 size\nuint32 stride"),
+    ("std_msgs/MultiArrayLayout", "MultiArrayDimension[] dim\nuint32 data_offset"),
+    ("std_msgs/Float32MultiArray", "MultiArrayLayout layout\nfloat32[] data"),
+    ("std_msgs/Float64MultiArray", "MultiArrayLayout layout\nfloat64[] data"),
+    ("geometry_msgs/Point", "float64 x\nfloat64 y\nfloat64 z"),
+    ("geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z"),
+    ("geometry_msgs/Quaternion", "float64 x\nfloat64 y\nfloat64 z\nfloat64 w"),
+    ("geometry_msgs/Pose", "Point position\nQuaternion orientation"),
+    ("geometry_msgs/PoseWithCovariance", "Pose pose\nfloat64[36] covariance"),
+    ("geometry_msgs/Twist", "Vector3 linear\nVector3 angular"),
+    ("geometry_msgs/TwistWithCovariance", "Twist twist\nfloat64[36] covariance"),
+    ("geometry_msgs/Wrench", "Vector3 force\nVector3 torque"),
+    ("geometry_msgs/Accel", "Vector3 linear\nVector3 angular"),
+    ("geometry_msgs/PointStamped", "std_msgs/Header header\nPoint point"),
+    ("geometry_msgs/Vector3Stamped", "std_msgs/Header header\nVector3 vector"),
+    ("geometry_msgs/QuaternionStamped", "std_msgs/Header header\nQuaternion quaternion"),
+    ("geometry_msgs/PoseStamped", "std_msgs/Header header\nPose pose"),
+    ("geometry_msgs/PoseWithCovarianceStamped", "std_msgs/Header header\nPoseWithCovariance pose"),
+    ("geometry_msgs/TwistStamped", "std_msgs/Header header\nTwist twist"),
+    ("geometry_msgs/TwistWithCovarianceStamped", "std_msgs/Header header\nTwistWithCovariance twist"),
+    ("geometry_msgs/WrenchStamped", "std_msgs/Header header\nWrench wrench"),
+    ("geometry_msgs/AccelStamped", "std_msgs/Header header\nAccel accel"),
+    (
+        "nav_msgs/Odometry",
+        "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/PoseWithCovariance pose\n\
+         geometry_msgs/TwistWithCovariance twist",
+    ),
+    (
+        "sensor_msgs/Imu",
+        "std_msgs/Header header\ngeometry_msgs/Quaternion orientation\nfloat64[9] orientation_covariance\n\
+         geometry_msgs/Vector3 angular_velocity\nfloat64[9] angular_velocity_covariance\n\
+         geometry_msgs/Vector3 linear_acceleration\nfloat64[9] linear_acceleration_covariance",
+    ),
+    ("sensor_msgs/NavSatStatus", "int8 status\nuint16 service"),
+    (
+        "sensor_msgs/NavSatFix",
+        "std_msgs/Header header\nNavSatStatus status\nfloat64 latitude\nfloat64 longitude\nfloat64 altitude\n\
+         float64[9] position_covariance\nuint8 position_covariance_type",
+    ),
+    (
+        "sensor_msgs/JointState",
+        "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort",
+    ),
+    (
+        "sensor_msgs/MagneticField",
+        "std_msgs/Header header\ngeometry_msgs/Vector3 magnetic_field\nfloat64[9] magnetic_field_covariance",
+    ),
+];
+
+/// The definition of the type `name`, as bags have them; `None` if it is not known.
+pub(crate) fn known(name: &str) -> Option<String> {
+    let short = name.replace("/msg/", "/");
+    let (_, fields) = KNOWN.iter().find(|(known, _)| *known == short)?;
+    let others = KNOWN.iter().map(|(name, fields)| format!("\n====\nMSG: {name}\n{fields}"));
+    Some(others.fold((*fields).to_owned(), |all, other| all + &other))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -171,7 +354,7 @@ mod tests {
         let shape = definition("geometry_msgs/msg/Thing", text, Dialect::Ros2).unwrap();
         let paths =
             ["header.stamp.sec", "header.stamp.nanosec", "corners[0].x", "corners[0].y", "weights[0]"];
-        assert_eq!(crate::bag::fields::leaves(&shape, 1, &Effort::new(0.0)).unwrap(), paths);
+        assert_eq!(super::leaves(&shape, 1, &Effort::new(0.0)).unwrap(), paths);
         let circle = definition("a/A", "A next\n", Dialect::Ros2).unwrap_err();
         assert!(circle.contains("within itself"), "{circle}");
         assert!(definition("a/A", "B next\n", Dialect::Ros2).unwrap_err().contains("no definition of `a/B`"));
@@ -198,5 +381,14 @@ mod tests {
             let refused = definition("a/A", &text, Dialect::Ros2).unwrap_err();
             assert!(refused.contains(said) && refused.len() < 200, "{refused}");
         }
+    }
+
+    #[test]
+    fn all_that_are_known_have_a_shape() {
+        for (name, _) in KNOWN {
+            let text = known(name).unwrap();
+            assert!(definition(name, &text, Dialect::Ros2).is_ok(), "{name}");
+        }
+        assert!(known("nav_msgs/msg/Odometry").is_some() && known("nav_msgs/msg/Other").is_none());
     }
 }

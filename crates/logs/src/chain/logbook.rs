@@ -1,4 +1,5 @@
 use std::collections::BTreeMap;
+use std::fmt::Write;
 
 use maneuver::Generator;
 use rayon::prelude::*;
@@ -8,7 +9,7 @@ use serde::Deserialize;
 use ship::engine::Helm;
 use ship::model::Vessel;
 
-use super::{Chain, Commanded, Drift, Failed, Hits, Key, Weather, Wind};
+use super::{Chain, Commanded, Drift, Failed, Hits, Key, Recording, Weather, Wind};
 use crate::factor;
 
 /// The forces of azimuth thrusters, by their names in [`crate::Plan`].
@@ -118,10 +119,10 @@ pub fn force_factors(vessel: &Vessel) -> Result<[f64; 3], NoLogs> {
     match factors.collect::<Option<Vec<f64>>>().as_deref() {
         Some([surge, sway, yaw]) if fits => Ok([*surge, *sway, *yaw]),
         _ => {
-            let found: Vec<String> = inputs.iter().map(|i| format!("{} [{}]", i.name, i.unit)).collect();
+            let listed: Vec<String> = inputs.iter().map(|i| format!("{} [{}]", i.name, i.unit)).collect();
             let expected = "tau1 [N], tau2 [N], tau3 [N m], the forces of azimuth thrusters";
             let remedy = "simulate another vessel";
-            Err(Fault::Vessel.is(Invalid::new("[[input]]", found.join(", "), expected, remedy)))
+            Err(Fault::Vessel.is(Invalid::new("[[input]]", listed.join(", "), expected, remedy)))
         }
     }
 }
@@ -225,13 +226,45 @@ fn no_logs(failed: Failed, maneuver: &str, repeat: u32, rate_hz: f64) -> NoLogs 
         }
         Failed::Unreachable { sample, what } => {
             let (force, unit) = FORCES[what.force.min(2)];
-            let found = format!(
+            let times = format!(
                 "thrusters that produce {force} = {:.4} {unit} where maneuver `{maneuver}` needs {:.4} at sample {sample}",
                 what.made, what.wanted
             );
             let expected = "thrusters that can produce surge, sway and yaw together";
             let remedy = "add a thruster elsewhere, or couple the inputs with `follows`";
-            Fault::Thrusters.is(Invalid::new("[[thruster]]", found, expected, remedy))
+            Fault::Thrusters.is(Invalid::new("[[thruster]]", times, expected, remedy))
         }
+    }
+}
+
+impl Recording {
+    /// As CSV: time, north, east, heading, and speed and angle of every thruster; rows without a fix have no
+    /// position. The header says that the log is simulated.
+    pub fn csv(&self, rate_hz: f64) -> String {
+        let mut out = String::new();
+        // Writing to a string cannot fail.
+        let _ = self.write(&mut out, rate_hz);
+        out
+    }
+
+    fn write(&self, out: &mut String, rate_hz: f64) -> std::fmt::Result {
+        out.push_str("simulated t [s],north [m],east [m],heading [deg]");
+        for i in 1..=self.settings.first().map_or(0, Vec::len) {
+            write!(out, ",thruster {i} [rpm],thruster {i} [deg]")?;
+        }
+        out.push('\n');
+        for (k, heading) in self.heading.iter().enumerate() {
+            write!(out, "{:.6},", k as f64 / rate_hz)?;
+            match self.fixes[k] {
+                Some([north, east]) => write!(out, "{north:.6},{east:.6}")?,
+                None => out.push(','),
+            }
+            write!(out, ",{:.6}", heading.to_degrees())?;
+            for setting in &self.settings[k] {
+                write!(out, ",{:.4},{:.5}", 60.0 * setting.n, setting.alpha.to_degrees())?;
+            }
+            out.push('\n');
+        }
+        Ok(())
     }
 }

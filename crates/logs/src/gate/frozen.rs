@@ -1,7 +1,6 @@
 //! Sensors that repeat a value while the ship moves.
 
-use super::hold::{Hold, Holds};
-use super::places::pair;
+use super::limit::{pair, without};
 use crate::{Channels, Omissions, Reason, Series};
 
 /// Velocities; where one stands still, the others show whether the ship did.
@@ -28,19 +27,27 @@ pub(crate) fn keep_alive(channels: &mut Channels, omitted: &mut Omissions) {
         && let [Some(first), Some(second)] = names.map(|name| channels.get(name))
     {
         let holds = Holds::of(first, Some(second), metres);
-        let found: Vec<Hold> = holds.long().filter(|hold| is_stuck(hold, &holds, channels)).collect();
-        frozen.extend(names.map(|name| (name, found.clone())));
+        let stuck: Vec<Hold> = holds.long().filter(|hold| is_stuck(hold, &holds, channels)).collect();
+        frozen.extend(names.map(|name| (name, stuck.clone())));
     }
     for (name, holds) in frozen.iter().filter(|(_, holds)| !holds.is_empty()) {
         let Some(series) = channels.get_mut(*name) else { continue };
-        let (kept, count) = without(series, holds);
-        *series = kept;
+        let mut count = 0;
+        *series = without(
+            series,
+            holds,
+            |hold| hold.times[1],
+            |hold, time| {
+                let repeats = hold.times[0] < time;
+                count += u64::from(repeats);
+                repeats
+            },
+        );
         omitted.add(name, Reason::Frozen, count);
     }
 }
 
-/// Whether the position stood still while the ship moved: by its speed, or by how abruptly the position
-/// stopped or resumed.
+/// Whether the position stood still while the ship moved: by its speed, or by how abruptly the position stopped or resumed.
 fn is_stuck(hold: &Hold, holds: &Holds, channels: &Channels) -> bool {
     let speed = ["y_u", "v_x"].iter().zip(["y_v", "v_y"]).find_map(|(first, second)| {
         let [first, second] = [channels.get(*first)?, channels.get(second)?];
@@ -82,7 +89,7 @@ fn is_frozen(name: &str, hold: &Hold, holds: &Holds, channels: &Channels) -> boo
             // ever smaller steps.
             let stopped = || {
                 hold.value != 0.0
-                    && holds.hardly_repeat()
+                    && holds.usual == 1
                     && hold.step_in > 0.25 * step
                     && all_stop(name, hold, channels)
             };
@@ -154,20 +161,128 @@ fn others<'a>(
     })
 }
 
-/// `series` without the repetitions in `holds`, and how many values these are.
-fn without(series: &Series, holds: &[Hold]) -> (Series, u64) {
-    let (mut count, mut next) = (0, 0);
-    let values = series.values.made(series.t.iter().zip(series.values.iter()).map(|(time, value)| {
-        while holds.get(next).is_some_and(|hold| hold.times[1] < time) {
-            next += 1;
-        }
-        match holds.get(next).filter(|hold| hold.times[0] < time) {
-            Some(_) => {
-                count += 1;
-                f64::NAN
+/// Equal values in a row that may occur by chance, on a channel that hardly ever repeats one.
+const ROWS: usize = 5;
+
+/// Seconds that they may take.
+const SHORT_S: f64 = 3.0;
+
+/// Hold lengths that are counted individually.
+const LENGTHS: usize = 1024;
+
+/// Consecutive rows with one value.
+#[derive(Clone, Debug, PartialEq)]
+struct Hold {
+    /// The value; for a position the first of its two coordinates.
+    pub(super) value: f64,
+    /// The first and the last time \[s\].
+    pub(super) times: [f64; 2],
+    /// Modulus of the steps to it and from it; NaN where there is none, or a gap.
+    step_in: f64,
+    step_out: f64,
+    rows: usize,
+}
+
+/// All potentially long holds of a channel.
+struct Holds {
+    candidates: Vec<Hold>,
+    /// Length that nine tenths of all holds do not exceed, most of them a single row.
+    usual: usize,
+    /// Mean modulus of the steps between holds.
+    pub(super) step: f64,
+}
+
+/// Counts during a pass over a channel.
+struct Counting {
+    candidates: Vec<Hold>,
+    lengths: Vec<u64>,
+    steps: (f64, u64),
+}
+
+impl Hold {
+    fn duration_s(&self) -> f64 {
+        self.times[1] - self.times[0]
+    }
+
+    /// Whether it begins or ends by a step of more than `step`.
+    fn is_abrupt(&self, step: f64) -> bool {
+        self.step_in > step || self.step_out > step
+    }
+
+    /// Whether it lasts from the first known row, or until the last.
+    fn is_cut(&self) -> bool {
+        self.step_in.is_nan() || self.step_out.is_nan()
+    }
+
+    /// Times within it, one per row up to a limit.
+    fn moments(&self) -> impl Iterator<Item = f64> + use<> {
+        const MOST: usize = 1000;
+        let ([from, to], steps) = (self.times, self.rows.clamp(2, MOST) - 1);
+        (0..=steps).map(move |i| from + (to - from) * i as f64 / steps as f64)
+    }
+}
+
+impl Holds {
+    /// The holds of `first`, or of a position whose other coordinate is `second`; `step` is the distance between two values.
+    pub(super) fn of(
+        first: &Series,
+        second: Option<&Series>,
+        step: impl Fn([f64; 2], [f64; 2]) -> f64,
+    ) -> Self {
+        let mut counting = Counting { candidates: Vec::new(), lengths: vec![0; LENGTHS], steps: (0.0, 0) };
+        let mut seconds = second.map(|second| second.at(first.t.iter()));
+        let (mut hold, mut value): (Option<Hold>, _) = (None, [f64::NAN; 2]);
+        for (time, first_value) in first.t.iter().zip(first.values.iter()) {
+            let next =
+                [first_value, seconds.as_mut().map_or(0.0, |seconds| seconds.next().unwrap_or(f64::NAN))];
+            let gap = hold.as_ref().is_some_and(|hold| time - hold.times[1] > first.max_gap_s);
+            match &mut hold {
+                Some(hold) if !gap && next == value => (hold.times[1], hold.rows) = (time, hold.rows + 1),
+                _ => {
+                    let change = if gap { f64::NAN } else { step(value, next) };
+                    if let Some(hold) = hold.take() {
+                        counting.close(Hold { step_out: change, ..hold });
+                    }
+                    let begun = Hold {
+                        value: first_value,
+                        times: [time; 2],
+                        step_in: change,
+                        step_out: f64::NAN,
+                        rows: 1,
+                    };
+                    (hold, value) = (Some(begun), next);
+                }
             }
-            None => value,
         }
-    }));
-    (series.with(values), count)
+        hold.into_iter().for_each(|hold| counting.close(hold));
+        counting.done()
+    }
+
+    /// Those that are far longer than the channel's usual ones.
+    fn long(&self) -> impl Iterator<Item = Hold> {
+        self.candidates.iter().filter(|hold| hold.rows >= ROWS * self.usual).cloned()
+    }
+}
+
+impl Counting {
+    fn close(&mut self, hold: Hold) {
+        self.lengths[hold.rows.min(LENGTHS) - 1] += 1;
+        if hold.step_out > 0.0 {
+            self.steps = (self.steps.0 + hold.step_out, self.steps.1 + 1);
+        }
+        if hold.rows >= ROWS && hold.duration_s() >= SHORT_S {
+            self.candidates.push(hold);
+        }
+    }
+
+    fn done(self) -> Holds {
+        let all: u64 = self.lengths.iter().sum();
+        let mut so_far = 0;
+        let usual = self.lengths.iter().position(|count| {
+            so_far += count;
+            so_far * 10 >= all * 9
+        });
+        let step = self.steps.0 / self.steps.1.max(1) as f64;
+        Holds { candidates: self.candidates, usual: usual.map_or(1, |place| place + 1), step }
+    }
 }

@@ -1,5 +1,7 @@
 //! What the name of a column says.
 
+use refusal::{Invalid, foreign};
+
 use crate::{UNITS, unit};
 
 /// A channel that logs of ships have, and the words by which columns are called after it.
@@ -8,23 +10,17 @@ pub(super) struct Role {
     pub(super) unit: &'static str,
     /// Whether it is of use, but not needed.
     pub(super) is_optional: bool,
-    /// Sets of words; all words of one must stand in the name.
-    words: &'static [&'static [&'static str]],
+    words: Words,
 }
 
-const fn needed(
-    channel: &'static str,
-    unit: &'static str,
-    words: &'static [&'static [&'static str]],
-) -> Role {
+/// Sets of words; all words of one must stand in the name.
+type Words = &'static [&'static [&'static str]];
+
+const fn needed(channel: &'static str, unit: &'static str, words: Words) -> Role {
     Role { channel, unit, is_optional: false, words }
 }
 
-const fn helpful(
-    channel: &'static str,
-    unit: &'static str,
-    words: &'static [&'static [&'static str]],
-) -> Role {
+const fn helpful(channel: &'static str, unit: &'static str, words: Words) -> Role {
     Role { channel, unit, is_optional: true, words }
 }
 
@@ -84,32 +80,10 @@ const SYMBOLS: &[(&str, &str)] = &[
     ("delta", "rudder helm steering"),
 ];
 
-/// Units as names of columns end with them, after an underscore; also those of no channel.
-const ENDINGS: &[(&str, &str)] = &[
-    ("mps", "m/s"),
-    ("radps", "rad/s"),
-    ("degps", "deg/s"),
-    ("rad_s", "rad/s"),
-    ("deg_s", "deg/s"),
-    ("m_s", "m/s"),
-    ("rpm", "rpm"),
-    ("rps", "rps"),
-    ("rad", "rad"),
-    ("deg", "deg"),
-    ("kn", "kn"),
-    ("kN", "kN"),
-    ("Nm", "N m"),
-    ("ms", "ms"),
-    ("m", "m"),
-    ("s", "s"),
-    ("N", "N"),
-    ("V", "V"),
-    ("mV", "mV"),
-    ("A", "A"),
-    ("mA", "mA"),
-    ("degC", "degC"),
-    ("pct", "%"),
-];
+/// Endings of names of columns after an underscore, each with its unit; also those of no channel.
+const ENDINGS: &str = "\
+    mps m/s, radps rad/s, degps deg/s, rad_s rad/s, deg_s deg/s, m_s m/s, rpm rpm, rps rps, rad rad, deg \
+    deg, kn kn, kN kN, Nm N m, ms ms, m m, s s, N N, V V, mV mV, A A, mA mA, degC degC, pct %";
 
 /// Units in brackets that are no channel's, besides those of [`UNITS`].
 const FOREIGN: &str = "degC °C C degF K bar mbar mA Ah mAh Wh kWh l/h dB g deg/s^2 rad/s^2";
@@ -146,7 +120,7 @@ impl Named {
     pub fn is_time(&self) -> bool {
         const TIMES: [&str; 7] = ["t", "time", "timestamp", "datetime", "utc", "stamp", "seconds"];
         self.words.iter().any(|word| TIMES.contains(&word.as_str()))
-            && self.unit.is_none_or(|own| unit(own).is_some_and(|own| own.si == "s"))
+            && self.unit.is_none_or(|name| unit(name).is_some_and(|unit| unit.si == "s"))
     }
 
     /// Whether it says which ship the log is of.
@@ -187,7 +161,7 @@ impl Named {
         if self.words.join("_") == channel.to_lowercase() {
             return Some(0);
         }
-        let says = |word: &str| self.words.iter().any(|own| own == word);
+        let says = |word: &str| self.words.iter().any(|other| other == word);
         let is_other =
             |word: &String| is_among(word, OTHERS) || parts[0] != "thrust" && is_among(word, FORCES);
         if self.words.iter().any(is_other) {
@@ -216,7 +190,7 @@ impl Named {
     /// Whether all words of `set` are in it; a single letter must come first, and symbols beside no other things.
     fn has(&self, set: &[&str]) -> bool {
         let is_own = |symbol: &str| {
-            let known = SYMBOLS.iter().find(|(own, _)| *own == symbol);
+            let known = SYMBOLS.iter().find(|(other, _)| *other == symbol);
             known.is_none_or(|(_, beside)| {
                 self.words[self.field..].iter().all(|word| {
                     word == symbol
@@ -231,7 +205,7 @@ impl Named {
                 self.words.first().is_some_and(|word| word == letter) && is_own(letter)
             }
             words => {
-                words.iter().all(|word| self.words.iter().any(|own| own == word))
+                words.iter().all(|word| self.words.iter().any(|other| other == word))
                     && (words.len() > 1 || words.iter().all(|word| is_own(word)))
             }
         }
@@ -239,7 +213,7 @@ impl Named {
 }
 
 fn is_among(word: &str, words: &str) -> bool {
-    words.split(' ').any(|own| own == word)
+    words.split(' ').any(|other| other == word)
 }
 
 /// A unit in brackets at the end: `speed [m/s]`, `heading (deg)`.
@@ -248,14 +222,150 @@ fn in_brackets(column: &str) -> Option<(&str, Option<&'static str>)> {
     let (open, close) = [('[', ']'), ('(', ')')].into_iter().find(|(_, close)| column.ends_with(*close))?;
     let (name, inside) = column.rsplit_once(open)?;
     let inside = inside.trim_end_matches(close).trim();
-    let foreign = || FOREIGN.split(' ').find(|own| *own == inside);
-    Some((name, UNITS.iter().find(|own| own.name == inside).map(|own| own.name).or_else(foreign)))
+    let foreign = || FOREIGN.split(' ').find(|other| *other == inside);
+    Some((name, UNITS.iter().find(|unit| unit.name == inside).map(|unit| unit.name).or_else(foreign)))
 }
 
 /// A unit after the last underscore: `u_mps`, `delta_rad`.
 fn at_end(column: &str) -> Option<(&str, Option<&'static str>)> {
-    ENDINGS.iter().find_map(|(end, unit)| {
+    ENDINGS.split(", ").find_map(|ending| {
+        let (end, unit) = ending.split_once(' ')?;
         let name = column.strip_suffix(end)?.strip_suffix('_')?;
-        (!name.is_empty()).then_some((name, Some(*unit)))
+        (!name.is_empty()).then_some((name, Some(unit)))
     })
+}
+
+/// Separators that are tried, the likeliest first.
+const SEPARATORS: [char; 4] = [',', ';', '\t', '|'];
+
+/// Rows that are looked at.
+const ROWS: usize = 400;
+
+/// The columns of a log and its first rows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Head {
+    /// What stands between cells.
+    pub separator: char,
+    /// What stands before the decimals.
+    pub decimal: char,
+    /// Names of the columns.
+    pub columns: Vec<String>,
+    /// Rows of cells.
+    rows: Vec<Vec<String>>,
+}
+
+impl Head {
+    /// The columns and rows of `text`, the beginning of a file; its last line may be cut off.
+    ///
+    /// # Errors
+    /// No separator, no header, no row of numbers below it.
+    pub fn of_csv(text: &str) -> Result<Self, Invalid> {
+        let mut lines: Vec<&str> = text.lines().filter(|line| !line.trim().is_empty()).take(ROWS).collect();
+        if lines.len() > 2 {
+            lines.pop();
+        }
+        let Some((first, below)) = lines.split_first().filter(|(_, below)| !below.is_empty()) else {
+            return Err(refused("fewer than two lines"));
+        };
+        let width = |line: &str, separator: char| line.split(separator).count();
+        let fits = |separator: &char| {
+            width(first, *separator) > 1
+                && below.iter().all(|line| width(line, *separator) == width(first, *separator))
+        };
+        // A comma may stand before decimals, too.
+        let likely = [';', '\t', '|', ',']
+            .into_iter()
+            .find(fits)
+            .or(SEPARATORS.into_iter().find(|c| width(first, *c) > 1));
+        let Some(separator) = likely else { return Err(refused("a first line without separators")) };
+        let cells =
+            |line: &str| line.split(separator).map(|cell| cell.trim().trim_matches('"').to_owned()).collect();
+        let columns: Vec<String> = cells(first);
+        let rows: Vec<Vec<String>> = below.iter().map(|line| cells(line)).collect();
+        let has_comma = separator != ','
+            && rows.iter().flatten().any(|cell| number(cell, ',').is_some() && cell.contains(','));
+        let head = Self { separator, decimal: if has_comma { ',' } else { '.' }, columns, rows };
+        match head.columns.iter().find(|name| name.is_empty() || number(name, head.decimal).is_some()) {
+            Some(wrong) => Err(refused(&format!("`{}` in the first line", foreign(wrong)))),
+            None => Ok(head),
+        }
+    }
+
+    /// The columns of a table that is not text: their names, and the first cells of each as text.
+    pub fn of_cells(columns: Vec<String>, cells: &[Vec<String>]) -> Self {
+        let rows = cells.iter().map(Vec::len).max().unwrap_or(0);
+        let row =
+            |at: usize| cells.iter().map(|column| column.get(at).cloned().unwrap_or_default()).collect();
+        Self { separator: ',', decimal: '.', columns, rows: (0..rows.min(ROWS)).map(row).collect() }
+    }
+
+    /// The numbers of the column at `at`.
+    fn numbers(&self, at: usize) -> impl Iterator<Item = f64> {
+        self.rows.iter().filter_map(move |row| number(row.get(at)?, self.decimal))
+    }
+
+    /// The texts of the column at `at`.
+    pub fn texts(&self, at: usize) -> impl Iterator<Item = &str> {
+        self.rows
+            .iter()
+            .filter_map(move |row| row.get(at).map(String::as_str))
+            .filter(|cell| !cell.is_empty())
+    }
+
+    /// The largest modulus in the column at `at`, 0 if it has no numbers.
+    pub(super) fn largest(&self, at: usize) -> f64 {
+        self.numbers(at).fold(0.0, |most, number| most.max(number.abs()))
+    }
+
+    /// Whether the column at `at` has text and no numbers.
+    pub(super) fn is_text(&self, at: usize) -> bool {
+        self.numbers(at).next().is_none()
+    }
+
+    /// Whether the column at `at` has times such as `2024-05-01T12:00:00Z`.
+    pub(super) fn has_iso_times(&self, at: usize) -> bool {
+        let is_time = |cell: &str| iso_seconds(cell).is_some();
+        self.texts(at).next().is_some() && self.texts(at).all(is_time)
+    }
+
+    /// Whether the numbers in the column at `at` increase from row to row.
+    pub(super) fn increases(&self, at: usize) -> bool {
+        let numbers: Vec<f64> = self.numbers(at).collect();
+        numbers.len() > 2 && numbers.windows(2).all(|pair| pair[0] < pair[1])
+    }
+
+    /// The median difference between rows in the column at `at`, of times as text in seconds.
+    pub(super) fn step(&self, at: usize) -> Option<f64> {
+        let texts: Vec<f64> = self.texts(at).filter_map(iso_seconds).collect();
+        let times: Vec<f64> = if texts.is_empty() { self.numbers(at).collect() } else { texts };
+        let mut steps: Vec<f64> =
+            times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+        steps.sort_by(f64::total_cmp);
+        steps.get(steps.len() / 2).copied()
+    }
+}
+
+fn refused(found: &str) -> Invalid {
+    let expected = "a header with a name for every column, and rows below it";
+    let remedy = "write ingest.toml yourself, with `header`, `columns` or `skip_lines` (docs/own-logs.md)";
+    Invalid::new("columns", found, expected, remedy)
+}
+
+fn number(cell: &str, decimal: char) -> Option<f64> {
+    let plain = if decimal == ',' { cell.replace(',', ".") } else { cell.to_owned() };
+    plain.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+/// Seconds of the day of a time such as `2024-05-01T12:00:00.5Z`: enough for the step between rows.
+fn iso_seconds(cell: &str) -> Option<f64> {
+    let (date, time) = cell.split_once(['T', ' '])?;
+    let is_date = date.len() == 10
+        && date.split('-').count() == 3
+        && date.split('-').all(|part| part.parse::<u32>().is_ok());
+    let time = time.split(['Z', '+']).next()?;
+    let parts: Vec<f64> = time.split(':').map(|part| part.parse().ok()).collect::<Option<_>>()?;
+    match (is_date, parts.as_slice()) {
+        (true, [hours, minutes, seconds]) => Some(3600.0 * hours + 60.0 * minutes + seconds),
+        _ => None,
+    }
 }

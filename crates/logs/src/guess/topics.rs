@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use super::messages::{KNOWN, Known};
 use super::names::{Named, ROLES};
-use super::placed::{Needed, Placed, usual_unit};
+use super::{Needed, Placed, usual_unit};
+use crate::plan::motion_unit;
 use crate::{Format, Topic};
 
 /// A topic with channels.
@@ -44,51 +44,45 @@ pub struct BagGuess {
 impl BagGuess {
     /// What the bag of `format` with `topics` is likely to have for a model with the channels `needed`.
     pub fn of(format: Format, topics: &[Topic], needed: &[Needed]) -> Self {
-        let mut search = Search { format, topics, found: Vec::new(), placed: BTreeSet::new() };
-        KNOWN.iter().for_each(|known| search.by_type(known));
+        let mut search = TopicSearch { format, topics, guesses: Vec::new(), placed: BTreeSet::new() };
+        KNOWN.into_iter().for_each(|known| search.by_type(known));
         let motion = ROLES.iter().filter(|role| !role.is_optional).map(|role| (role.channel, role.unit));
-        let wanted = needed.iter().map(|own| (own.channel.as_str(), own.unit.as_str()));
-        for (channel, unit) in motion {
-            search.by_name(channel, unit);
-        }
-        for (channel, unit) in wanted {
-            search.by_name(channel, unit);
-        }
-        let is_missing = |own: &&Needed| !search.placed.contains(own.channel.as_str());
+        let wanted = needed.iter().map(|need| (need.channel.as_str(), need.unit.as_str()));
+        motion.chain(wanted).for_each(|(channel, unit)| search.by_name(channel, unit));
+        let is_missing = |need: &&Needed| !search.placed.contains(need.channel.as_str());
         let missing = needed.iter().filter(is_missing).cloned().collect();
-        let unused = topics.iter().filter(|topic| search.found.iter().all(|used| used.topic != topic.name));
+        let unused = topics.iter().filter(|topic| search.guesses.iter().all(|used| used.topic != topic.name));
         let length_s = topics.iter().map(|topic| times(format, topic)[1]).fold(0.0, f64::max);
         Self {
             format,
-            unused: unused.map(|own| own.name.clone()).collect(),
-            topics: search.found,
+            unused: unused.map(|topic| topic.name.clone()).collect(),
+            topics: search.guesses,
             missing,
             length_s,
         }
     }
 }
 
-struct Search<'a> {
+struct TopicSearch<'a> {
     format: Format,
     topics: &'a [Topic],
-    found: Vec<TopicGuess>,
+    guesses: Vec<TopicGuess>,
     /// Channels so far.
     placed: BTreeSet<String>,
 }
 
-impl Search<'_> {
-    /// Places the fields of the first topic whose messages are `known`.
-    fn by_type(&mut self, known: &Known) {
-        let is_known = |topic: &&Topic| topic.kind.replace("/msg/", "/") == known.kind && topic.messages > 0;
+impl TopicSearch<'_> {
+    /// Places the `fields` and the `attitude` of the first topic whose messages are of a type.
+    fn by_type(&mut self, (kind, fields, attitude): (&str, &[[&str; 2]], &str)) {
+        let is_known = |topic: &&Topic| topic.kind.replace("/msg/", "/") == kind && topic.messages > 0;
         let Some(topic) = self.topics.iter().find(is_known) else { return };
-        if let Some(fields) = known.quaternion.filter(|fields| has_turns(topic, *fields))
-            && self.is_free("psi")
-        {
+        let quaternion = quaternion(attitude);
+        if !attitude.is_empty() && has_turns(topic, &quaternion) && self.is_free("psi") {
             self.placed.insert("psi".to_owned());
-            self.topic(topic).quaternion = Some(fields.map(str::to_owned));
+            self.topic(topic).quaternion = Some(quaternion);
         }
         let is_of_body = values(topic, "velocity_frame").next() == Some(BODY);
-        for (field, channel, unit) in known.fields {
+        for [field, channel] in fields {
             let channel = match *channel {
                 "v_x" if is_of_body => "y_u",
                 "v_y" if is_of_body => "y_v",
@@ -98,7 +92,7 @@ impl Search<'_> {
                 let placed = Placed {
                     column: (*field).to_owned(),
                     channel: channel.to_owned(),
-                    unit: (*unit).to_owned(),
+                    unit: unit_of(channel).to_owned(),
                     is_channel_guessed: false,
                     is_unit_guessed: false,
                     is_optional: false,
@@ -145,9 +139,9 @@ impl Search<'_> {
     fn is_free(&self, channel: &str) -> bool {
         const SAME: [[&str; 2]; 4] =
             [["x", "latitude_deg"], ["y", "longitude_deg"], ["y_u", "v_x"], ["y_v", "v_y"]];
-        let own = SAME.iter().find(|pair| pair.contains(&channel));
-        let all = own.map_or([channel, channel], |pair| *pair);
-        all.iter().all(|own| !self.placed.contains(*own))
+        let same = SAME.iter().find(|pair| pair.contains(&channel));
+        let all = same.map_or([channel, channel], |pair| *pair);
+        all.iter().all(|name| !self.placed.contains(*name))
     }
 
     fn place(&mut self, topic: &Topic, placed: Placed) {
@@ -157,11 +151,11 @@ impl Search<'_> {
 
     /// The guess for `topic`, a new one at first.
     fn topic(&mut self, topic: &Topic) -> &mut TopicGuess {
-        let at = self.found.iter().position(|own| own.topic == topic.name).unwrap_or_else(|| {
-            self.found.push(begun(self.format, topic));
-            self.found.len() - 1
+        let at = self.guesses.iter().position(|guess| guess.topic == topic.name).unwrap_or_else(|| {
+            self.guesses.push(begun(self.format, topic));
+            self.guesses.len() - 1
         });
-        &mut self.found[at]
+        &mut self.guesses[at]
     }
 }
 
@@ -204,19 +198,19 @@ fn times(format: Format, topic: &Topic) -> [f64; 2] {
 
 /// The finite values of a field in the first messages.
 fn values<'a>(topic: &'a Topic, field: &str) -> impl Iterator<Item = f64> + 'a {
-    let at = topic.fields.iter().position(|own| own == field);
+    let at = topic.fields.iter().position(|name| name == field);
     let rows = at.map(|at| topic.rows.iter().map(move |row| row[at]));
     rows.into_iter().flatten().filter(|value| value.is_finite())
 }
 
 /// Whether the fields are an attitude that was measured: elsewhere they are zeros, or no numbers.
-fn has_turns(topic: &Topic, fields: [&str; 4]) -> bool {
-    let squares = fields.map(|field| values(topic, field).next().unwrap_or(f64::NAN).powi(2));
+fn has_turns(topic: &Topic, fields: &[String; 4]) -> bool {
+    let squares = fields.each_ref().map(|field| values(topic, field).next().unwrap_or(f64::NAN).powi(2));
     (squares.iter().sum::<f64>() - 1.0).abs() < 0.05
 }
 
 fn is_known(topic: &Topic) -> bool {
-    KNOWN.iter().any(|known| topic.kind.replace("/msg/", "/") == known.kind)
+    KNOWN.iter().any(|(kind, ..)| topic.kind.replace("/msg/", "/") == *kind)
 }
 
 /// A field as a column: a message of one value is called like its topic.
@@ -230,4 +224,73 @@ fn called(topic: &Topic, field: &str) -> Named {
 
 fn is_clock(field: &str) -> bool {
     field.starts_with("header.") || field.starts_with("timestamp")
+}
+
+/// Types of messages that tell a motion, the fullest first: their fields, each with its channel, and what the fields of their
+/// attitude begin with. Those of ROS are in its axes, east, north, up; those of PX4 are north, east, down.
+const KNOWN: [(&str, &[[&str; 2]], &str); 12] = [
+    (
+        "nav_msgs/Odometry",
+        &[
+            ["pose.pose.position.x", "x"],
+            ["pose.pose.position.y", "y"],
+            ["twist.twist.linear.x", "y_u"],
+            ["twist.twist.linear.y", "y_v"],
+            ["twist.twist.angular.z", "y_r"],
+        ],
+        "pose.pose.orientation",
+    ),
+    (
+        "vehicle_odometry",
+        &[
+            ["position[0]", "x"],
+            ["position[1]", "y"],
+            ["velocity[0]", "v_x"],
+            ["velocity[1]", "v_y"],
+            ["angular_velocity[2]", "y_r"],
+        ],
+        "q",
+    ),
+    ("geometry_msgs/PoseStamped", &[["pose.position.x", "x"], ["pose.position.y", "y"]], "pose.orientation"),
+    (
+        "geometry_msgs/PoseWithCovarianceStamped",
+        &[["pose.pose.position.x", "x"], ["pose.pose.position.y", "y"]],
+        "pose.pose.orientation",
+    ),
+    (
+        "geometry_msgs/TwistStamped",
+        &[["twist.linear.x", "y_u"], ["twist.linear.y", "y_v"], ["twist.angular.z", "y_r"]],
+        "",
+    ),
+    (
+        "geometry_msgs/TwistWithCovarianceStamped",
+        &[["twist.twist.linear.x", "y_u"], ["twist.twist.linear.y", "y_v"], ["twist.twist.angular.z", "y_r"]],
+        "",
+    ),
+    (
+        "vehicle_local_position",
+        &[["x", "x"], ["y", "y"], ["vx", "v_x"], ["vy", "v_y"], ["heading", "psi"]],
+        "",
+    ),
+    ("vehicle_attitude", &[], "q"),
+    ("vehicle_angular_velocity", &[["xyz[2]", "y_r"]], ""),
+    ("sensor_msgs/Imu", &[["angular_velocity.z", "y_r"]], "orientation"),
+    ("sensor_msgs/NavSatFix", &[["latitude", "latitude_deg"], ["longitude", "longitude_deg"]], ""),
+    ("vehicle_global_position", &[["lat", "latitude_deg"], ["lon", "longitude_deg"]], ""),
+];
+
+/// The fields w, x, y, z of the attitude `name`: in ROS by letters, in PX4 by numbers.
+fn quaternion(name: &str) -> [String; 4] {
+    match name {
+        "q" => [0, 1, 2, 3].map(|part| format!("q[{part}]")),
+        name => ["w", "x", "y", "z"].map(|part| format!("{name}.{part}")),
+    }
+}
+
+/// The unit of a channel of motion in messages.
+fn unit_of(channel: &str) -> &'static str {
+    match channel {
+        "latitude_deg" | "longitude_deg" => "deg",
+        channel => motion_unit(channel).unwrap_or("1"),
+    }
 }

@@ -1,20 +1,17 @@
-//! The clock of a file of sentences: sentences of one kind from one receiver, or a stamp before each
-//! sentence.
+//! The clock of a file of sentences: sentences of one kind from one receiver, or a stamp before each sentence.
 
 use refusal::{Invalid, foreign};
 
-use super::clock::{Reported, has_time, is_dated, reported_time};
-use super::fields::Column;
-use super::heard::{Between, Heard};
+use super::fields::FieldColumn;
 use super::sentence::Sentence;
-use super::table::Table;
-use super::timeline::{Stamp, Step, Timeline};
-use super::trust::{Trust, lengths};
+use super::table::{Between, Heard, SensorTable};
+use super::timeline::{ClockStep, Reported, Stamp, Timeline, has_time, is_dated, reported_time};
 use crate::columns::cell_of;
-use crate::{ClockNotes, FileSpec, LogError, Stamps, WarningSummary};
+use crate::stamp::moment;
+use crate::{ClockNotes, FileSpec, LogError, Stamps, WarningKind, WarningSummary};
 
 /// The source of times, and the times so far.
-pub(super) struct Clock<'a> {
+pub(super) struct SentenceClock<'a> {
     from: From<'a>,
     timeline: Timeline,
     /// Preferred talkers, best first, and how long the best may be silent \[s\].
@@ -53,7 +50,7 @@ pub(super) enum Timing {
 }
 
 /// Where sentences go: the waiting ones, the tables, the wanted columns.
-pub(super) type Into<'a, 'b> = (&'a mut Heard, &'a mut Vec<Table>, &'b [Column]);
+pub(super) type Into<'a, 'b> = (&'a mut Heard, &'a mut Vec<SensorTable>, &'b [FieldColumn]);
 
 /// Most sentences that wait for the time to be known again.
 const WAITING: usize = 1 << 16;
@@ -61,7 +58,7 @@ const WAITING: usize = 1 << 16;
 /// How much later the time of a sentence may be that belongs to the clock's next time \[s\].
 const NEXT: f64 = 3.0;
 
-impl<'a> Clock<'a> {
+impl<'a> SentenceClock<'a> {
     /// The clock that `spec` declares.
     pub(super) fn new(spec: &'a FileSpec, max_gap_s: f64, stamps: &'a Stamps) -> Result<Self, Invalid> {
         let from = match spec.time.column.as_str() {
@@ -105,10 +102,10 @@ impl<'a> Clock<'a> {
         match reported_time(sentence) {
             Ok(reported) if is_clock => Ok(Timing::Clock(reported)),
             Ok(reported) => Ok(reported.map_or(Timing::Nothing, Timing::Own)),
-            Err((found, expected)) if is_clock || is_wanted => {
+            Err((value, expected)) if is_clock || is_wanted => {
                 let cell = cell_of(line, &format!("{}.time", sentence.address));
-                let found = format!("`{}`", foreign(found));
-                Err(Invalid::new(cell, found, expected, "correct or leave out the line").into())
+                let quoted = format!("`{}`", foreign(value));
+                Err(Invalid::new(cell, quoted, expected, "correct or leave out the line").into())
             }
             Err(_) => Ok(Timing::Nothing),
         }
@@ -129,73 +126,65 @@ impl<'a> Clock<'a> {
                 let step = self.timeline.next(reported, is_dated(kind));
                 self.follow(step, into);
             }
-            Timing::Own(reported) if self.is_of_clock(sentence.address) => {
+            Timing::Own(reported)
+                if self.address.as_ref().is_none_or(|clock| clock[..2] == sentence.address[..2]) =>
+            {
                 self.marks.push((reported, into.0.len()));
             }
             Timing::Clock(_) | Timing::Own(_) | Timing::Nothing => {}
         }
     }
 
-    fn is_of_clock(&self, address: &str) -> bool {
-        self.address.as_ref().is_none_or(|own| own[..2] == address[..2])
-    }
-
     /// Whether the clock follows sentences from `address` with this time.
     fn heeds(&mut self, address: &str, reported: Option<Reported>) -> bool {
-        let Some(own) = self.address.as_deref().filter(|own| *own != address) else {
+        let Some(followed) = self.address.as_deref().filter(|followed| *followed != address) else {
             self.address.get_or_insert_with(|| address.to_owned());
             return true;
         };
         let Some(reported) = reported.filter(|reported| reported.is_fix) else { return false };
         let rank = |address: &str| self.prefer.iter().position(|talker| address.starts_with(talker.as_str()));
         let knew = self.timeline.eras.iter().any(|era| era.fixes > 0);
-        match (rank(address), rank(own)) {
+        let is_better = match (rank(address), rank(followed)) {
             (None, None) if knew => {
                 self.other.get_or_insert_with(|| address.to_owned());
-                false
+                return false;
             }
-            (Some(_), None) => {
-                self.address = Some(address.to_owned());
-                true
-            }
-            (Some(new), Some(old)) if new < old => {
-                self.address = Some(address.to_owned());
-                true
-            }
-            _ if !knew => {
-                self.address = Some(address.to_owned());
-                true
-            }
-            _ => self.timeline.last.is_some_and(|last| last.until(&reported) > self.max_gap_s),
+            (Some(_), None) => true,
+            (Some(new), Some(old)) if new < old => true,
+            _ => !knew,
+        };
+        if is_better {
+            self.address = Some(address.to_owned());
         }
+        is_better || self.timeline.last.is_some_and(|last| last.until(&reported) > self.max_gap_s)
     }
 
-    fn follow(&mut self, step: Step, into: Into) {
+    fn follow(&mut self, step: ClockStep, into: Into) {
         let all = into.0.len();
         match step {
-            Step::To(stamp) if stamp.time == self.time => {}
-            Step::To(stamp) => {
+            ClockStep::To(stamp) if stamp.time == self.time => {}
+            ClockStep::To(stamp) => {
                 self.put(self.before(&stamp, all), Some(stamp), into);
                 self.go_to(stamp);
             }
-            Step::Unknown if self.time.is_finite() || self.known.is_some() && all > WAITING => {
+            ClockStep::Unknown if self.time.is_finite() || self.known.is_some() && all > WAITING => {
                 self.put(all, None, into);
                 self.time = f64::NAN;
             }
-            Step::Unknown => {}
-            Step::Late { in_doubt } => {
+            ClockStep::Unknown => {}
+            ClockStep::Late { in_doubt } => {
                 self.late += 1;
                 if in_doubt && self.trust.doubt.is_none() {
                     self.trust.doubt = Some(self.trust.last.clone());
                 }
             }
-            Step::Back(stamp) => {
+            ClockStep::Back(stamp) => {
                 self.is_back = true;
                 self.trust.doubt.get_or_insert_with(|| lengths(into.1));
                 self.put(all, None, into);
                 self.go_to(stamp);
             }
-            Step::Set(stamp) => {
+            ClockStep::Set(stamp) => {
                 let (heard, tables, wanted) = into;
                 self.put(self.before(&stamp, all), None, (heard, tables, wanted));
                 self.trust.set.push(lengths(tables));
@@ -253,18 +242,19 @@ impl<'a> Clock<'a> {
     /// Two receivers; refusals of [`Trust::check`].
     pub(super) fn check(
         &self,
-        tables: &mut [Table],
-        wanted: &[Column],
+        tables: &mut [SensorTable],
+        wanted: &[FieldColumn],
         warnings: &mut Vec<WarningSummary>,
     ) -> Result<usize, Invalid> {
         let From::Sentence(kind) = &self.from else { return Ok(0) };
-        if let (Some(own), Some(other)) = (&self.address, &self.other) {
-            let (found, talkers) = (format!("times from {own} and {other}"), [&own[..2], &other[..2]]);
+        if let (Some(followed), Some(other)) = (&self.address, &self.other) {
+            let (times, talkers) =
+                (format!("times from {followed} and {other}"), [&followed[..2], &other[..2]]);
             let remedy = format!(
-                "name `{own}` as the time's `column`, or set `prefer = [\"{}\", \"{}\"]` in [[file]]",
+                "name `{followed}` as the time's `column`, or set `prefer = [\"{}\", \"{}\"]` in [[file]]",
                 talkers[0], talkers[1]
             );
-            return Err(Invalid::new("time of sentences", found, "one receiver", remedy));
+            return Err(Invalid::new("time of sentences", times, "one receiver", remedy));
         }
         self.trust.check((kind, &self.timeline, self.late), tables, wanted, warnings)?;
         Ok(self.late)
@@ -283,7 +273,7 @@ impl<'a> Clock<'a> {
 
 impl Timing {
     /// The sentence's own time.
-    pub(super) fn own(self) -> Option<Reported> {
+    pub(super) fn reported(self) -> Option<Reported> {
         match self {
             Self::Clock(reported) => reported,
             Self::Own(reported) => Some(reported),
@@ -307,5 +297,103 @@ fn of_prefix(stamps: Option<&Stamps>, prefix: &str, line: usize, written_in: &st
                 Invalid::new(cell_of(line, "prefix"), format!("`{}`", foreign(text)), "a number", remedy)
             })
         }
+    }
+}
+
+/// How many rows the tables had.
+pub(super) type Lengths = Vec<usize>;
+
+/// The rows whose times are not trusted.
+#[derive(Default)]
+struct Trust {
+    /// Before the rows of the last time.
+    pub(super) last: Lengths,
+    /// Where they became doubtful.
+    doubt: Option<Lengths>,
+    /// Where they were doubtful.
+    doubted: Vec<[Lengths; 2]>,
+    /// Where the clock was set.
+    pub(super) set: Vec<Lengths>,
+}
+
+/// Share of the clock's sentences that may be late, or of another date.
+const FEW: f64 = 0.1;
+
+fn lengths(tables: &[SensorTable]) -> Lengths {
+    tables.iter().map(SensorTable::rows).collect()
+}
+
+impl Trust {
+    /// Removes untrusted times. The clock's sentences are of `kind`, and `late` of them came late.
+    ///
+    /// # Errors
+    /// No time, too many late ones, several dates.
+    pub(super) fn check(
+        &self,
+        (kind, timeline, late): (&str, &Timeline, usize),
+        tables: &mut [SensorTable],
+        wanted: &[FieldColumn],
+        warnings: &mut Vec<WarningSummary>,
+    ) -> Result<(), Invalid> {
+        let main = main_era(kind, timeline)?;
+        let stamps: usize = timeline.eras.iter().map(|era| era.stamps).sum();
+        if late as f64 > FEW * stamps as f64 && late > 3 {
+            let counted = format!("{late} of {stamps} that are earlier than one before them");
+            let remedy = "name one receiver as the time's `column`, or correct the file";
+            return Err(Invalid::new("time of sentences", counted, "times that increase", remedy));
+        }
+        let (weeks_s, moved) = timeline.weeks();
+        let weeks = "has dates 1024 weeks off, as after a rollover of the GPS week: moved to the other dates";
+        let leaps = "has a leap second: all times after it are taken as a second later";
+        for (count, text) in [(moved, weeks), (timeline.leaps, leaps)] {
+            let (count, text) = (count as u64, format!("`{kind}` {text}"));
+            if count > 0 {
+                let channel = kind.to_owned();
+                warnings.push(WarningSummary { kind: WarningKind::Clock, channel, count, text });
+            }
+        }
+        for (i, table) in tables.iter_mut().enumerate() {
+            table.correct(&self.distrusted(i, table, main), weeks_s, wanted);
+        }
+        Ok(())
+    }
+
+    /// The rows of table `i` whose times are not trusted.
+    fn distrusted(&self, i: usize, table: &SensorTable, main: usize) -> Vec<[usize; 2]> {
+        let at = |lengths: &Lengths| lengths.get(i).copied().unwrap_or(0);
+        let starts = [0].into_iter().chain(self.set.iter().map(at));
+        let ends = self.set.iter().map(at).chain([table.rows()]);
+        let eras = starts.zip(ends).enumerate().filter(|(era, _)| *era != main);
+        let eras = eras.map(|(_, (from, to))| [from, to]);
+        // Sentences with times of their own do not depend on it.
+        let doubted = self.doubted.iter().filter(|_| !has_time(&table.address));
+        eras.chain(doubted.map(|[from, to]| [at(from), at(to)])).collect()
+    }
+}
+
+/// The period of the clock that is the log's.
+fn main_era(kind: &str, timeline: &Timeline) -> Result<usize, Invalid> {
+    const YEAR_2000: f64 = 946_684_800.0;
+    let eras = &timeline.eras;
+    let is_of_log = |i: &usize| eras[*i].fixes > 0 || !is_dated(kind) || eras[*i].first.time > YEAR_2000;
+    let main = (0..eras.len()).filter(is_of_log).max_by_key(|i| (eras[*i].fixes, eras[*i].stamps));
+    let Some(main) = main else {
+        return Err(Invalid::new(
+            format!("column `{kind}`"),
+            "sentences without a time, or without a date, throughout the file",
+            "a time from a receiver with a fix",
+            "name other sentences as the time's `column`, such as GGA or ZDA",
+        ));
+    };
+    let fixes: usize = eras.iter().map(|era| era.fixes).sum();
+    let other = eras.iter().enumerate().find(|(i, era)| *i != main && era.fixes as f64 > FEW * fixes as f64);
+    match other {
+        None => Ok(main),
+        Some((_, other)) => Err(Invalid::new(
+            "time of sentences",
+            format!("{} and {}", moment(eras[main].first.time), moment(other.first.time)),
+            "dates within a year of each other",
+            "cut the file where the clock was set, or name other sentences as the time's `column`",
+        )),
     }
 }

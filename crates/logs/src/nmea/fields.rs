@@ -2,13 +2,12 @@
 
 use refusal::{Invalid, foreign};
 
-use super::quality::{Accepted, Valid};
-use super::sentence::Sentence;
+use super::sentence::{Accepted, Sentence, Valid};
 use crate::Reason;
 use crate::columns::cell_of;
 
 /// A kind of sentence.
-pub(super) struct Kind {
+pub(super) struct FieldKind {
     name: &'static str,
     /// Fields that distinguish sentences of this kind, such as the number of the propeller.
     qualifier: &'static [usize],
@@ -16,8 +15,8 @@ pub(super) struct Kind {
 }
 
 /// A quantity in a sentence.
-pub(super) struct Field {
-    pub(super) name: &'static str,
+pub(crate) struct Field {
+    pub(crate) name: &'static str,
     pub(super) unit: &'static str,
     read: Read,
     valid: Valid,
@@ -39,7 +38,7 @@ use Valid::{A, Always, AnyMode, Fix, Letter, Mode, OwnMode};
 
 /// A value in a sentence.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Value {
+pub(crate) enum Value {
     Known(f64),
     /// A heading without a stated deviation, which is taken as 0.
     Undeviated(f64),
@@ -52,15 +51,15 @@ const fn field(name: &'static str, unit: &'static str, read: Read, valid: Valid)
     Field { name, unit, read, valid }
 }
 
-const fn kind(name: &'static str, fields: &'static [Field]) -> Kind {
-    Kind { name, qualifier: &[], fields }
+const fn kind(name: &'static str, fields: &'static [Field]) -> FieldKind {
+    FieldKind { name, qualifier: &[], fields }
 }
 
 const RMC: Valid = Mode { status: Some(1), mode: 11 };
 const GLL: Valid = Mode { status: Some(5), mode: 6 };
 const VTG: Valid = Mode { status: None, mode: 8 };
 
-const KINDS: [Kind; 16] = [
+const KINDS: [FieldKind; 16] = [
     kind(
         "GGA",
         &[
@@ -119,12 +118,12 @@ const KINDS: [Kind; 16] = [
     ),
     kind("ROT", &[field("rate", "deg/min", Number(0), A(1))]),
     kind("RSA", &[field("starboard", "deg", Number(0), A(1)), field("port", "deg", Number(2), A(3))]),
-    Kind {
+    FieldKind {
         name: "RPM",
         qualifier: &[0, 1],
         fields: &[field("speed", "rpm", Number(2), A(4)), field("pitch", "%", Number(3), A(4))],
     },
-    Kind {
+    FieldKind {
         name: "MWV",
         qualifier: &[1],
         fields: &[field("angle", "deg", Number(0), A(4)), field("speed", "m/s", Speed(2), A(4))],
@@ -133,18 +132,18 @@ const KINDS: [Kind; 16] = [
 ];
 
 /// A field of a kind of sentence, of one talker or of all: `HDT.heading`, `HEHDT.heading`, `RPM-S1.speed`.
-pub(super) struct Column {
-    pub(super) name: String,
+pub(crate) struct FieldColumn {
+    pub(crate) name: String,
     /// The ending of the address: `HDT`, or `HEHDT`.
-    pub(super) address: String,
+    pub(crate) address: String,
     qualifier: String,
-    kind: &'static Kind,
-    pub(super) field: &'static Field,
+    kind: &'static FieldKind,
+    pub(crate) field: &'static Field,
 }
 
-impl Column {
+impl FieldColumn {
     /// `None` where there is no such field.
-    pub(super) fn parse(name: &str) -> Option<Self> {
+    pub(crate) fn parse(name: &str) -> Option<Self> {
         let (of, field) = name.split_once('.')?;
         let (address, qualifier) = of.split_once('-').unwrap_or((of, ""));
         let is_plain = address.is_ascii() && [3, 5].contains(&address.len());
@@ -168,22 +167,12 @@ impl Column {
 
     /// Whether `sentence` has it.
     pub(super) fn is_of(&self, sentence: &Sentence) -> bool {
-        let own = || self.kind.qualifier.iter().flat_map(|place| sentence.field(*place).chars());
-        self.fits(sentence.address) && own().eq(self.qualifier.chars())
-    }
-
-    /// Whether it is a heading from magnetic north.
-    pub(super) fn is_magnetic(&self) -> bool {
-        self.field.name == "magnetic"
-    }
-
-    /// Whether it is a course over ground.
-    pub(super) fn is_course(&self) -> bool {
-        self.field.name == "course"
+        let qualifier = || self.kind.qualifier.iter().flat_map(|place| sentence.field(*place).chars());
+        self.fits(sentence.address) && qualifier().eq(self.qualifier.chars())
     }
 
     /// Its value in `sentence`, which stands on `line`, if its quality is `accepted`.
-    pub(super) fn value(
+    pub(crate) fn value(
         &self,
         sentence: &Sentence,
         line: usize,
@@ -219,7 +208,7 @@ pub(super) fn columns_like(name: &str) -> Vec<String> {
 
 /// The names of all fields.
 fn columns() -> impl Iterator<Item = String> {
-    let of = |kind: &'static Kind| {
+    let of = |kind: &'static FieldKind| {
         let qualified: &[&str] = match kind.name {
             "RPM" => &["-S1", "-E1"],
             "MWV" => &["-R", "-T"],

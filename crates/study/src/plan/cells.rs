@@ -5,8 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use chart::enc::attribute::VERDAT;
-use chart::enc::{Cell, Feature, Identity, Listed, Purpose, identify, listed, vertical_datum};
+use chart::enc::{Cell, Feature, Identity, Listed, Purpose, VERDAT, identify, listed, vertical_datum};
 use chart::{PolygonLayer, Rules, Tally};
 use files::{Budget, Digest, Error, PROGRAM_BYTES, Provenance, Work};
 use refusal::foreign;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use chart::enc::attribute::{CATCOV, DRVAL1, OBJNAM, VALDCO, VALSOU, VERCLR, WATLEV};
+use chart::enc::{CATCOV, DRVAL1, OBJNAM, VALDCO, VALSOU, VERCLR, WATLEV};
 use chart::enc::{Cell, Feature, Geometry, Identity, Purpose, class_name};
 use serde_json::Value;
 

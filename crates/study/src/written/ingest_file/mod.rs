@@ -9,9 +9,9 @@ use std::path::Path;
 
 use files::{Digest, Error, Provenance, exists, read_document};
 use logs::{
-    Body, Conventions, Cut, Derived, FileSpec, ForceTable, Formula, Frame, Heading, Interval, Kind, Law,
-    Lever, Method, Naming, NonMonotonic, Propulsor, Segmentation, Setup, Source, SpeedClasses, Template,
-    Thruster,
+    Body, Conventions, Cut, Derived, FileSpec, ForceTable, Formula, Frame, Heading, Interval, Law, Lever,
+    ManeuverKind, Method, Naming, NonMonotonic, Propulsor, Segmentation, Setup, Source, SpeedClasses,
+    Template, Thruster,
 };
 use refusal::Invalid;
 use schemars::{JsonSchema, schema_for};
@@ -253,9 +253,9 @@ impl IngestFile {
             file.run_from_file.as_deref().map(|text| template("run_from_file", text, "run")).transpose()
         };
         let kind = match (&self.maneuver_from_file, &self.maneuver) {
-            (Some(text), _) => Kind::Named(template("maneuver_from_file", text, "kind")?),
-            (None, Some(maneuver)) => Kind::Given(maneuver.clone()),
-            (None, None) => Kind::Recording,
+            (Some(text), _) => ManeuverKind::Named(template("maneuver_from_file", text, "kind")?),
+            (None, Some(maneuver)) => ManeuverKind::Given(maneuver.clone()),
+            (None, None) => ManeuverKind::Recording,
         };
         Ok(Naming { recordings: self.file.iter().map(recording).collect::<Result<_, _>>()?, kind })
     }
