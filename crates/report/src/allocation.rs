@@ -1,17 +1,19 @@
 use std::collections::BTreeMap;
 
-use crate::figures::{SensitivityRow, ShareRow, sensitivities, shares};
-use maud::{Markup, html};
+use maud::{Markup, display, html};
+use study::documents::{
+    Accuracy, AccuracyOf, AccuracyPoint, DesignDocument, Reference, Sequence, SequencePart, Start,
+};
 
-use super::accuracy::accuracy_of;
 use super::designed_figures::figure_errors;
+use super::dictionary::{omission, shown, used};
 use super::number::{exact, or_dash, percent, published, three_or_dash};
-use super::parts::{Figures, Section, missing};
-use super::shown::{omission, shown, used};
+use super::parts::{Figures, Section, Table, missing};
 use super::study::Study;
-use super::table::Table;
 use super::updated::updated;
-use study::documents::{DesignDocument, Reference, Sequence, SequencePart};
+use crate::figures::{AccuracyCurve, SensitivityRow, ShareRow, accuracy, sensitivities, shares};
+use crate::number::three;
+use crate::parts::{coded, entry};
 
 /// The time of each maneuver, and the efficiency of the unused ones.
 pub(super) fn allocation(study: &Study, figures: &mut Figures) -> Section {
@@ -152,4 +154,112 @@ fn footnotes(design: &DesignDocument) -> Markup {
             p.note { "log|det| of the information matrix: " (exact((log_det * 1e4).round() / 1e4)) "." }
         }
     }
+}
+
+/// The required length of the experiment, and that of other designs.
+fn accuracy_of(design: &DesignDocument, figures: &mut Figures) -> Markup {
+    let Some(found) = &design.accuracy else { return html! {} };
+    let title = match found.of {
+        AccuracyOf::Overall => "root of Σ (std error/θ)² [1]",
+        AccuracyOf::PerParameter => "largest std error/θ [1]",
+        AccuracyOf::Figures => "largest std error of a figure/wanted [1]",
+    };
+    let figure = accuracy(&curves(found), (found.duration_s, found.wanted), title);
+    html! {
+        h3 { "How long?" }
+        p { (found.statement) }
+        (figures.place("accuracy", figure, &html! {
+            b { "Predicted standard error against the duration of the experiment." }
+            " The dot is the wanted error, " (three(found.wanted)) ", reached after " (three(found.duration_s)) " s."
+        }))
+    }
+}
+
+fn curves(found: &Accuracy) -> Vec<AccuracyCurve<'static>> {
+    let curve = |label: &'static str, of: fn(&AccuracyPoint) -> Option<f64>| {
+        let points = found.curve.iter().filter_map(|p| of(p).map(|error| (p.duration_s, error))).collect();
+        AccuracyCurve { label, points }
+    };
+    let all = [
+        curve("this design", |p| Some(p.design)),
+        curve("paper's criterion", |p| p.paper),
+        curve("random, median", |p| p.random),
+        curve("equal shares", |p| p.equal),
+    ];
+    all.into_iter().filter(|curve| !curve.points.is_empty()).collect()
+}
+
+/// The certificate of the design.
+pub(super) fn certificate(study: &Study) -> Section {
+    let body = match &study.design {
+        Some(design) => certified(design),
+        None => missing("The certificate is", "design.json", "design"),
+    };
+    Section::new("certificate", "Certificate", "Certificate", body)
+}
+
+fn certified(design: &DesignDocument) -> Markup {
+    html! {
+        p { (design.statement) }
+        @if let Some(promise) = &design.promise { p { (promise.statement) } }
+        @if let Some(prior) = &design.prior { p { (prior.statement) } }
+        (crate::parts::held(design.held_in_words().as_ref()))
+        (crate::parts::beyond(&design.beyond))
+        @if let Some(found) = &design.unreached { p.caution { b { "Missed by inputs." } " " (coded(&found.statement)) } }
+        (facts(design))
+        @if !design.starts.is_empty() {
+            p { (agreement(&design.starts)) }
+            (starts(&design.starts))
+        }
+    }
+}
+
+fn facts(design: &DesignDocument) -> Markup {
+    html! {
+        dl.facts {
+            (entry("Status", display(design.status)))
+            (entry("Global optimum", proof(design)))
+            @if let (Some(gap), Some(p)) = (design.gap, design.dimension) {
+                (entry("Gap max g − p", format!("{} (p = {p})", three(gap))))
+            }
+            @if let Some(gap) = design.relative_gap { (entry("Relative gap", three(gap))) }
+            @if let Some(efficiency) = &design.efficiency {
+                (entry("Efficiency of equal shares", percent(efficiency.equal_shares)))
+            }
+            (entry("Criterion", html! {
+                (design.criterion.title()) "-optimality"
+                @if let Some(removal) = design.mean_removal { ", instruments' mean removed: " (removal) }
+            }))
+        }
+    }
+}
+
+fn proof(design: &DesignDocument) -> &'static str {
+    if design.proved_global {
+        "proved: the problem is concave and the gap bounds the distance"
+    } else {
+        "not proved: the problem is not concave, so the gap certifies a stationary point"
+    }
+}
+
+fn agreement(starts: &[Start]) -> String {
+    let strays: Vec<&str> = starts.iter().filter(|s| !s.agrees).map(|s| s.name.as_str()).collect();
+    match (starts.len(), strays.len()) {
+        (1, 0) => "The solver was started once, from the shares named below.".to_owned(),
+        (all, 0) => format!("All {all} starts reached the same value."),
+        (all, off) => {
+            format!("{} of {all} starts reached the best value; not so: {}.", all - off, strays.join(", "))
+        }
+    }
+}
+
+fn starts(starts: &[Start]) -> Table<&Start> {
+    Table::of(starts)
+        .compact()
+        .mark("stray", |start| !start.agrees)
+        .name("Start", |start| &start.name)
+        .number("log|det|", |start| exact((start.log_det * 1e8).round() / 1e8))
+        .number("Relative gap", |start| three(start.relative_gap))
+        .number("Iterations", |start| start.iterations)
+        .text("Agrees", |start| if start.agrees { "yes" } else { "no" })
 }

@@ -1,7 +1,7 @@
 use maud::{Markup, html};
 
 use super::number::three;
-use super::table::Table;
+use super::parts::Table;
 use study::documents::{AverageSummary, AverageTerm};
 
 /// Terms beyond this many are not listed.

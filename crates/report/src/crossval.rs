@@ -2,8 +2,7 @@ use maud::{Markup, display, html};
 
 use super::measured::{Measured, free_runs};
 use super::number::{exact, or_dash, three, three_or_dash, three_within};
-use super::parts::{Section, missing, statements};
-use super::table::Table;
+use super::parts::{Section, Table, missing, statements};
 use study::documents::{CrossvalDocument, EstimatorScore};
 
 /// The estimators compared on recordings that were left out, and the recommended one recording by recording.

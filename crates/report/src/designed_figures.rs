@@ -1,7 +1,7 @@
 use maud::{Markup, html};
 
 use super::number::{or_dash, three};
-use super::table::Table;
+use super::parts::Table;
 use study::documents::{CriterionName, DesignDocument, DesignFigure, DesignFigures};
 
 /// How well figures of merit will be known; nothing where the design has none.

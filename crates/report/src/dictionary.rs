@@ -1,11 +1,15 @@
-use crate::figures::{Curve, TraceColumn, TraceRow, Track, TrackLine, palette, traces, tracks};
+use std::cmp::Ordering;
+
 use maud::{Markup, html};
+use study::documents::{DesignDocument, EstimateDocument, MomentsDocument};
 
 use super::number::{percent, three};
 use super::parts::{Figures, Section, entry, missing};
-use super::shown::{omission, shown, used};
 use super::study::{ManeuverTrace, Study};
-use study::documents::DesignDocument;
+use crate::figures::{Curve, TraceColumn, TraceRow, Track, TrackLine, palette, traces, tracks};
+use crate::number::{percent_within, three_or_dash, three_within};
+use crate::parts::{Table, grouped};
+use crate::study::optimized_first;
 
 /// Every maneuver over time and in the plane.
 pub(super) fn dictionary(study: &Study, figures: &mut Figures) -> Section {
@@ -139,6 +143,108 @@ fn descriptions(maneuvers: &[&ManeuverTrace]) -> Markup {
     html! {
         @if !described.is_empty() {
             dl.names { @for maneuver in described { (entry(&maneuver.name, words(maneuver))) } }
+        }
+    }
+}
+
+/// A dictionary with more maneuvers is not shown completely.
+const MOST: usize = 40;
+/// A maneuver with a smaller share counts as not used.
+const LEAST: f64 = 5e-4;
+
+/// Whether the design spends time on maneuver `name`.
+pub(super) fn used(design: &DesignDocument, name: &str) -> bool {
+    design.shares.get(name).is_some_and(|share| *share > LEAST)
+}
+
+/// The names that the page shows, in their order: all of a small dictionary; of a large one those in use and those
+/// with the highest efficiency, or just the first without a design.
+pub(super) fn shown<'a>(
+    names: impl Iterator<Item = &'a str>,
+    design: Option<&DesignDocument>,
+) -> Vec<&'a str> {
+    let names: Vec<&str> = names.collect();
+    let mut ranked: Vec<usize> = (0..names.len()).collect();
+    let mut most = MOST;
+    if let Some(design) = design {
+        ranked.sort_by(|a, b| rank(design, names[*a], names[*b]));
+        most = most.max(names.iter().filter(|name| used(design, name)).count());
+    }
+    ranked.truncate(most);
+    ranked.sort_unstable();
+    ranked.into_iter().map(|index| names[index]).collect()
+}
+
+/// Says that a large dictionary is not shown completely.
+pub(super) fn omission(all: usize, shown: usize) -> Markup {
+    html! {
+        @if shown < all {
+            p.note {
+                (shown) " of " (all) " maneuvers are shown: those in use and those closest to being worth their time."
+            }
+        }
+    }
+}
+
+fn rank(design: &DesignDocument, a: &str, b: &str) -> Ordering {
+    let sensitivity = |name| design.sensitivities.get(name).copied().unwrap_or(f64::NEG_INFINITY);
+    let by_use = used(design, b).cmp(&used(design, a));
+    by_use.then(sensitivity(b).total_cmp(&sensitivity(a)))
+}
+
+/// The excitation of every degree of freedom, and the nonstationarity of the maneuvers.
+pub(super) fn excitation(study: &Study) -> Section {
+    let conditions = match &study.estimate {
+        Some(estimate) => conditioning(estimate),
+        None => missing("Condition numbers are", "estimate.json", "estimate"),
+    };
+    let changes = match &study.moments {
+        Some(moments) => nonstationarity(moments, study.design.as_ref()),
+        None => missing("Nonstationarity is", "moments.json", "moments"),
+    };
+    let body = html! { div.pair { div { (conditions) } div { (changes) } } };
+    Section::new("excitation", "Excitation", "Excitation", body)
+}
+
+fn conditioning(estimate: &EstimateDocument) -> Markup {
+    let designs = optimized_first(&estimate.designs, |d| &d.design);
+    let table = Table::of(grouped(designs, |d| &d.degrees))
+        .compact()
+        .mark("first", |(first, ..)| first)
+        .name("Design", |(first, d, _)| if first { d.design.as_str() } else { "" })
+        .text("Degree", |(.., degree)| &degree.name)
+        .number("Condition, median", |(.., degree)| {
+            three_within(degree.condition_median, degree.condition_median_interval)
+        })
+        .number("Largest", |(.., degree)| three_or_dash(degree.condition_max))
+        .text("Weakest parameter, runs", |(.., degree)| {
+            let share = percent_within(degree.weakest_share, degree.weakest_share_interval);
+            format!("{}, {share}", degree.weakest_parameter)
+        });
+    html! {
+        h3 { "Condition of the estimation" }
+        (table)
+        p.note { "Condition number of the column-scaled normal matrix; the weakest parameter dominates its weakest direction." }
+    }
+}
+
+fn nonstationarity(MomentsDocument(moments): &MomentsDocument, design: Option<&DesignDocument>) -> Markup {
+    let names = shown(moments.maneuvers.iter().map(|maneuver| maneuver.name.as_str()), design);
+    let maneuvers = moments.maneuvers.iter().filter(|maneuver| names.contains(&maneuver.name.as_str()));
+    let named = Table::of(maneuvers).compact().name("Maneuver", |maneuver| &maneuver.name);
+    let table = moments.degrees.iter().fold(named, |table, degree| {
+        table.number(&degree.name, |maneuver| {
+            let own = maneuver.degrees.iter().find(|d| d.name == degree.name);
+            three_or_dash(own.map(|d| d.nonstationarity))
+        })
+    });
+    html! {
+        h3 { "Nonstationarity of the maneuvers" }
+        (table.number("Samples", |maneuver| maneuver.samples))
+        (omission(moments.maneuvers.len(), names.len()))
+        p.note {
+            "Largest change of a moment between the first and the second half: 0 is stationary. Near 1 the moments hold for \
+             the maneuver as a whole only, and a share that is run as a part of it gives other information."
         }
     }
 }

@@ -1,10 +1,8 @@
 use maud::{Markup, display, html};
 
 use super::number::{median, or_dash, percent, q90, three_or_dash};
-use super::parts::{Section, section};
-use super::sample::{INTERVALS, drawn_from};
+use super::parts::{INTERVALS, Section, Table, drawn_from, section};
 use super::study::{Scenario, Study, optimized_first};
-use super::table::Table;
 use study::documents::{
     DesignScores, DesignSummary, EstimateDocument, Estimator, EstimatorRecommendation, EstimatorScores,
     EstimatorSummary, ParameterSummary, ValidationDocument,

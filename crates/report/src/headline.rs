@@ -1,9 +1,8 @@
 use maud::{Markup, html};
 
-use super::card::card;
+use super::dictionary::used as is_used;
 use super::number::{exact, parameter_share, percent, percent_within, simulation_share, three};
-use super::parts::EXPLORE;
-use super::shown::used as is_used;
+use super::parts::{EXPLORE, card};
 use super::study::Study;
 use super::trajectory::words::{clearance, cost, gap, minutes};
 use study::documents::{

@@ -4,8 +4,7 @@ use maud::{Markup, html};
 use study::documents::{Absent, Criticism, FoundNoise, Verdict};
 
 use super::number::{probability, three, unit};
-use super::parts::coded;
-use super::table::Table;
+use super::parts::{Table, coded};
 
 /// Number of candidates that are always shown.
 const SHOWN: usize = 5;

@@ -10,9 +10,8 @@ use study::documents::{
 
 use super::loader::{Loader, existing};
 use super::number::{exact, fit, interval, median, or_dash, percent, q90, three, three_or_dash, unit};
-use super::parts::{Section, coded};
+use super::parts::{Section, Table, coded};
 use super::planned_trial::{PlannedTrial, map};
-use super::table::Table;
 
 /// The results for the next trial.
 #[derive(Clone, Debug)]

@@ -1,8 +1,7 @@
 use maud::{Markup, html};
 
-use super::parts::{Section, entry};
+use super::parts::{Section, Table, entry};
 use super::study::Study;
-use super::table::Table;
 
 /// The notation.
 pub(super) fn notation(study: &Study) -> Section {

@@ -4,9 +4,8 @@ use study::files::Vessel;
 
 use super::estimators::recommendation;
 use super::number::{or_dash, three, three_or_dash, unit};
-use super::parts::{Figures, Section, entry, missing};
+use super::parts::{Figures, Section, Table, entry, missing};
 use super::study::{Study, optimized_first};
-use super::table::Table;
 use crate::figures::{ErrorRow, relative_errors};
 
 /// The estimates of every parameter.

@@ -1,12 +1,10 @@
 use maud::{Markup, Render, html};
 
 use super::comparison::use_of_published;
-use super::histograms::ErrorFigure;
 use super::number::{exact, or_dash, percent_within, published, three};
-use super::parts::{Figures, Section};
-use super::selection::SelectionStudy;
+use super::parts::{Figures, Section, Table};
+use super::selection::{ErrorFigure, SelectionStudy};
 use super::study::Study;
-use super::table::Table;
 use study::documents::{
     PublishedLimits, PublishedPicks, PublishedSelection, Quantiles, SelectionScores, Share, SharesBeyond,
 };

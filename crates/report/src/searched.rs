@@ -3,9 +3,8 @@ use maud::{Markup, html};
 use super::averaged::averaged;
 use super::measured::free_runs;
 use super::number::{exact, or_dash, three, three_or_dash, three_within};
-use super::parts::{Figures, Section, statements};
+use super::parts::{Figures, Section, Table, statements};
 use super::searched_forces;
-use super::table::Table;
 use crate::figures::{ScoredDot, scored};
 use study::documents::{
     Candidate, FreeRunErrors, NestedAverage, NestedRecording, SearchDocument, SearchTerm, SearchedForces,

@@ -4,8 +4,7 @@ use maud::{Markup, html};
 use study::documents::{ForcesWithoutFold, FoundForce, SearchDocument, SearchedForces, TriedForce};
 
 use super::number::{exact, percent, three, three_or_dash, unit};
-use super::parts::coded;
-use super::table::Table;
+use super::parts::{Table, coded};
 
 /// How the search was made.
 pub(super) fn about(found: &SearchDocument, forces: &SearchedForces) -> Markup {

@@ -2,8 +2,7 @@ use maud::{Markup, html};
 use study::documents::{Arm, ArmSummary, RoundGain, SequentialDocument, Source};
 
 use super::number::{exact, interval, percent_within, three, three_or_dash, three_within};
-use super::parts::{Figures, Section};
-use super::table::{Table, grouped};
+use super::parts::{Figures, Section, Table, grouped};
 use crate::figures::{AccuracyCurve, accuracy};
 
 /// Trials designed in rounds compared with trials designed once: at equal time, and when they stop.

@@ -1,7 +1,7 @@
 use maud::{Markup, html};
 
 use super::number::{or_dash, three};
-use super::table::Table;
+use super::parts::Table;
 use study::documents::{DesignUpdateDocument, UpdatedParameter};
 
 /// What became of the promise of a design; nothing before its trial.

@@ -1,22 +1,18 @@
 //! `explore.html`: the trials, the model over time and the plans of a study, to be zoomed, filtered and sorted.
 
 mod assets;
-mod comparison;
-mod embedded;
-mod panel;
 mod plans;
-mod steps;
 mod trials;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde_json::{Value, json};
+use study::documents::{MapLine, Traced};
 
 use crate::headline::kind;
 use crate::page::STYLE;
 use crate::parts::missing;
 use crate::study::Study;
 use assets::Library;
-use panel::Panel;
 
 /// No request leaves the page: the browser refuses all but what stands in it.
 const POLICY: &str =
@@ -25,7 +21,7 @@ const POLICY: &str =
 /// The interactive page beside the report, whose file is called `report`. The same study gives the same bytes.
 pub fn explore(study: &Study, report: &str) -> String {
     let mut panels = trials::panels(study);
-    panels.extend(comparison::panel(study));
+    panels.extend(panel(study));
     panels.extend(plans::panels(study));
     page(study, report, &panels).into_string()
 }
@@ -53,7 +49,7 @@ fn page(study: &Study, report: &str, panels: &[Panel]) -> Markup {
                     @for panel in panels { (section(panel)) }
                     @if panels.is_empty() { (nothing()) }
                 }
-                script #data type="application/json" { (PreEscaped(embedded::script(&Value::Array(data)))) }
+                script #data type="application/json" { (PreEscaped(self::script(&Value::Array(data)))) }
                 @for library in &libraries { script { (PreEscaped(library.script())) } }
                 script { (PreEscaped(assets::SCRIPT)) }
             }
@@ -99,4 +95,104 @@ fn nothing() -> Markup {
         (missing("Measured and simulated motion is", "compare.parquet", "validate compare"))
         (missing("A plan on its map is", "map.json", "plan"))
     }
+}
+
+// The model on other recordings over time, with its bands.
+
+/// Samples beyond this many are not in the page.
+const MOST: usize = 12_000;
+
+/// Measured and simulated motion of every window; `None` in a study without.
+fn panel(study: &Study) -> Option<Panel> {
+    let (found, rows) = study.measured.as_ref()?.compared.as_ref()?;
+    let windows = rows.chunk_by(|a, b| a.source == b.source && a.window == b.window);
+    let every = stride(rows.len(), MOST);
+    let windows: Vec<Value> = windows.map(|own| window(own, every)).collect();
+    let verdict = found.statements.first();
+    let about = html! {
+        @if let Some(verdict) = verdict { p { (crate::parts::coded(verdict)) } }
+        p {
+            "Measured in the colour of the text, simulated in blue with its 95 % band. "
+            "Drag to zoom; all three plots have the same time."
+        }
+        @if every > 1 { p.note { "One of every " (every) " samples is in this page; the file has all." } }
+    };
+    (!rows.is_empty()).then(|| Panel {
+        id: "time".to_owned(),
+        title: "Measured and simulated".to_owned(),
+        about,
+        data: json!({"kind": "time", "windows": windows}),
+        library: Library::Plots,
+    })
+}
+
+fn window(rows: &[Traced], every: usize) -> Value {
+    let rows = || rows.iter().step_by(every);
+    let all = |of: &dyn Fn(&Traced, usize) -> Option<f64>| -> Value {
+        (0..3).map(|d| rows().map(|row| number(of(row, d))).collect::<Value>()).collect()
+    };
+    let first = rows().next();
+    json!({
+        "source": first.map(|row| row.source.as_str()),
+        "window": first.map(|row| row.window + 1),
+        "t": numbers(rows().map(|row| row.t)),
+        "measured": all(&|row, d| Some(row.measured[d])),
+        "simulated": all(&|row, d| Some(row.simulated[d])),
+        "half": all(&|row, d| row.half[d]),
+    })
+}
+
+// Data as it stands in the page.
+
+/// JSON that no tag can end.
+fn script(data: &Value) -> String {
+    data.to_string().replace('<', "\\u003c")
+}
+
+/// `value` with five significant digits; null if it is missing or not finite.
+fn number(value: impl Into<Option<f64>>) -> Value {
+    let short = |value: f64| format!("{value:.4e}").parse::<f64>().ok();
+    value.into().filter(|value| value.is_finite()).and_then(short).map_or(Value::Null, Value::from)
+}
+
+/// The numbers of a column.
+fn numbers(values: impl Iterator<Item = f64>) -> Value {
+    values.map(number).collect()
+}
+
+/// The places of a line in tenths of a metre: the first east and north, then differences to the place before.
+fn line(map_line: &MapLine) -> Value {
+    let mut last = [0; 2];
+    let places = map_line.east_m.iter().zip(&map_line.north_m);
+    let steps = places.flat_map(|(east, north)| {
+        let place = [tenths(*east), tenths(*north)];
+        let step = [place[0] - last[0], place[1] - last[1]];
+        last = place;
+        step
+    });
+    steps.collect::<Vec<i64>>().into()
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a map is smaller than the Earth")]
+fn tenths(metres: f64) -> i64 {
+    (10.0 * metres).round() as i64
+}
+
+/// The head of a column of a table; `kind` is `text`, `number` or `clock`.
+fn column(name: &str, unit: &str, kind: &str) -> Value {
+    json!({"name": name, "unit": unit, "kind": kind})
+}
+
+/// One of so many elements is kept that at most `most` remain.
+fn stride(all: usize, most: usize) -> usize {
+    all.div_ceil(most).max(1)
+}
+
+/// A section with its data, which the script draws.
+struct Panel {
+    id: String,
+    title: String,
+    about: Markup,
+    data: Value,
+    library: Library,
 }

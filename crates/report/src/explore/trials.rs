@@ -6,8 +6,7 @@ use study::scores;
 use study::selection;
 
 use super::assets::Library;
-use super::embedded::{column, number, stride};
-use super::panel::Panel;
+use super::{Panel, column, number, stride};
 use crate::study::Study;
 
 /// Trials beyond this many are not in the page.

@@ -1,5 +1,5 @@
+use super::axis::{COLUMN, PLOT, PLOT_FOOT, PLOT_TOP, frame, note};
 use crate::figures::axis::{Axis, Tick, extent};
-use crate::figures::layout::{COLUMN, PLOT, PLOT_FOOT, PLOT_TOP, frame, note};
 use crate::figures::palette::series;
 use crate::figures::svg::{Anchor, Paint, Point, Sheet};
 use crate::figures::text;

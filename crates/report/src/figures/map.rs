@@ -5,18 +5,10 @@
 //! only the surrounding text follows the page.
 
 mod areas;
-mod cells;
-mod clip;
-mod colours;
-mod grid;
 mod input;
 mod legend;
-mod legend_entries;
 mod margins;
-mod marks;
 mod numbers;
-mod outline;
-mod simplify;
 mod spots;
 mod surround;
 mod tracks;
@@ -86,9 +78,9 @@ pub fn map_figure(map: &Map) -> Result<String, Invalid> {
 }
 
 fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
-    sheet.bar(view.corner, view.opposite, colours::background(map.uncharted));
+    sheet.bar(view.corner, view.opposite, input::background(map.uncharted));
     if let Some(cells) = &map.cells {
-        cells::draw(sheet, view, cells, &map.depth_limits_m);
+        areas::draw(sheet, view, cells, &map.depth_limits_m);
     }
     areas::water(sheet, view, map);
     tracks::contours(sheet, view, &map.contours);
@@ -97,12 +89,12 @@ fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
     surround::graticule(sheet, view, &map.graticule);
     spots::draw(sheet, view, map);
     map.tube.iter().for_each(|tube| margins::tube(sheet, view, tube));
-    tracks::outlines(sheet, view, std::slice::from_ref(&map.edge), colours::EDGE);
-    tracks::outlines(sheet, view, &map.speed_limits, colours::SPEED_LIMIT);
-    tracks::outlines(sheet, view, &map.corridors, colours::CORRIDOR);
+    tracks::outlines(sheet, view, std::slice::from_ref(&map.edge), input::EDGE);
+    tracks::outlines(sheet, view, &map.speed_limits, input::SPEED_LIMIT);
+    tracks::outlines(sheet, view, &map.corridors, input::CORRIDOR);
     tracks::draw(sheet, view, map);
-    marks::hulls(sheet, view, &map.hulls);
-    marks::ends(sheet, view, map);
+    spots::hulls(sheet, view, &map.hulls);
+    spots::ends(sheet, view, map);
     numbers::draw(sheet, view, map);
 }
 

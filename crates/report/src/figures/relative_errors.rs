@@ -1,5 +1,5 @@
+use super::axis::{COLUMN, Rows, note};
 use crate::figures::axis::{Axis, Tick};
-use crate::figures::layout::{COLUMN, Rows, note};
 use crate::figures::palette::series;
 use crate::figures::svg::{Anchor, Paint, Sheet};
 use crate::figures::text;

@@ -1,5 +1,5 @@
+use super::axis::{COLUMN, Rows, note};
 use crate::figures::axis::{Axis, extent};
-use crate::figures::layout::{COLUMN, Rows, note};
 use crate::figures::palette::BLUE;
 use crate::figures::svg::{Anchor, Paint, Sheet};
 use crate::figures::text;
@@ -21,7 +21,7 @@ const ROW: f64 = 32.0;
 const LABEL: f64 = 40.0;
 
 /// Dots of the sensitivities against the line at `dimension` that a maneuver in use touches. The rows are as high as
-/// those of [`crate::figures::shares`], so that the two figures match side by side.
+/// those of [`super::shares`], so that the two figures match side by side.
 pub fn sensitivities(rows: &[SensitivityRow<'_>], dimension: f64) -> String {
     let layout = Rows::new(rows.iter().map(|row| row.name), ROW, 24.0);
     Sheet::figure(COLUMN, layout.height(), "Sensitivity per maneuver", |sheet| {

@@ -1,8 +1,7 @@
+use super::axis::{BASE, GRID, LABEL, NOTE, note};
 use crate::figures::axis::{Axis, extent};
-use crate::figures::layout::{BASE, GRID, LABEL, NOTE, note};
 use crate::figures::palette::{INK, Rgb};
-use crate::figures::svg::{Anchor, Lettering, Paint, Sheet};
-use crate::figures::thin::thinned;
+use crate::figures::svg::{Anchor, Lettering, Paint, Point, Sheet};
 
 /// One column of the small multiples: a quantity whose vertical axis all rows share.
 #[derive(Clone, Debug)]
@@ -178,4 +177,28 @@ impl Cell<'_> {
         let width = if curve.is_thin { 0.6 } else { 1.5 };
         sheet.polyline(&thinned(points, MOST_POINTS), (paint, width));
     }
+}
+
+/// At most about `most` points of a curve that keep its peaks: of each section the first, lowest and highest point.
+/// Points that are not finite are dropped.
+pub(crate) fn thinned(points: impl IntoIterator<Item = Point>, most: usize) -> Vec<Point> {
+    let finite = points.into_iter().filter(|(x, y)| x.is_finite() && y.is_finite());
+    let points: Vec<Point> = finite.collect();
+    if points.len() <= most {
+        return points;
+    }
+    let stretch = (3 * points.len()).div_ceil(most.max(3));
+    let mut kept: Vec<Point> = points.chunks(stretch).flat_map(landmarks).collect();
+    kept.extend(points.last());
+    kept
+}
+
+fn landmarks(stretch: &[Point]) -> Vec<Point> {
+    let height = |i: &usize, j: &usize| stretch[*i].1.total_cmp(&stretch[*j].1);
+    let lowest = (0..stretch.len()).min_by(height).unwrap_or(0);
+    let highest = (0..stretch.len()).max_by(height).unwrap_or(0);
+    let mut kept = vec![0, lowest, highest];
+    kept.sort_unstable();
+    kept.dedup();
+    kept.into_iter().map(|i| stretch[i]).collect()
 }

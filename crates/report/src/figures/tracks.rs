@@ -1,9 +1,9 @@
+use super::axis::{GRID, NOTE, note};
+use super::traces::thinned;
 use crate::figures::axis::{extent, round_step};
-use crate::figures::layout::{GRID, NOTE, note};
 use crate::figures::palette::{INK, Rgb};
 use crate::figures::svg::{Anchor, Paint, Point, Sheet};
 use crate::figures::text;
-use crate::figures::thin::thinned;
 
 /// One or several tracks in the plane, in one cell.
 #[derive(Clone, Debug)]

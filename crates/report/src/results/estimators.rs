@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use files::Error;
 use study::documents::{DesignScores, Estimator, EstimatorScores, ValidationDocument};
 
-use super::folder::{documents, label, left_out, seed};
-use super::table::{Table, median};
+use super::{Table, documents, label, left_out, median, seed};
 use crate::number::or_dash;
 
 /// The design whose errors are in the table.

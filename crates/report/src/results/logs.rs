@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use files::Error;
 use study::documents::{CrossvalDocument, EstimatorScore};
 
-use super::folder::{documents, label, left_out};
-use super::table::Table;
+use super::{Table, documents, label, left_out};
 use crate::number::{exact, or_dash, three_or_dash, three_within};
 
 pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {

@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use files::{Error, Loaded};
 use study::documents::{SequentialDocument, Stopping};
 
-use super::folder::{documents, label, left_out, seed_of};
-use super::table::{Table, quantile, share};
+use super::{Table, documents, label, left_out, quantile, seed_of, share};
 use crate::number::{exact, or_dash, three, three_or_dash};
 
 pub(super) fn section(folders: &[PathBuf]) -> Result<Option<String>, Error> {

@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use files::{Error, Loaded};
 use study::documents::{SelectionDocument, SimulatedLogsDocument};
 
-use super::folder::{documents, label, left_out, reference, seed_of};
-use super::table::{Table, median, share};
+use super::{Table, documents, label, left_out, median, reference, seed_of, share};
 use crate::loader::document_at;
 use crate::number::{or_dash, three};
 

@@ -6,8 +6,7 @@ use files::Error;
 use serde_json::Value;
 use study::documents::{EstimateDocument, ValidationDocument};
 
-use super::folder::{documents, label, left_out};
-use super::table::{Table, median};
+use super::{Table, documents, label, left_out, median};
 use crate::loader::document_at;
 use crate::number::{or_dash, percent};
 

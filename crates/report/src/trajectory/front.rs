@@ -5,8 +5,7 @@ use maud::{Markup, html};
 
 use super::words::{cost_title, minutes};
 use crate::number::{exact, percent, three};
-use crate::parts::Figures;
-use crate::table::Table;
+use crate::parts::{Figures, Table};
 use study::documents::{FrontPoint, PlanDocument, Voyage};
 
 /// The Pareto front of counts: fewer uses for less cost.

@@ -1,30 +1,23 @@
 //! The planned trajectory.
 
-mod charts;
-mod facts;
-pub(crate) mod files;
 mod front;
 mod moves;
-mod passage;
 mod sheet;
 mod trials;
 pub(crate) mod words;
 
 use maud::{Markup, html};
-use study::documents::{Check, PlanDocument, Voyage};
+use study::documents::{Check, LeftOut, PlanChart, PlanDocument, Voyage};
 
 use crate::figures::map::parted;
 use crate::number::three;
-use crate::parts::{Figures, Section, missing};
+use crate::parts::{Figures, Section, Table, missing};
 use crate::planned_trial::PlannedTrial;
 use crate::study::Study;
-use charts::charts;
-use facts::{facts, information};
 use front::front;
 use moves::moves;
-use passage::passage;
-use sheet::sheet;
-use trials::trials;
+use sheet::{facts, information, sheet};
+use trials::{passage, trials};
 use words::{cost, minutes};
 
 /// The style of the section, only on pages with a trajectory.
@@ -153,4 +146,33 @@ fn in_one_line(variant: &PlannedTrial) -> Markup {
         }
         @if !variant.stale.is_empty() { " Made from another " (variant.stale.join(", ")) "." }
     }
+}
+
+// The treatment of the objects of electronic charts, folded.
+
+/// The electronic charts of the plan, remarks on their files, and the objects that were omitted, with reasons.
+fn charts(charts: &[PlanChart]) -> Markup {
+    let rows = || charts.iter().flat_map(|chart| chart.left_out().map(move |left_out| (chart, left_out)));
+    html! {
+        @if !charts.is_empty() {
+            details {
+                summary { "Electronic charts, and what of them was left out" }
+                @for chart in charts {
+                    p.note { (chart.named()) @for note in &chart.notes { "; " (note) } "." }
+                }
+                @if rows().next().is_some() { (table(rows())) } @else { p.note { "No object was left out." } }
+            }
+        }
+    }
+}
+
+fn table<'a>(
+    rows: impl Iterator<Item = (&'a PlanChart, LeftOut<'a>)>,
+) -> Table<(&'a PlanChart, LeftOut<'a>)> {
+    Table::of(rows)
+        .compact()
+        .name("Chart", |(chart, _)| &chart.file)
+        .text("Class", |(_, own)| own.class)
+        .number("Objects", |(_, own)| own.objects)
+        .text("Why", |(_, own)| own.why)
 }

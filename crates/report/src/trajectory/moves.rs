@@ -2,7 +2,7 @@ use maud::{Markup, html};
 
 use super::words::level;
 use crate::number::three;
-use crate::table::Table;
+use crate::parts::Table;
 use study::documents::{DroppedMove, Handling, PlanHandling, PlanLattice, Primitive, Voyage};
 
 /// How the maneuvers became moves of the lattice, folded.

@@ -1,10 +1,16 @@
-use crate::figures::palette;
 use maud::{Markup, html};
+use study::documents::{
+    Check, Information, PlanDocument, PlanStep, Secondary, SecondaryCost, Voyage, VoyageLeg, WorstVessel,
+    WorstVessels,
+};
 
-use super::words::{action, clock, heading, knots, latitude, level, longitude, minutes};
-use crate::number::{or_dash, three, unit};
+use super::words::{
+    action, clearance, clock, cost, gap, heading, knots, latitude, level, longitude, minutes, part,
+};
+use crate::figures::palette;
+use crate::number::{exact, or_dash, percent, three, three_or_dash, unit};
+use crate::parts::entry;
 use crate::study::Study;
-use study::documents::{PlanDocument, PlanStep, Voyage, VoyageLeg};
 
 /// An input that never exceeds this counts as zero: rounding, in any unit.
 const RESIDUE: f64 = 1e-9;
@@ -167,4 +173,189 @@ fn seconds(value: Option<f64>) -> String {
 fn largest(leg: &VoyageLeg, name: &str, decimals: usize) -> String {
     let value = leg.largest_inputs.get(name).filter(|v| v.is_finite());
     or_dash(value.map(|v| format!("{v:.decimals$}")))
+}
+
+/// Facts about the plan and about the vessel at sea.
+pub(super) fn facts(plan: &PlanDocument) -> Markup {
+    html! {
+        (search(plan))
+        @if let Some(voyage) = &plan.voyage {
+            (at_sea(plan, voyage))
+            (currents(&voyage.check))
+        }
+    }
+}
+
+fn fact(term: &str, value: &str, note: &str) -> Markup {
+    entry(term, html! { (value) @if !note.is_empty() { " " span.aside { (note) } } })
+}
+
+fn search(plan: &PlanDocument) -> Markup {
+    let unit = plan.cost_unit;
+    let proof = gap(plan).unwrap_or("proved".to_owned());
+    html! {
+        h3 { "Plan" }
+        dl.facts {
+            (fact("Status", plan.status.name(), &proof))
+            (fact("Cost", &cost(plan.cost, unit), &format!("no plan costs less than {}", cost(plan.lower_bound, unit))))
+            (fact("Steps", &plan.steps.len().to_string(), &uses(plan)))
+            @if let Some(secondary) = &plan.secondary { (ties(secondary)) }
+        }
+    }
+}
+
+fn uses(plan: &PlanDocument) -> String {
+    let each: Vec<String> =
+        plan.counts.iter().map(|(name, count)| format!("{count}\u{a0}× {name}")).collect();
+    if each.is_empty() { String::new() } else { format!("with {}", each.join(", ")) }
+}
+
+fn ties(secondary: &SecondaryCost) -> Markup {
+    let value = exact((secondary.value * 1e3).round() / 1e3);
+    match secondary.name {
+        Secondary::Seconds => {
+            fact("Ties broken by", &format!("{value}\u{a0}s"), "of moves, each as rehearsed on its own")
+        }
+        Secondary::Turns => fact("Ties broken by", &format!("{value} turns"), ""),
+        Secondary::Clearance => fact("Ties broken by", &value, "classes of nearness to obstacles, summed"),
+    }
+}
+
+fn at_sea(plan: &PlanDocument, voyage: &Voyage) -> Markup {
+    let maneuvers: u64 = plan.counts.values().sum();
+    let share = voyage.informative_s / voyage.duration_s;
+    let clear = clearance(&voyage.check).unwrap_or("none: the hull touches an obstacle".to_owned());
+    html! {
+        h3 { "At sea, simulated by the nominal model" }
+        dl.facts {
+            (fact("Duration", &minutes(voyage.duration_s), &format!("{}\u{a0}s", exact(voyage.duration_s))))
+            (fact("Proved to take", &format!("{}\u{a0}s", exact(voyage.check.proved_s)),
+                &format!("each move from its node; sailed in {}\u{a0}s", exact(voyage.check.sailed_s))))
+            (fact("In informative maneuvers", &minutes(voyage.informative_s),
+                &format!("{} of the time, {maneuvers} maneuvers", percent(share))))
+            (fact("Clearance", &clear, "of the hull from anything charted as an obstacle"))
+            (fact("Margin", &format!("{}\u{a0}m asked for", exact(voyage.check.margin_m)), &margin(&voyage.check)))
+        }
+    }
+}
+
+/// The margin of the nominal track, compared with the required one.
+fn margin(check: &Check) -> String {
+    match check.shortfall_m > 0.0 {
+        true => format!("{}\u{a0}m short of it", three(check.shortfall_m)),
+        false => "kept".to_owned(),
+    }
+}
+
+fn currents(check: &Check) -> Markup {
+    if check.runs == 0 {
+        return html! { h3 { "In unknown current" } p.missing { "Not simulated: the plan asks for no runs." } };
+    }
+    let [least, low, median] = check.clearance_quantiles_m.map(three);
+    let [from, to] = check.aground_interval.map(percent);
+    let unmoved = check.clearance_quantiles_m.iter().all(|c| *c == check.clearance_m);
+    html! {
+        h3 { "In unknown current, with parameters that are off" }
+        p.note {
+            (check.runs) " simulations of the whole plan (seed " (check.seed) "), each with a constant current of its own, up to "
+            (exact(check.unknown_current_m_s)) "\u{a0}m/s and from any side, and with parameters of its own, "
+            (errors(check)) ". Errors of one leg are carried into the next."
+        }
+        @if let Some(worst) = &check.worst { (searched(worst, check.margin_m)) }
+        dl.facts {
+            (fact("Aground", &part(check.aground, check.runs), &format!("95\u{a0}% interval {from} to {to}; position corrected between the maneuvers")))
+            (fact("Nearer than the margin", &part(check.below_margin, check.runs), &format!("of {}\u{a0}m, those aground among them", exact(check.margin_m))))
+            (fact("Going aground", &bound(check.aground_bound), "for a vessel and a current drawn like these"))
+            (fact("Ends of moves beyond a tolerance", &part(check.ends_astray, check.ends),
+                &searches(check.rounds)))
+            (fact("Outside of the area", &part(check.left_area, check.runs), "its edge is no obstacle"))
+            (fact("Aground if sailed open loop", &part(check.aground_open_loop, check.runs), "the planned inputs, never corrected"))
+            (fact("Least clearance of a run", &format!("{least}\u{a0}m"),
+                &format!("5\u{a0}% of runs: {low}\u{a0}m; median: {median}\u{a0}m")))
+        }
+        @if unmoved {
+            p.note {
+                "Every run has the clearance of the undisturbed plan: distances are measured in steps of the chart's raster, and the nearest \
+                 point may be one that no current moves, such as the start."
+            }
+        }
+    }
+}
+
+/// How the parameters of the runs are off.
+fn errors(check: &Check) -> String {
+    match check.standard_errors {
+        Some(errors) => format!("jointly within {} {}", exact(errors), check.errors_of()),
+        None => format!("evenly within {} of the nominal ones", percent(check.parameter_error)),
+    }
+}
+
+/// What the search for the worst vessels found, apart from the drawn ones.
+fn searched(worst: &WorstVessels, margin_m: f64) -> Markup {
+    let found = |count: u64, what: &str| match count {
+        0 => format!("none found that {what}"),
+        _ => format!("{count} found that {what}"),
+    };
+    let at = |who: &WorstVessel| format!("step {} {}, by a vessel with {}", who.step, who.leg, who.words());
+    html! {
+        p.note { (worst.searched) " vessels and currents within the same bounds were searched for what is worst for each leg." }
+        dl.facts {
+            (fact("Worst vessels", &found(worst.aground, "run aground"), &format!("of {} searched", worst.searched)))
+            (fact("Nearer than the margin", &found(worst.below_margin, "come nearer"), &format!("of {}\u{a0}m, those aground among them", exact(margin_m))))
+            (fact("Least clearance found", &format!("{}\u{a0}m", three(worst.clearance_m)), &at(&worst.nearest)))
+            (fact("Largest part of a tolerance found", &percent(worst.tolerance_used), &at(&worst.farthest)))
+        }
+    }
+}
+
+/// The number of searches of the plan.
+fn searches(rounds: u64) -> String {
+    match rounds {
+        1 => "of the first plan that was found".to_owned(),
+        _ => format!("{rounds} searches, each with what the check before taught"),
+    }
+}
+
+/// The bound on the probability if no run is aground, with 95 % confidence.
+fn bound(bound: Option<f64>) -> String {
+    bound.map_or("not bounded".to_owned(), |bound| format!("below {}", percent(bound)))
+}
+
+/// The information of the trial compared with that promised by its counts.
+pub(super) fn information(information: &Information, designed: bool) -> Markup {
+    let dimension = information.dimension;
+    let whole = efficiency(information.whole_log_det, information);
+    html! {
+        h3 { "Information of the trial, log|det|" }
+        dl.facts.information {
+            (fact("Promised by the counts", &three_or_dash(information.predicted_log_det), ""))
+            (fact("In the maneuvers as sailed", &three_or_dash(information.realised_log_det), &against(information.efficiency)))
+            (fact("In the whole track", &three_or_dash(information.whole_log_det), &against(whole)))
+            (fact("Efficiency of the counts", &or_dash(information.design_efficiency.map(percent)), &reason(information.design_efficiency, designed)))
+        }
+        p.note {
+            "Efficiency: the ratio of the determinants to the power 1/" (dimension) ". Above 100\u{a0}%, what is sailed tells more than \
+             the maneuvers of the dictionary on their own, for example because the vessel enters them at other speeds."
+        }
+    }
+}
+
+/// exp((log det − promised)/p).
+fn efficiency(log_det: Option<f64>, information: &Information) -> Option<f64> {
+    let gain = log_det? - information.predicted_log_det?;
+    Some(libm::exp(gain / information.dimension as f64))
+}
+
+fn against(efficiency: Option<f64>) -> String {
+    efficiency.map_or("not comparable: a direction is not excited".to_owned(), |e| {
+        format!("{} of the promise", percent(e))
+    })
+}
+
+fn reason(efficiency: Option<f64>, designed: bool) -> String {
+    match (efficiency, designed) {
+        (Some(_), _) => "against the design's shares over the same time in maneuvers".to_owned(),
+        (None, false) => "no design was given to compare with".to_owned(),
+        (None, true) => "not compared: plan.json was made without design.json".to_owned(),
+    }
 }

@@ -1,8 +1,7 @@
-use super::clip;
-use super::colours;
-use super::grid::Ranks;
+use super::areas::Ranks;
 use super::input::{Margin, Purpose, Raster, Tube};
 use super::view::View;
+use super::{input, view};
 use crate::figures::svg::{Path, Sheet};
 
 /// Maximum number of characters of a margin.
@@ -14,15 +13,15 @@ const APART: f64 = 4.5;
 pub(crate) fn draw(sheet: &mut Sheet, view: &View, margin: &Margin) {
     let Some((cells, border)) = bordered(view, &margin.grid, &margin.blocked) else { return };
     if margin.purpose == Purpose::Trial {
-        sheet.path(&hatching(view, &cells), colours::HATCH);
+        sheet.path(&hatching(view, &cells), input::HATCH);
     }
-    sheet.path(&border, colours::margin(margin.purpose));
+    sheet.path(&border, input::margin(margin.purpose));
 }
 
 /// Draws the area swept by hulls.
 pub(crate) fn tube(sheet: &mut Sheet, view: &View, tube: &Tube) {
     if let Some((_, border)) = bordered(view, &tube.grid, &tube.swept) {
-        sheet.path(&border, colours::TUBE);
+        sheet.path(&border, input::TUBE);
     }
 }
 
@@ -52,7 +51,7 @@ fn hatching(view: &View, cells: &Ranks) -> Path {
         let (i, j) = (diagonal.saturating_sub(ny), ny.saturating_sub(diagonal));
         runs(cells, (i, j)).into_iter().for_each(|(from, to)| {
             let ends = (cells.vertex(view, from), cells.vertex(view, to));
-            if let Some((from, to)) = clip::segment(view, ends.0, ends.1) {
+            if let Some((from, to)) = view::segment(view, ends.0, ends.1) {
                 path.line(&[from, to]);
             }
         });

@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use super::input::{Map, TrackStyle};
 use super::view::View;
-use super::{colours, marks};
+use super::{input, spots};
 use crate::figures::svg::{Anchor, Lettering, Look, Point, Sheet};
 
 /// Radius of a number's disc [px].
@@ -20,17 +20,17 @@ pub(crate) fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
     let mut taken = Taken::new(view, map);
     let numbered = map.tracks.iter().filter_map(|track| Some((track, track.number?)));
     for (track, number) in numbered {
-        let Some(from) = marks::placed(view, track.points.first().copied()) else { continue };
+        let Some(from) = spots::placed(view, track.points.first().copied()) else { continue };
         let at = taken.place(view, from);
         let paint = match track.style {
-            TrackStyle::Maneuver(index) => colours::maneuver_paint(index),
-            _ => colours::DARK,
+            TrackStyle::Maneuver(index) => input::maneuver_paint(index),
+            _ => input::DARK,
         };
-        sheet.line(from, at, Look::drawn(colours::DARK, 0.8));
-        sheet.disc(from, DOT, Look::filled(colours::DARK));
-        sheet.disc(at, DISC, Look::filled(colours::WHITE).outlined(paint, 1.8));
+        sheet.line(from, at, Look::drawn(input::DARK, 0.8));
+        sheet.disc(from, DOT, Look::filled(input::DARK));
+        sheet.disc(at, DISC, Look::filled(input::WHITE).outlined(paint, 1.8));
         let size = if number < 100 { DIGITS } else { 0.75 * DIGITS };
-        let letters = Lettering::new(size, Anchor::Middle).painted(colours::DARK).bold();
+        let letters = Lettering::new(size, Anchor::Middle).painted(input::DARK).bold();
         sheet.text(&number.to_string(), at, letters);
     }
 }
@@ -48,20 +48,20 @@ impl Taken {
         let (corner, opposite) = (view.corner, view.opposite);
         let wide = square(opposite.0 - corner.0) + 1;
         let high = square(opposite.1 - corner.1) + 1;
-        let ends = [(map.start, marks::START), (map.goal, marks::GOAL)];
-        let discs = ends.into_iter().filter_map(|(at, radius)| Some((marks::placed(view, at)?, radius)));
+        let ends = [(map.start, spots::START), (map.goal, spots::GOAL)];
+        let discs = ends.into_iter().filter_map(|(at, radius)| Some((spots::placed(view, at)?, radius)));
         let mut taken = Self { corner, wide, squares: vec![false; wide * high], discs: discs.collect() };
         let lines = map.tracks.iter().filter(|track| track.style != TrackStyle::Realization);
         lines.for_each(|track| taken.cover(view, &view.placed(&track.points)));
         let steps = map.tracks.iter().filter(|track| track.number.is_some());
-        let dots = steps.filter_map(|track| marks::placed(view, track.points.first().copied()));
+        let dots = steps.filter_map(|track| spots::placed(view, track.points.first().copied()));
         taken.discs.extend(dots.map(|at| (at, DOT)));
         taken
     }
 
     /// Marks the squares that a line runs through.
     fn cover(&mut self, view: &View, points: &[Point]) {
-        for part in super::clip::line(view, points) {
+        for part in super::view::line(view, points) {
             for pair in part.windows(2) {
                 let (from, to) = (pair[0], pair[1]);
                 let steps = square(libm::hypot(to.0 - from.0, to.1 - from.1)) + 1;

@@ -1,4 +1,4 @@
-use super::colours;
+use super::input;
 use super::input::Graticule;
 use super::view::{NOTE, View};
 use crate::figures::axis::round_step;
@@ -24,13 +24,13 @@ pub(crate) fn graticule(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
     for (y, _) in rows(view, graticule) {
         path.line(&[(low.0, y), (high.0, y)]);
     }
-    sheet.path(&path, Look::drawn(colours::DARK.faded(0.16), 0.6));
+    sheet.path(&path, Look::drawn(input::DARK.faded(0.16), 0.6));
 }
 
 /// The frame with its labels, and below it the scale bar and the north arrow.
 pub(crate) fn draw(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
     let (low, high) = (view.corner, view.opposite);
-    sheet.bar(low, high, Look::drawn(colours::DARK, 1.3));
+    sheet.bar(low, high, Look::drawn(input::DARK, 1.3));
     labels(sheet, view, graticule);
     scale_bar(sheet, view, high.1 + 38.0);
     north_arrow(sheet, (high.0 - 9.0, high.1 + 38.0));
@@ -39,8 +39,8 @@ pub(crate) fn draw(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
 /// A prominent line across the top of the map.
 pub(crate) fn warning(sheet: &mut Sheet, view: &View, warning: &str) {
     let (left, right) = (view.corner.0, view.opposite.0);
-    sheet.bar(view.corner, (right, view.corner.1 + WARNING), Look::filled(colours::DANGER));
-    let letters = Lettering::new(NOTE, Anchor::Middle).painted(colours::WHITE).bold();
+    sheet.bar(view.corner, (right, view.corner.1 + WARNING), Look::filled(input::DANGER));
+    let letters = Lettering::new(NOTE, Anchor::Middle).painted(input::WHITE).bold();
     sheet.text(warning, (0.5 * (left + right), view.corner.1 + 0.5 * WARNING), letters);
 }
 

@@ -1,7 +1,6 @@
 use super::input::{Contour, Map, Track, TrackStyle};
-use super::simplify::simplified;
-use super::view::View;
-use super::{clip, colours};
+use super::view::{View, simplified};
+use super::{input, view};
 use crate::figures::svg::{Look, Path, Sheet};
 
 /// Tolerance of a line [px].
@@ -15,11 +14,11 @@ pub(crate) const MOST_REALIZATIONS: usize = 200;
 pub(crate) fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
     let styled = |style| map.tracks.iter().filter(move |track| track.style == style);
     let sheaf = chosen(&styled(TrackStyle::Realization).collect::<Vec<_>>());
-    let look = colours::realization(sheaf.len());
+    let look = input::realization(sheaf.len());
     sheaf.iter().for_each(|track| sheet.path(&path(view, track, COARSE), look));
     for (style, look, halo) in [
-        (TrackStyle::Basic, colours::BASIC, colours::halo(3.6)),
-        (TrackStyle::RunIn, colours::RUN_IN, colours::halo(2.4)),
+        (TrackStyle::Basic, input::BASIC, input::halo(3.6)),
+        (TrackStyle::RunIn, input::RUN_IN, input::halo(2.4)),
     ] {
         let paths: Vec<Path> = styled(style).map(|track| path(view, track, TOLERANCE)).collect();
         paths.iter().for_each(|path| sheet.path(path, halo));
@@ -31,7 +30,7 @@ pub(crate) fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
 /// Outlines of corridors and of areas.
 pub(crate) fn outlines(sheet: &mut Sheet, view: &View, rings: &[Vec<[f64; 2]>], look: Look) {
     let mut path = Path::default();
-    rings.iter().for_each(|ring| path.ring(&clip::ring(view, &view.placed(ring))));
+    rings.iter().for_each(|ring| path.ring(&view::ring(view, &view.placed(ring))));
     sheet.path(&path, look);
 }
 
@@ -39,10 +38,10 @@ pub(crate) fn outlines(sheet: &mut Sheet, view: &View, rings: &[Vec<[f64; 2]>], 
 pub(crate) fn contours(sheet: &mut Sheet, view: &View, contours: &[Contour]) {
     let mut path = Path::default();
     for contour in contours {
-        let parts = clip::line(view, &view.placed(&contour.line));
+        let parts = view::line(view, &view.placed(&contour.line));
         parts.iter().for_each(|part| path.line(&simplified(part, COARSE)));
     }
-    sheet.path(&path, colours::CONTOUR);
+    sheet.path(&path, input::CONTOUR);
 }
 
 /// A maneuver with its name as a title.
@@ -50,17 +49,17 @@ fn maneuver(sheet: &mut Sheet, view: &View, map: &Map, track: &Track) {
     let TrackStyle::Maneuver(index) = track.style else { return };
     let (name, _) = &map.maneuvers[index];
     let title = track.number.map_or_else(|| name.clone(), |number| format!("{number}: {name}"));
-    let (line, within) = colours::maneuver(index);
+    let (line, within) = input::maneuver(index);
     let path = path(view, track, TOLERANCE);
     sheet.titled(&title, |sheet| {
-        let looks: [Option<Look>; 3] = [Some(colours::halo(colours::MANEUVER + 2.0)), Some(line), within];
+        let looks: [Option<Look>; 3] = [Some(input::halo(input::MANEUVER + 2.0)), Some(line), within];
         looks.into_iter().flatten().for_each(|look| sheet.path(&path, look));
     });
 }
 
 fn path(view: &View, track: &Track, tolerance: f64) -> Path {
     let mut path = Path::default();
-    for part in clip::line(view, &view.placed(&track.points)) {
+    for part in view::line(view, &view.placed(&track.points)) {
         path.line(&simplified(&part, tolerance));
     }
     path

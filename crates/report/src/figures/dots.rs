@@ -1,8 +1,8 @@
+use super::axis::{COLUMN, PLOT, PLOT_FOOT, PLOT_TOP, frame};
+use super::text;
 use crate::figures::axis::{Axis, Tick, extent};
-use crate::figures::layout::{COLUMN, PLOT, PLOT_FOOT, PLOT_TOP, frame};
 use crate::figures::palette::BLUE;
 use crate::figures::svg::{Paint, Point, Sheet};
-use crate::figures::text;
 
 /// A candidate with its score.
 #[derive(Clone, Copy, Debug)]

@@ -1,5 +1,5 @@
+use super::axis::{BASE, COLUMN, LABEL, Rows, note};
 use crate::figures::axis::Axis;
-use crate::figures::layout::{BASE, COLUMN, LABEL, Rows, note};
 use crate::figures::palette::BLUE;
 use crate::figures::svg::{Anchor, Lettering, Paint, Sheet};
 use crate::figures::text::percent;
