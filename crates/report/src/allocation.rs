@@ -2,7 +2,8 @@ use std::collections::BTreeMap;
 
 use maud::{Markup, display, html};
 use study::documents::{
-    Accuracy, AccuracyOf, AccuracyPoint, DesignDocument, Reference, Sequence, SequencePart, Start,
+    Accuracy, AccuracyOf, AccuracyPoint, DesignDocument, DesignUpdateDocument, Reference, Sequence,
+    SequencePart, Start, UpdatedParameter,
 };
 
 use super::designed_figures::figure_errors;
@@ -10,7 +11,6 @@ use super::dictionary::{omission, shown, used};
 use super::number::{exact, or_dash, percent, published, three_or_dash};
 use super::parts::{Figures, Section, Table, missing};
 use super::study::Study;
-use super::updated::updated;
 use crate::figures::{AccuracyCurve, SensitivityRow, ShareRow, accuracy, sensitivities, shares};
 use crate::number::three;
 use crate::parts::{coded, entry};
@@ -262,4 +262,30 @@ fn starts(starts: &[Start]) -> Table<&Start> {
         .number("Relative gap", |start| three(start.relative_gap))
         .number("Iterations", |start| start.iterations)
         .text("Agrees", |start| if start.agrees { "yes" } else { "no" })
+}
+
+/// What became of the promise of a design; nothing before its trial.
+fn updated(found: Option<&DesignUpdateDocument>) -> Markup {
+    let Some(found) = found else { return html! {} };
+    html! {
+        h3 { "What became of the promise?" }
+        p { (found.statement) }
+        (promises_table(&found.parameters))
+        p.note {
+            "Standard errors as promised for a trial of this length, and from the covariance of its estimate. Scales are what errors \
+             are relative to, before and after."
+        }
+        @for said in &found.statements { p.note { (said) } }
+    }
+}
+
+fn promises_table(parameters: &[UpdatedParameter]) -> Table<&UpdatedParameter> {
+    Table::of(parameters)
+        .compact()
+        .name("Parameter", |own| own.name.as_str())
+        .number("Estimate", |own| three(own.estimate))
+        .number("Scale", |own| or_dash(own.scale.map(three)))
+        .number("Promised", |own| three(own.standard_error.promised))
+        .number("Now", |own| three(own.standard_error.now))
+        .number("Promised/now", |own| or_dash(own.standard_error.ratio.map(three)))
 }

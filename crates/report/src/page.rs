@@ -4,7 +4,6 @@ use study::documents::{DesignScores, Estimator, EstimatorScores};
 use super::allocation::{allocation, certificate};
 use super::compared::compared;
 use super::comparison::{comparison, errors};
-use super::crossval::cross_validation;
 use super::delivered::delivered;
 use super::dictionary::{dictionary, excitation};
 use super::estimators::estimators;
@@ -12,7 +11,6 @@ use super::headline::{headline, kind};
 use super::measured::{Measured, logs};
 use super::merit::merit;
 use super::next_trial::next_trial;
-use super::notes::{files, notation};
 use super::parameters::parameters;
 use super::parts::{Figures, Section};
 use super::published_selection::published_selection;
@@ -21,9 +19,9 @@ use super::selection::selection;
 use super::sequential::sequential;
 use super::study::Study;
 use super::trajectory::{self, trajectory};
-use super::trust::trust;
+use super::trust::{cross_validation, trust};
 use crate::number::{median, or_dash, percent, q90};
-use crate::parts::{Table, statements};
+use crate::parts::{Table, entry, statements};
 use crate::study::optimized_first;
 
 /// The page and its figures.
@@ -160,4 +158,54 @@ fn realizations(study: &Study) -> Option<Section> {
 
 fn designs(by: &EstimatorScores) -> impl Iterator<Item = (Estimator, &DesignScores)> {
     optimized_first(&by.designs, |d| &d.design).into_iter().map(|scores| (by.estimator, scores))
+}
+
+/// The notation.
+fn notation(study: &Study) -> Section {
+    let body = if study.measured.is_some() { notes_of_logs() } else { notes_of_trials() };
+    let states = entry(
+        "u, v, r",
+        "Surge and sway speed [m/s] and yaw rate [rad/s]; axes x forward, y starboard, z down.",
+    );
+    Section::new("notation", "Notation", "Notation", html! { dl.names { (body) (states) } })
+}
+
+fn notes_of_trials() -> Markup {
+    html! {
+        (entry("Share", html! { var { "w" sub { "q" } } " = " var { "N" sub { "q" } } "/" var { "N" } ": part of the experiment's samples that maneuver " var { "q" } " gets." }))
+        (entry("Sensitivity", html! { var { "g" sub { "q" } } " = Σ" sub { "d" } " tr(" var { "M" sub { "d" } } "(" var { "w" } ")⁻¹ " var { "M" sub { "d,q" } } "), summed over the degrees of freedom. At the optimum no maneuver exceeds " var { "p" } ", the total dimension." }))
+        (entry("Gap", html! { "max" sub { "q" } " " var { "g" sub { "q" } } " − " var { "p" } ", after Kiefer and Wolfowitz; relative gap: divided by " var { "p" } "." }))
+        (entry("Efficiency", html! { "|det Γ(" var { "w" } ")/det Γ(" var { "w" } "*)|" sup { "1/n" } " with n parameters: the fraction of the experiment time that the optimal shares would need for the same information." }))
+        (entry("Parameter error", "2-norm over the parameters of (estimate − truth)/truth, one value per run."))
+        (entry("Simulation error", "2-norm of the root mean square errors in surge [m/s], sway [m/s] and yaw rate [rad/s] of the freely simulated model against the true one."))
+        (entry("Run, realization", "One experiment, simulated with its own disturbances and estimated on its own."))
+    }
+}
+
+fn notes_of_logs() -> Markup {
+    html! {
+        (entry("Fit", "100 (1 − RMSE/std) in percent, of a free simulation that starts at a measured state: 100 is perfect, 0 as good as the mean of the data."))
+        (entry("Error norm", "2-norm over surge, sway and yaw rate of RMSE/std; √3 is as bad as the mean of the data."))
+        (entry("Recording, sub-experiment", "What was logged in one go, and what it was cut into. Recordings are left out whole."))
+        (entry("Condition index", "Square root of the condition number of the normal matrix with the intercept, columns scaled, means left in; from 30 on collinear (Belsley, Kuh and Welsch)."))
+        (entry("Standard error", "Sandwich covariance with autocorrelation (Newey and West); of output-error by how much the estimate changes where a sub-experiment is left out (jackknife)."))
+        (entry("Partial R²", "How much of a term its instruments tell beyond what they tell of the others (Shea): 1 least squares, near 0 lost."))
+        (entry("Whiteness", "Ljung and Box's test: probability of a larger statistic if the residuals were white."))
+    }
+}
+
+/// The sources of the numbers.
+fn files(study: &Study) -> Section {
+    let body = html! {
+        @if study.files.is_empty() {
+            p.missing { "No file was read." }
+        } @else {
+            (Table::of(&study.files)
+                .compact()
+                .name("File", |(name, ..)| name)
+                .with(html! { th scope="col" { "What it is" } }, |(_, what, _)| html! { td.wrap { (what) } })
+                .with(html! { th scope="col" { "Digest" } }, |(.., digest)| html! { td.digest { (digest) } }))
+        }
+    };
+    Section::new("files", "Files", "Files", body)
 }

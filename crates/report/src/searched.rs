@@ -1,15 +1,15 @@
 use maud::{Markup, html};
+use study::documents::{
+    AverageSummary, AverageTerm, Candidate, ForcesWithoutFold, FoundForce, FreeRunErrors, NestedAverage,
+    NestedRecording, SearchDocument, SearchTerm, SearchedForces, SizeScore, TriedForce,
+};
 
-use super::averaged::averaged;
 use super::measured::free_runs;
 use super::number::{exact, or_dash, three, three_or_dash, three_within};
 use super::parts::{Figures, Section, Table, statements};
-use super::searched_forces;
 use crate::figures::{ScoredDot, scored};
-use study::documents::{
-    Candidate, FreeRunErrors, NestedAverage, NestedRecording, SearchDocument, SearchTerm, SearchedForces,
-    SizeScore,
-};
+use crate::number::{percent, unit};
+use crate::parts::coded;
 
 /// Terms beyond this many are not listed: those of the base structure first, then those that were chosen most often.
 const MOST_TERMS: usize = 40;
@@ -40,11 +40,11 @@ pub(super) fn searched(found: Option<&SearchDocument>, figures: &mut Figures) ->
 
 fn of_forces(found: &SearchDocument, forces: &SearchedForces) -> Markup {
     html! {
-        (searched_forces::about(found, forces))
+        (about_forces(found, forces))
         (statements(&found.statements))
         (nested(found))
-        (searched_forces::found(forces))
-        (searched_forces::without(forces))
+        (self::found(forces))
+        (without(forces))
         (recordings(found))
     }
 }
@@ -215,4 +215,119 @@ fn recordings(found: &SearchDocument) -> Markup {
         (free_runs(table, |r| r.search))
         p.note { "Fits of a recording are against the standard deviations of its own states." }
     }
+}
+
+/// Terms beyond this many are not listed.
+const MOST_TERMS_OF_MEMBERS: usize = 120;
+
+/// The terms of the models of an average, with how often each was chosen.
+fn averaged(found: &AverageSummary) -> Markup {
+    let of_library: Vec<&AverageTerm> = found.terms.iter().filter(|term| !term.base).collect();
+    let counts: Vec<(u64, usize)> = (1..=found.models)
+        .rev()
+        .map(|models| (models, of_library.iter().filter(|term| term.chosen == models).count()))
+        .collect();
+    let agreed = Table::of(&counts)
+        .name("In so many models", |(models, _)| models.to_string())
+        .number("Terms of the library", |(_, terms)| terms);
+    let listed = &of_library[..of_library.len().min(MOST_TERMS_OF_MEMBERS)];
+    let table = Table::of(listed.iter().copied())
+        .compact()
+        .name("Term", |t| t.term.as_str())
+        .text("Of", |t| t.degree.as_str())
+        .text("Parameter", |t| t.name.as_str())
+        .number("In models", |t| format!("{} of {}", t.chosen, found.models))
+        .number("Least value", |t| three(t.lowest))
+        .number("Mean", |t| three(t.mean))
+        .number("Largest", |t| three(t.highest));
+    html! {
+        h3 { "The average" }
+        p {
+            (found.models) " models of few terms are averaged. The structure of each was found on " (found.recordings_each)
+            " recordings drawn at random, of each kind about as large a share (seed " (found.seed) "); then it was fitted to all. \
+             Terms that few models have are those that the recordings leave open."
+        }
+        (agreed)
+        (table)
+        @if of_library.len() > listed.len() {
+            p.note { "The first " (listed.len()) " of " (of_library.len()) "; all are in `search.json`." }
+        }
+    }
+}
+
+// The search for forces that a ship lacks.
+
+/// How the search was made.
+fn about_forces(found: &SearchDocument, forces: &SearchedForces) -> Markup {
+    let windows =
+        found.window_s.map_or("whole recordings".to_owned(), |s| format!("windows of {} s", exact(s)));
+    html! {
+        p {
+            "The ship is fitted, every product that her forces lack is tested by its score, and the likeliest is added where the cost \
+             of recordings left out confirms it: up to " (forces.most_added) ", one after the other. The whole search is repeated \
+             without each of " (found.folds) " folds of recordings and judged by it, over " (windows) ". Fits are over windows of at \
+             most " (exact(found.fitted_window_s)) " s. Fit: 100 (1 − RMSE/std) over all windows together."
+        }
+    }
+}
+
+/// What was found.
+fn found(forces: &SearchedForces) -> Markup {
+    let folds = forces.without.len();
+    let rows: Vec<(usize, &FoundForce)> = (1..).zip(&forces.found).collect();
+    let table = Table::of(&rows)
+        .compact()
+        .mark("main", |_| forces.delivered)
+        .number("Order", |(order, _)| order)
+        .name("Found", |(_, own)| html! { code { (own.term) } })
+        .text("Degree", |(_, own)| own.degree.as_str())
+        .name("Parameter", |(_, own)| html! { code { (own.parameter) } })
+        .number("Value", |(_, own)| three(own.value))
+        .number("Standard error", |(_, own)| three_or_dash(own.standard_error))
+        .text("Unit", |(_, own)| unit(&own.unit))
+        .number("Found without a fold", |(_, own)| format!("{} of {folds}", own.found_by_folds));
+    html! {
+        @if !rows.is_empty() {
+            h3 { "Forces that were found" }
+            (table)
+            p.note {
+                @if forces.delivered { "The delivered ship has them. " } @else { "The delivered ship is without them. " }
+                "Values and standard errors are of a fit with all of them to all recordings. Its cost is " (three(forces.found_cost))
+                ", that of the ship as she was " (three(forces.base_cost)) "."
+            }
+        }
+    }
+}
+
+/// The searches without each fold.
+fn without(forces: &SearchedForces) -> Markup {
+    let most = "as many were added as may be";
+    let ended = |own: &ForcesWithoutFold| own.failed.clone().or(own.ended.clone()).unwrap_or(most.to_owned());
+    let table = Table::of(&forces.without)
+        .compact()
+        .number("Fold", |own: &ForcesWithoutFold| own.fold + 1)
+        .name("Tried", |own| coded(&tried(&own.tried)))
+        .text("Ended", |own| coded(&ended(own)));
+    html! {
+        h3 { "The searches without a fold" }
+        (table)
+        p.note {
+            "Cost: by how much that of recordings left out within the search changes with the force, with its standard error; in \
+             brackets what was not added."
+        }
+    }
+}
+
+fn tried(all: &[TriedForce]) -> String {
+    let each = |tried_force: &TriedForce| {
+        let cost = tried_force
+            .share_left_out
+            .zip(tried_force.standard_error)
+            .map_or("no fit".to_owned(), |(share, error)| {
+                format!("cost {} ± {}", percent(-share), percent(error))
+            });
+        let said = format!("`{}` in {}, {cost}", tried_force.term, tried_force.degree);
+        if tried_force.added { said } else { format!("({said})") }
+    };
+    if all.is_empty() { "–".to_owned() } else { all.iter().map(each).collect::<Vec<_>>().join("; ") }
 }

@@ -1,13 +1,13 @@
 use maud::{Markup, display, html};
 use study::documents::{
-    AbsentForce, ConstrainedParameter, DegreeTrust, ForceCriticism, LateActuator, SourceErrors, TriedSign,
-    TrustDocument,
+    Absent, AbsentForce, ConstrainedParameter, Criticism, CrossvalDocument, DegreeTrust, EstimatorScore,
+    ForceCriticism, FoundNoise, LateActuator, SourceErrors, TriedSign, TrustDocument, Verdict,
 };
 
-use super::lacking::lacking;
 use super::measured::{Measured, free_runs};
 use super::number::{fit, or_dash, percent, probability, three, three_or_dash, unit};
 use super::parts::{Section, Table, coded, missing, statements};
+use crate::number::{exact, three_within};
 
 /// The diagnostics of the pooled estimate.
 pub(super) fn trust(measured: &Measured) -> Section {
@@ -217,4 +217,158 @@ fn absent(found: &ForceCriticism) -> Table<&AbsentForce> {
         .text("Unit", |own| unit(&own.unit))
         .number("Cost", |own| percent(-own.share))
         .number("p", |own| probability(own.p_value))
+}
+
+// What a model lacks, and detection limits.
+
+/// Number of candidates that are always shown.
+const SHOWN_FORCES: usize = 5;
+
+/// The candidates, the likeliest first; those without evidence are folded.
+fn lacking(found: &Criticism) -> Markup {
+    let likely = found.absent.iter().take_while(|a| found.rejected && a.candidate).count();
+    let (first, others) = found.absent.split_at(likely.max(SHOWN_FORCES).min(found.absent.len()));
+    html! {
+        h3 { "What the model lacks" }
+        (candidates(found, first))
+        @if !others.is_empty() {
+            details {
+                summary { (others.len()) " more candidates, for which these recordings speak less" }
+                (candidates(found, others))
+            }
+        }
+        p.note {
+            "Score tests of whitened errors of what the model does not have, the likeliest first; values with standard errors as they \
+             would be if it were added. p: how often any of all candidates would seem so likely in a right model. Seen from: the \
+             least that these recordings would nearly always have shown."
+        }
+        @if !found.hidden.is_empty() {
+            p.note { "Not to be told from the model's own terms: " (coded(&found.hidden.join(", "))) "." }
+        }
+        (noise(found))
+    }
+}
+
+fn candidates<'a>(found: &Criticism, absent: &'a [Absent]) -> Table<&'a Absent> {
+    Table::of(absent)
+        .compact()
+        .mark("main", |a| found.rejected && a.candidate)
+        .name("Not in the model", |a| match a.degree {
+            Some(_) => html! { code { (a.name) } },
+            None => html! { (a.name) },
+        })
+        .text("Degree", |a| a.degree.as_deref().unwrap_or("all"))
+        .number("If added", added)
+        .text("Unit", |a| unit(&a.unit))
+        .number("p", |a| probability(a.p_value))
+        .number("Seen from", |a| three(a.visible_from))
+}
+
+/// `−0.400 ± 0.030`; north and east of a current.
+fn added(absent: &Absent) -> String {
+    let each = absent.value.iter().zip(&absent.standard_error);
+    each.map(|(value, error)| format!("{} ± {}", three(*value), three(*error))).collect::<Vec<_>>().join(", ")
+}
+
+/// The noise that the errors were whitened with: its kind, its levels, and by how much others are less likely.
+fn noise(found: &Criticism) -> Markup {
+    html! {
+        p.note {
+            "Noise " (if found.stated_noise { "stated" } else { "found" })
+            @if let Some(own) = &found.noise { ", " (own.kind.words()) }
+            ": u " (three(found.noise_u)) " m/s, v "
+            (three(found.noise_v)) " m/s, r " (three(found.noise_r)) " rad/s, current " (three(found.current_std)) " m/s"
+            @if let Some(time) = found.current_time_s { " changing within " (three(time)) " s" }
+            @for own in found.noise.iter().flat_map(|own| &own.drifts) {
+                ", " (own.of) " " (own.state) " " (three(own.std)) " " (own.unit) " over " (three(own.time_s)) " s"
+            }
+            "."
+            @if let Some(own) = &found.noise {
+                " Noise and parameters were found in " (own.turns) " turns"
+                @if !own.at_rest { ", without coming to rest" }
+                "."
+                @if !own.others.is_empty() { " Less likely, in twice the log-likelihood: " (others(own)) "." }
+            }
+        }
+        @if found.verdict == Verdict::None {
+            p.note {
+                "No verdict: these errors follow no noise known here. What is missing, and standard errors, do not hold."
+            }
+        }
+    }
+}
+
+fn others(noise: &FoundNoise) -> String {
+    let each = noise.others.iter().map(|own| format!("{} by {}", own.kind.words(), three(own.below)));
+    each.collect::<Vec<_>>().join(", ")
+}
+
+/// The estimators compared on recordings that were left out, and the recommended one recording by recording.
+pub(super) fn cross_validation(measured: &Measured) -> Section {
+    let body = match &measured.crossval {
+        None => missing("Cross-validation is", "crossval.json", "validate cross"),
+        Some(found) => html! {
+            (about_folds(found))
+            (statements(&found.statements))
+            (estimators(found))
+            @if let Some((score, _)) = measured.best() { (sources(score)) }
+        },
+    };
+    Section::new("cross-validation", "Cross-validation", "Cross-validation", body)
+}
+
+fn about_folds(found: &CrossvalDocument) -> Markup {
+    let windows =
+        found.window_s.map_or("whole recordings".to_owned(), |s| format!("windows of {} s", exact(s)));
+    html! {
+        p {
+            "Each of " (found.folds) " folds leaves recordings out, estimates from the others and simulates over those left \
+             out: " (found.windows) " " (windows) ", " (found.samples) " samples. "
+            @if found.forces {
+                "Forces were fitted, with priors of weight " (three(found.prior))
+            } @else {
+                "Mean of the instruments removed: " (found.mean_removal) "; nominal model: " (found.nominal)
+                @if found.prior > 0.0 { "; prior of strength " (three(found.prior)) }
+            }
+            ". Standard deviations of the states: " (three(found.std_u)) " m/s, " (three(found.std_v)) " m/s, "
+            (three(found.std_r)) " rad/s."
+        }
+    }
+}
+
+fn estimators(found: &CrossvalDocument) -> Markup {
+    let recommended = |e: &EstimatorScore| found.recommended == Some(e.name);
+    let named = Table::of(&found.estimators)
+        .mark("main", |e| found.candidates.contains(&e.name))
+        .name("Estimator", |e| html! { (e.name) @if recommended(e) { " (recommended)" } });
+    let table = free_runs(named, |e| e.errors)
+        .number("Error norm", |e| three_or_dash(e.error_norm))
+        .number("Above the least", |e| {
+            or_dash(found.difference(e.name).map(|d| three_within(d.median, Some(d.interval))))
+        })
+        .text("By instruments, folds", |e| e.by_instruments.map(|folds| folds.to_string()).join(", "))
+        .text("Status", |e| display(e.status));
+    html! {
+        (table)
+        p.note {
+            "Above the least: how far the error norm of a recording lies above that by the estimator of least median norm, \
+             median over the recordings with its 95 % interval; one that contains 0 tells no difference. "
+            "By instruments: folds in which surge, sway and yaw were estimated with simulated instruments."
+        }
+    }
+}
+
+fn sources(score: &EstimatorScore) -> Markup {
+    let (simulated, without): (Vec<_>, Vec<_>) = score.sources.iter().partition(|s| s.windows > 0);
+    let named =
+        Table::of(simulated).compact().name("Recording", |s| &s.source).number("Windows", |s| s.windows);
+    html! {
+        h3 { "Recordings left out, " (score.name) }
+        (free_runs(named, |s| s.errors))
+        p.note {
+            "Fits of a recording are against the standard deviations of its own states: a state that hardly varies in it has \
+             a low fit whatever the error."
+            @if !without.is_empty() { " " (without.len()) " recordings are shorter than a window." }
+        }
+    }
 }

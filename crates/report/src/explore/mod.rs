@@ -1,18 +1,16 @@
 //! `explore.html`: the trials, the model over time and the plans of a study, to be zoomed, filtered and sorted.
 
-mod assets;
 mod plans;
-mod trials;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde_json::{Value, json};
 use study::documents::{MapLine, Traced};
+use study::{scores, selection};
 
 use crate::headline::kind;
 use crate::page::STYLE;
 use crate::parts::missing;
 use crate::study::Study;
-use assets::Library;
 
 /// No request leaves the page: the browser refuses all but what stands in it.
 const POLICY: &str =
@@ -20,7 +18,7 @@ const POLICY: &str =
 
 /// The interactive page beside the report, whose file is called `report`. The same study gives the same bytes.
 pub fn explore(study: &Study, report: &str) -> String {
-    let mut panels = trials::panels(study);
+    let mut panels = self::panels(study);
     panels.extend(panel(study));
     panels.extend(plans::panels(study));
     page(study, report, &panels).into_string()
@@ -39,7 +37,7 @@ fn page(study: &Study, report: &str, panels: &[Panel]) -> Markup {
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
                 title { (study.name) " – explore" }
-                style { (PreEscaped(STYLE)) @for library in &libraries { (PreEscaped(library.style())) } (PreEscaped(assets::STYLE)) }
+                style { (PreEscaped(STYLE)) @for library in &libraries { (PreEscaped(library.style())) } (PreEscaped(EXPLORE_STYLE)) }
             }
             body {
                 main {
@@ -51,7 +49,7 @@ fn page(study: &Study, report: &str, panels: &[Panel]) -> Markup {
                 }
                 script #data type="application/json" { (PreEscaped(self::script(&Value::Array(data)))) }
                 @for library in &libraries { script { (PreEscaped(library.script())) } }
-                script { (PreEscaped(assets::SCRIPT)) }
+                script { (PreEscaped(SCRIPT)) }
             }
         }
     }
@@ -195,4 +193,133 @@ struct Panel {
     about: Markup,
     data: Value,
     library: Library,
+}
+
+// The script and the style of the page, and the libraries that it has where they are needed.
+
+const SCRIPT: &str = include_str!("../../assets/explore.js");
+const EXPLORE_STYLE: &str = include_str!("../../assets/explore.css");
+
+/// What draws a panel.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Library {
+    /// uPlot 1.6.32.
+    Plots,
+    /// Leaflet 1.9.4.
+    Maps,
+}
+
+impl Library {
+    /// The library with its license.
+    fn script(self) -> String {
+        let [license, code] = match self {
+            Self::Plots => [
+                include_str!("../../assets/vendor/uplot/LICENSE"),
+                include_str!("../../assets/vendor/uplot/uPlot.iife.min.js"),
+            ],
+            Self::Maps => [
+                include_str!("../../assets/vendor/leaflet/LICENSE"),
+                include_str!("../../assets/vendor/leaflet/leaflet.js"),
+            ],
+        };
+        format!("/*\n{license}\n*/\n{}", without(code, "sourceMappingURL"))
+    }
+
+    /// Its style, without the pictures of controls that the page does not have.
+    fn style(self) -> String {
+        let text = match self {
+            Self::Plots => include_str!("../../assets/vendor/uplot/uPlot.min.css"),
+            Self::Maps => include_str!("../../assets/vendor/leaflet/leaflet.css"),
+        };
+        without(text, "url(")
+    }
+}
+
+/// `text` without the lines that have `word`.
+fn without(text: &str, word: &str) -> String {
+    text.lines().filter(|line| !line.contains(word)).flat_map(|line| [line, "\n"]).collect()
+}
+
+// A dot per trial, a row per trial.
+
+/// Trials beyond this many are not in the page.
+const MOST_RUNS: usize = 10_000;
+
+/// Simulated trials by their scores, and picks of sub-experiments by their errors.
+fn panels(study: &Study) -> Vec<Panel> {
+    let scored = study.scores.as_ref().filter(|rows| !rows.is_empty()).map(|rows| scored(rows));
+    let picked = study
+        .selection
+        .as_ref()
+        .filter(|selection| !selection.rows.is_empty())
+        .map(|selection| picked(&selection.rows));
+    scored.into_iter().chain(picked).collect()
+}
+
+fn scored(rows: &[scores::Row]) -> Panel {
+    let columns = [
+        column("design", "", "text"),
+        column("run", "", "number"),
+        column("status", "", "text"),
+        column("parameter error", "1", "number"),
+        column("RMSE u", "m/s", "number"),
+        column("RMSE v", "m/s", "number"),
+        column("RMSE r", "rad/s", "number"),
+        column("simulation error", "", "number"),
+    ];
+    let row = |row: &scores::Row| {
+        let [u, v, r] = row.rmse.map(number);
+        let [parameter, simulation] = [row.parameter_error, row.simulation_error].map(number);
+        json!([row.design, row.run, row.status.name(), parameter, u, v, r, simulation])
+    };
+    runs_panel("trials", "Trials", &columns, rows, row, [3, 7])
+}
+
+fn picked(rows: &[selection::Row]) -> Panel {
+    let columns = [
+        column("design", "", "text"),
+        column("realization", "", "number"),
+        column("status", "", "text"),
+        column("error norm", "1", "number"),
+        column("RMSE u", "m/s", "number"),
+        column("RMSE v", "m/s", "number"),
+        column("RMSE r", "rad/s", "number"),
+        column("error norm, left out", "1", "number"),
+    ];
+    let row = |row: &selection::Row| {
+        let [u, v, r] = row.rmse.map_or([const { Value::Null }; 3], |rmse| rmse.map(number));
+        let [norm, left_out] = [row.error_norm, row.left_out_norm].map(number);
+        json!([row.design, row.number, row.status.name(), norm, u, v, r, left_out])
+    };
+    runs_panel("picks", "Selected sub-experiments", &columns, rows, row, [3, 7])
+}
+
+/// Dots at the columns `axes`, in a colour per design, the first column.
+fn runs_panel<R>(
+    id: &str,
+    title: &str,
+    columns: &[Value],
+    rows: &[R],
+    row: impl Fn(&R) -> Value,
+    axes: [usize; 2],
+) -> Panel {
+    let every = stride(rows.len(), MOST_RUNS);
+    let shown: Vec<Value> = rows.iter().step_by(every).map(row).collect();
+    Panel {
+        id: id.to_owned(),
+        title: title.to_owned(),
+        about: about(rows.len(), every),
+        data: json!({"kind": "dots", "columns": columns, "rows": shown, "axes": axes, "group": 0}),
+        library: Library::Plots,
+    }
+}
+
+fn about(all: usize, every: usize) -> Markup {
+    html! {
+        p {
+            "Each dot is one of " (all) " trials. Drag over dots to keep them in the table, or type limits. "
+            "Click a row to find its dot."
+        }
+        @if every > 1 { p.note { "One of every " (every) " trials is in this page; the file has all." } }
+    }
 }

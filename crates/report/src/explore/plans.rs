@@ -7,11 +7,9 @@ use study::documents::{
     MapTrackKind, PlanDocument, Voyage, VoyageLeg,
 };
 
-use super::assets::Library;
-use super::{Panel, column, line, number};
+use super::{Library, Panel, column, line, number};
 use crate::parts::statements;
-use crate::plan_map::label;
-use crate::planned_trial::PlannedTrial;
+use crate::planned_trial::{PlannedTrial, label};
 use crate::study::Study;
 use crate::trajectory::words::{action, heading, knots, latitude, longitude};
 
