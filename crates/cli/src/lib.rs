@@ -3,30 +3,17 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-pub mod additional;
-mod changed;
-pub mod choice;
 pub mod cli;
 pub mod commands;
 pub mod compiler;
-mod crossed;
 pub mod design;
 pub mod failure;
 pub mod inputs;
-mod interrupted;
-pub mod limits;
-pub mod manual;
 pub mod monte_carlo;
-pub mod new;
-pub mod ordered;
 pub mod physical;
 pub mod pipeline;
 pub mod plan;
 pub mod pool;
-pub mod progress;
-pub mod run;
-pub mod said;
-pub mod sharded;
 pub mod ships;
 pub mod simulate;
 pub mod stage;

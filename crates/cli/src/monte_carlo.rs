@@ -8,9 +8,8 @@ use seatrial::{MonteCarlo, Realized, StudyError};
 use study::kept::Kept;
 use validation::tally::{Bounds, Tally};
 
-use crate::failure::Failure;
-use crate::ordered::ordered;
-use crate::progress::Progress;
+use crate::failure::{Failure, Progress};
+use crate::inputs::ordered;
 use crate::simulate::Files;
 
 /// Groups of runs per block of the tables.

@@ -14,10 +14,8 @@ use study::documents::{CrossvalDocument, ModelDocument};
 use study::files::read_reference;
 
 use crate::cli::{Common, none_given, not_below, samples};
-use crate::crossed::written;
-use crate::failure::Failure;
+use crate::failure::{Failure, Progress};
 use crate::pool::{Held, PoolFlags};
-use crate::progress::Progress;
 use crate::stage::Summary;
 
 /// The usual name of the document.
@@ -259,4 +257,21 @@ pub fn unfit(error: PhysicalError, vessel: &Path, runs: &Path) -> Failure {
         PhysicalError::Unfit(Unfit::NoParameter) => Failure::invalid(vessel, &Unfit::NoParameter.invalid()),
         PhysicalError::Unfit(other) => Failure::NoAnswer(format!("{}: {}", runs.display(), other.invalid())),
     }
+}
+
+// The result of a cross-validation.
+
+/// Writes the result, and says it in short.
+///
+/// # Errors
+/// Output that fails.
+pub fn written(out: &Path, provenance: &Provenance, document: &CrossvalDocument) -> Result<Summary, Failure> {
+    commit(vec![stage_document(out, provenance, document)?])?;
+    let (windows, folds, said) = (document.windows, document.folds, document.statements.join("; "));
+    Ok(Summary::of(
+        out,
+        format!("{windows} windows, {folds} folds; {said}"),
+        json!({"windows": windows, "folds": folds,
+            "recommended": document.recommended, "statements": document.statements}),
+    ))
 }

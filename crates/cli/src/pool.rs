@@ -16,8 +16,7 @@ use study::Doubtful;
 use study::documents::{EstimateDocument, IngestDocument};
 use study::trajectories::label;
 
-use crate::choice::choice;
-use crate::cli::{none_given, not_below, samples};
+use crate::cli::{choice, none_given, not_below, samples};
 use crate::failure::Failure;
 use crate::inputs;
 

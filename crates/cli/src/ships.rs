@@ -1,15 +1,21 @@
 //! `scale` and `guess`: ships before their first trial.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use crate::pipeline::ships::{MainDimensions, Size, Written, guessed, scaled};
 use clap::Parser;
-use files::{Staged, commit};
+use files::{Staged, commit, whole_folder};
+use refusal::Invalid;
 use serde_json::json;
+use ship::forces::{GRAVITY, usual_froude};
+use ship::model::{InputSpec, Vessel, VesselFile};
+use study::plan::second;
 use study::ship_file::read_ship;
+use study::vessel_text::{Notes, vessel_text};
 
-use crate::cli::{Common, none_given};
+use crate::cli::{Common, folder_of, none_given};
 use crate::failure::Failure;
+use crate::pipeline::ships::{MainDimensions, Size, Written, scaled};
+use crate::pipeline::starting::{Charted, PRESETS, Preset, measured, of_ship, schemas, simulated};
 use crate::stage::{Summary, Task};
 
 /// What the file is usually called.
@@ -117,4 +123,226 @@ fn write(common: &Common, written: &Written, read: Option<&PathBuf>) -> Result<S
     let out = common.main_output(MAIN, read)?;
     commit(vec![Staged::bytes(&out, written.text.as_bytes())?])?;
     Ok(Summary::of(&out, &written.said, json!({"vessel": written.said})))
+}
+
+/// Rudder angle to either side \[rad\]: 35°.
+const RUDDER: f64 = 0.6109;
+/// Rate of the rudder \[rad/s\]: 65° in 28 s, as SOLAS asks for.
+const RUDDER_RATE: f64 = 0.0405;
+/// Length of the ships whose rudder has that rate \[m\]; those of shorter ones are faster, as those of models are.
+const FULL_SCALE_M: f64 = 100.0;
+/// Samples per length sailed, at least.
+const SAMPLES: f64 = 20.0;
+/// Highest revolutions over those that hold the speed.
+const MOST_REVOLUTIONS: f64 = 1.3;
+/// Proportions of the ships that the formulas were made for: name, and between which they are.
+const USUAL: [(&str, [f64; 2]); 3] =
+    [("length over beam", [5.0, 8.5]), ("beam over draught", [2.0, 4.5]), ("block coefficient", [0.5, 0.87])];
+
+/// A ship of these dimensions, with a prior for every free number and the source of each number as a comment.
+///
+/// # Errors
+/// Dimensions that no ship has, or that contradict each other.
+pub fn guessed(own: &MainDimensions) -> Result<Written, Invalid> {
+    let guess = own.guess()?;
+    let speed = guess.description.ship.speed_m_s;
+    let revolutions = guess.revolutions;
+    let mut unusual = unusual(own, speed);
+    let file = VesselFile {
+        name: Some(format!("Guessed ship of {} m", own.length_m)),
+        sample_rate_hz: Some(rate(speed / own.length_m)),
+        input: inputs(own.length_m, revolutions),
+        ..VesselFile::of_forces(guess.description)
+    };
+    // Her dimensions were given: what is unusual of them is said, and passes.
+    let (file, found) = file.accepting_unusual()?;
+    unusual.extend(found.map(|own| format!("{}: {}", own.thing, own.found)));
+    let vessel = Vessel::from_file(file.clone())?;
+    let numbers = guess.sources.into_iter().map(|(name, source)| (name, source.to_owned())).collect();
+    let notes = Notes { head: head(own, revolutions, &unusual), numbers };
+    let mut said =
+        format!("{speed:.4} m/s at {revolutions:.4} 1/s, {} free numbers with priors", vessel.nominal.len());
+    if !unusual.is_empty() {
+        said += &format!("; beyond the usual ships of the formulas: {}", unusual.join(", "));
+    }
+    Ok(Written { text: vessel_text(&file, &notes)?, said })
+}
+
+/// The lowest usual rate \[Hz\] with enough samples per length, where a second has `lengths` of them.
+fn rate(lengths: f64) -> f64 {
+    let decades = [0.1, 1.0, 10.0, 100.0].into_iter().flat_map(|own| [own, 2.0 * own, 5.0 * own]);
+    decades.clone().find(|decade| *decade >= SAMPLES * lengths).unwrap_or(500.0)
+}
+
+fn inputs(length_m: f64, revolutions: f64) -> Vec<InputSpec> {
+    let faster = (FULL_SCALE_M / length_m).max(1.0).sqrt();
+    let rudder = InputSpec {
+        name: "delta".to_owned(),
+        unit: "rad".to_owned(),
+        range: Some([-RUDDER, RUDDER]),
+        rate_per_s: Some(digits(RUDDER_RATE * faster)),
+        ..InputSpec::default()
+    };
+    let propeller = InputSpec {
+        name: "n".to_owned(),
+        unit: "1/s".to_owned(),
+        range: Some([0.0, digits(MOST_REVOLUTIONS * revolutions)]),
+        ..InputSpec::default()
+    };
+    vec![rudder, propeller]
+}
+
+/// With four digits.
+fn digits(own: f64) -> f64 {
+    format!("{own:.3e}").parse().unwrap_or(own)
+}
+
+/// Proportions that are none of the usual ships, with their values.
+fn unusual(main_dimensions: &MainDimensions, speed: f64) -> Vec<String> {
+    let froude = speed / (GRAVITY * main_dimensions.length_m).sqrt();
+    let most = usual_froude(main_dimensions.block);
+    let fast = (froude > most)
+        .then(|| format!("Froude number {froude:.2} (at most {most:.2} at this block coefficient)"));
+    let found = [
+        main_dimensions.length_m / main_dimensions.beam_m,
+        main_dimensions.beam_m / main_dimensions.draught_m,
+        main_dimensions.block,
+    ];
+    let all = USUAL.into_iter().zip(found);
+    all.filter(|((_, [low, high]), main_dimensions)| !(*low..=*high).contains(main_dimensions))
+        .map(|((name, [low, high]), main_dimensions)| {
+            format!("{name} {main_dimensions:.3} ({low} to {high})")
+        })
+        .chain(fast)
+        .collect()
+}
+
+fn head(main_dimensions: &MainDimensions, revolutions: f64, unusual: &[String]) -> Vec<String> {
+    let MainDimensions { length_m, beam_m, draught_m, block, .. } = main_dimensions;
+    let mut all = vec![
+        format!(
+            "A ship of {length_m} m, beam {beam_m} m, draught {draught_m} m, block coefficient {block}, from textbook \
+             formulas. Nothing in it was measured."
+        ),
+        "`prior` is the standard deviation of what is known: two of them to either side are the 95 % interval. Numbers \
+         without one are not fitted, because free runs know forces over masses alone. Replace what you know better."
+            .to_owned(),
+        format!("She holds her speed at n = {revolutions:.4} revolutions per second."),
+    ];
+    if !unusual.is_empty() {
+        all.push(format!("Beyond the usual ships that the formulas were made for: {}.", unusual.join(", ")));
+    }
+    all
+}
+
+// `new`: the hand-written files of a study.
+
+/// Writes the commented files of a new study: of a ship that is known, or of your logs
+#[derive(Parser)]
+#[command(name = "new", after_help = help())]
+pub struct NewArguments {
+    /// Folder of the study; made here
+    #[arg(value_name = "FOLDER")]
+    out: PathBuf,
+    /// The ship to begin with: a preset, or a vessel.toml with forces as `guess` and `scale` write it
+    #[arg(long, value_name = "PRESET|vessel.toml")]
+    vessel: String,
+    /// Folder of logs in CSV: what is in them is guessed, and what was guessed is marked
+    #[arg(long, value_name = "FOLDER")]
+    logs: Option<PathBuf>,
+    /// A chart, or the folder of an exchange set: the trial is planned on it
+    #[arg(long, value_name = "PATH", requires = "place")]
+    chart: Option<PathBuf>,
+    /// Where the trial is to be, such as 24.97,60.12
+    #[arg(long, value_name = "LONGITUDE,LATITUDE", requires = "chart", allow_hyphen_values = true, value_parser = place)]
+    place: Option<[f64; 2]>,
+    /// When it may be, such as 2026-06-01T08:00:00Z/2026-06-01T18:00:00Z
+    #[arg(long, value_name = "FROM/UNTIL", requires = "chart", value_parser = slot)]
+    slot: Option<[String; 2]>,
+}
+
+/// Two times.
+fn slot(text: &str) -> Result<[String; 2], String> {
+    let expected = || {
+        "expected FROM/UNTIL, the earlier time first, such as 2026-06-01T08:00:00Z/2026-06-01T18:00:00Z"
+            .to_owned()
+    };
+    let (from, until) = text.split_once('/').ok_or_else(expected)?;
+    let [at, end] = [from, until].map(|time| second("--slot", time));
+    let is_in_order = at.and_then(|at| Ok(at < end?)).map_err(|_| expected())?;
+    is_in_order.then(|| [from.to_owned(), until.to_owned()]).ok_or_else(expected)
+}
+
+/// A longitude and a latitude \[deg\].
+fn place(text: &str) -> Result<[f64; 2], String> {
+    let parts = text
+        .split_once(',')
+        .and_then(|(lon, lat)| Some([lon.trim().parse().ok()?, lat.trim().parse().ok()?]));
+    parts.ok_or_else(|| "expected LONGITUDE,LATITUDE in degrees, such as 24.97,60.12".to_owned())
+}
+
+/// The presets and an example.
+fn help() -> String {
+    let presets = PRESETS.iter().map(|preset| format!("{}: {}\n", preset.name, preset.about));
+    format!(
+        "Presets:\n{}\nExample:\n  new my-study --vessel model-ship\n  new my-study --vessel guessed.toml",
+        presets.collect::<String>()
+    )
+}
+
+impl Task for NewArguments {
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        let out = &common.out;
+        let preset = || {
+            Preset::named(&self.vessel)
+                .map_err(|e| Failure::Usage(format!("--vessel: {e}, or a vessel.toml")))
+        };
+        let own = Some(Path::new(&self.vessel)).filter(|file| file.is_file());
+        let with = |flag: &str| {
+            let expected = "a preset with it; name the preset that the ship is most like";
+            Failure::Usage(format!("--vessel: found a file together with {flag}, expected {expected}"))
+        };
+        if out.symlink_metadata().is_ok() {
+            let found = "it there already";
+            return Err(Failure::refuse(
+                out,
+                "folder",
+                found,
+                "a new folder",
+                "name another, or run this one",
+            ));
+        }
+        let slot = self.slot.as_ref();
+        let charted =
+            self.chart.as_deref().zip(self.place).map(|(file, place)| Charted { file, place, slot });
+        let name = out.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+        let (files, said) = match (own, &self.logs) {
+            (Some(_), Some(_)) => return Err(with("--logs")),
+            (Some(_), None) if self.chart.is_some() => return Err(with("--chart")),
+            (Some(file), None) => (of_ship(file, common.seed)?, String::new()),
+            (None, None) => (simulated(preset()?, &name, charted.as_ref())?, String::new()),
+            (None, Some(logs)) => {
+                let (files, looked) = measured(preset()?, logs, charted.as_ref())?;
+                let (guessed, missing) = (looked.guessed(), looked.missing().len());
+                let half = looked.half_a_wind().map(|[channel, what]| {
+                    format!("; `{channel}` is not used: no {what} of the wind was found")
+                });
+                let logs = looked.files.len();
+                let said = format!("; {logs} logs, {guessed} lines guessed, {missing} channels missing");
+                (files, said + &half.unwrap_or_default())
+            }
+        };
+        let schemas = schemas();
+        std::fs::create_dir_all(folder_of(out)).map_err(|e| files::Error::io(out, "create", e))?;
+        let has_next = files.iter().any(|(name, _)| name.starts_with("next/"));
+        let within: &[&str] = if has_next { &["schemas", "next"] } else { &["schemas"] };
+        whole_folder(out, within, |folder| {
+            // One by one: this process holds the folder, which a set would wait for.
+            let mut all = files.iter().chain(&schemas);
+            all.try_for_each(|(name, text)| commit(vec![Staged::bytes(folder.join(name), text.as_bytes())?]))
+        })?;
+        let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+        let line = format!("{}{said}; next: seatrial run {}", names.join(", "), out.display());
+        Ok(Summary::of(out, line, json!({"files": names})))
+    }
 }

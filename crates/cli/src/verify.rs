@@ -7,8 +7,7 @@ use crate::pipeline::{Folders, Record};
 use clap::Parser;
 use study::folder::Folder;
 
-use crate::failure::Failure;
-use crate::said::on_stdout;
+use crate::failure::{Failure, on_stdout};
 
 /// Checks that files are whole and belong together, and prints what was made of what
 #[derive(Parser)]

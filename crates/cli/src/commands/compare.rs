@@ -3,18 +3,22 @@
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
+use estimation::Estimator;
 use files::{Provenance, TableWriter, commit, encode_block, stage_set_document};
 use seatrial::validation::comparison::Standing;
 use seatrial::{Comparison, channels_within, widest};
 use serde_json::json;
 use ship::model::Vessel;
 use study::Tried;
-use study::documents::traces;
-use study::files::read_any_vessel_as;
+use study::documents::{CrossvalDocument, traces};
+use study::files::{read_any_vessel, read_any_vessel_as};
+use validation::crossval::{CrossOptions, Folds, cross_validate};
 
-use crate::cli::{Common, member, samples};
-use crate::failure::Failure;
-use crate::pool::RunFlags;
+use crate::cli::{Common, choice, member, samples};
+use crate::failure::{Failure, Progress};
+use crate::inputs;
+use crate::physical::{self, FittingFlags, Scored, written};
+use crate::pool::{PoolFlags, RunFlags};
 use crate::stage::{Summary, Task};
 
 /// Tries a model on recordings, beside least squares, the mean of the data and other models; writes compare.json and
@@ -25,7 +29,7 @@ use crate::stage::{Summary, Task};
     after_help = "Example:\n  validate compare --model model.json --trajectories others.parquet --window-s 100 \
     --out compare.json"
 )]
-pub struct Arguments {
+pub struct CompareArguments {
     /// The model, or several whose trajectories are averaged, or a ship before her first fit
     #[arg(long, value_name = "model.json|average.json|vessel.toml")]
     model: PathBuf,
@@ -46,7 +50,7 @@ pub struct Arguments {
 /// The usual name of the document.
 const MAIN: &str = "compare.json";
 
-impl Task for Arguments {
+impl Task for CompareArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("validate");
         let model = Tried::read(&self.model, &mut provenance)?.at_rate_of(self.of.file());
@@ -81,7 +85,7 @@ impl Task for Arguments {
     }
 }
 
-impl Arguments {
+impl CompareArguments {
     /// The models that are averaged with `model`, which then is a single one, too.
     fn averaged(&self, model: &Tried, provenance: &mut Provenance) -> Result<Vec<Tried>, Failure> {
         let single = |path: &Path, own: &Tried| match own.standing() {
@@ -122,5 +126,85 @@ impl Arguments {
             channels_within(vessel, widest).map_err(|e| Failure::invalid(path, &e))?;
         }
         Ok(widest)
+    }
+}
+
+// `validate cross`: estimators compared over runs or recordings that are left out.
+
+/// Finds how well a model predicts runs or recordings that were left out of it; writes crossval.json
+#[derive(Parser)]
+#[command(
+    name = "cross",
+    after_help = "Example:\n  validate cross --vessel pipelines/kvlcc2/vessel.toml \
+    --trajectories trajectories.parquet --out crossval.json"
+)]
+pub struct CrossArguments {
+    #[command(flatten)]
+    flags: PoolFlags,
+    /// The estimators to compare [default: ls, iv, auto, output-error; of a ship with forces output-error]
+    #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description), value_delimiter = ',')]
+    estimators: Vec<Estimator>,
+    #[command(flatten)]
+    fitting: FittingFlags,
+    /// Simulates over windows of this length, side by side [s]; whole runs without it
+    #[arg(long, value_name = "S")]
+    window_s: Option<f64>,
+    /// Deals runs or recordings in turns into N folds; without it each is left out on its own
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
+    folds: Option<u16>,
+    /// Leaves these runs or recordings out together; again for the next fold
+    #[arg(long, value_name = "NAME,…", conflicts_with = "folds")]
+    fold: Vec<String>,
+}
+
+impl Task for CrossArguments {
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        let mut provenance = common.provenance("validate");
+        let vessel = self.flags.cored(read_any_vessel(&self.flags.vessel, &mut provenance)?)?;
+        let window = self.window_s.map(|s| samples("--window-s", s, vessel.sample_rate_hz)).transpose()?;
+        let out = common.main_output("crossval.json", self.flags.inputs())?;
+        let count = || self.folds.map_or(usize::MAX, usize::from);
+        let number =
+            |sources: usize| if self.fold.is_empty() { count().min(sources) } else { self.fold.len() };
+        if vessel.model.forces.is_some() {
+            let settings = [("folds", json!(self.folds)), ("fold", json!(self.fold))];
+            let inputs = (&self.flags, &self.fitting, self.estimators.as_slice());
+            let scored = Scored { window, folds: &self.left_out(), number: &number, settings, out };
+            return physical::cross(inputs, &vessel, scored, (common, provenance));
+        }
+        self.fitting.check_absent()?;
+        let estimators = match self.estimators.as_slice() {
+            [] => Estimator::COMPARED.to_vec(),
+            asked => asked.to_vec(),
+        };
+        let (runs, pool) = self.flags.read(&vessel, &mut provenance, inputs::runs)?;
+        let bytes = pool.bytes_of_many(&runs, rayon::current_num_threads());
+        inputs::fits(self.flags.of.file(), &runs.amount(), bytes)?;
+        let options = CrossOptions { estimators, window, folds: self.left_out() };
+        let folds = number(runs.sources()) * options.estimators.len();
+        let progress = Progress::new("folds", folds, common.quiet);
+        let found = cross_validate(&pool, &runs, &options, &|count| progress.advance(count));
+        let found = found.map_err(|e| Failure::invalid(self.flags.of.file(), &e.invalid()))?;
+        let settings = [
+            ("estimators", json!(options.estimators)),
+            ("intercepts", json!(true)),
+            ("window_samples", json!(window)),
+            ("folds", json!(self.folds)),
+            ("fold", json!(self.fold)),
+        ];
+        self.flags.note(settings, &mut provenance);
+        let window_s = window.map(|samples| samples as f64 / vessel.sample_rate_hz);
+        let document = CrossvalDocument::new(&pool, self.flags.nominal().source(), window_s, &found);
+        written(&out, &provenance, &document)
+    }
+}
+
+impl CrossArguments {
+    fn left_out(&self) -> Folds {
+        match (self.fold.is_empty(), self.folds) {
+            (false, _) => Folds::Named(self.fold.iter().map(|fold| vec![fold.clone()]).collect()),
+            (true, Some(count)) => Folds::Dealt(usize::from(count)),
+            (true, None) => Folds::Each,
+        }
     }
 }

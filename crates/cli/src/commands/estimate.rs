@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::additional::AdditionalFlags;
 use clap::Parser;
 use estimation::predictor::{InitialState, NoiseModel};
 use estimation::runs::{Asked, RunEstimators};
@@ -20,13 +19,9 @@ use study::files::{read_any_followed, read_campaign};
 use study::trajectories::{Layout, TrajectoryReader};
 use study::{Doubtful, LoggedHelm};
 
-use crate::choice::choice;
-use crate::cli::{Common, Sharding, beside, given, member, none_given};
-use crate::failure::Failure;
-use crate::inputs;
-use crate::ordered::{joined, joined_blocks};
-use crate::progress::Progress;
-use crate::sharded::Made;
+use crate::cli::{AdditionalFlags, Common, Sharding, beside, choice, given, member, none_given};
+use crate::failure::{Failure, Progress};
+use crate::inputs::{self, Made, joined, joined_blocks};
 use crate::stage::{Summary, Task};
 
 /// Estimates the model's parameters from each run, with standard errors; writes estimates.parquet and estimate.json
@@ -36,7 +31,7 @@ use crate::stage::{Summary, Task};
     after_help = "Example:\n  estimate --vessel pipelines/paper/vessel.toml \
     --trajectories campaign.parquet --out estimates.parquet"
 )]
-pub struct Arguments {
+pub struct EstimateArguments {
     /// The vessel
     #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     vessel: PathBuf,
@@ -77,7 +72,7 @@ pub struct Arguments {
 /// The usual name of the table.
 pub const MAIN: &str = "estimates.parquet";
 
-impl Task for Arguments {
+impl Task for EstimateArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
         let vessel = self.determined(read_any_followed(&self.vessel, &mut provenance)?)?;
@@ -101,7 +96,7 @@ impl Task for Arguments {
     }
 }
 
-impl Arguments {
+impl EstimateArguments {
     /// The vessel with the parameters that the runs can determine: simulated runs, which have their true states, have
     /// no information about disturbances that they hold constant.
     fn determined(&self, vessel: Vessel) -> Result<Vessel, Failure> {
@@ -302,7 +297,7 @@ fn gathered(
 
 /// The disturbances of the runs, if stated.
 fn levels(
-    a: &Arguments,
+    a: &EstimateArguments,
     vessel: &Vessel,
     provenance: &mut Provenance,
 ) -> Result<Option<NoiseModel>, Failure> {

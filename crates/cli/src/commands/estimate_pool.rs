@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use crate::additional::AdditionalFlags;
 use clap::Parser;
 use estimation::Estimator;
 use estimation::pooled::{Judgement, Pool, Resample, Resampling, grown, resampled, unstated};
@@ -18,14 +17,11 @@ use study::pooled_set::MAIN;
 use study::resamples;
 use study::trajectories::{Layout, TrajectoryReader};
 
-use crate::choice::choice;
-use crate::cli::{Common, Sharding, member, none_given};
-use crate::failure::Failure;
-use crate::inputs;
+use crate::cli::{AdditionalFlags, Common, Sharding, choice, member, none_given};
+use crate::failure::{Failure, Progress};
+use crate::inputs::{self, Made, rows_of_shards};
 use crate::physical::{self, PhysicalFlags};
 use crate::pool::PoolFlags;
-use crate::progress::Progress;
-use crate::sharded::{Made, rows_of_shards};
 use crate::stage::{Summary, Task};
 
 /// Makes one model from all runs or recordings, and says how far it can be trusted; writes estimates.parquet, estimate.json,
@@ -40,7 +36,7 @@ use crate::stage::{Summary, Task};
     mut_arg("gather", |gather| gather.requires("bootstrap").help("Take the resamples from the files of all shards instead of \
     drawing them"))
 )]
-pub struct Arguments {
+pub struct PoolArguments {
     #[command(flatten)]
     flags: PoolFlags,
     /// The estimator [default: of a ship with forces `output-error`; of measured logs `prediction-error`, or `output-error` where no noise known here describes their
@@ -62,7 +58,7 @@ pub struct Arguments {
     sharding: Sharding,
 }
 
-impl Task for Arguments {
+impl Task for PoolArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
         let vessel = self.flags.cored(read_any_vessel(&self.flags.vessel, &mut provenance)?)?;
@@ -114,7 +110,7 @@ impl Task for Arguments {
     }
 }
 
-impl Arguments {
+impl PoolArguments {
     /// Refuses flags that a fit of forces does not have.
     fn check_forces(&self) -> Result<(), Failure> {
         let flags = [

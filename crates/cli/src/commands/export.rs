@@ -10,15 +10,14 @@ use seatrial::exported::read_portable;
 use serde_json::{Value, json};
 use ship::model::Source;
 
-use crate::choice::choice;
-use crate::cli::{Common, check_positive, in_folder, only_folder_of};
+use crate::cli::{Common, check_positive, choice, in_folder, only_folder_of};
 use crate::failure::Failure;
 use crate::stage::{Summary, Task};
 
 /// Writes a model for other tools: Python, C, MATLAB, or a Functional Mock-up Unit
 #[derive(Parser)]
 #[command(name = "export", after_help = "Example:\n  export --model model.json --to fmu --out exported/")]
-pub struct Arguments {
+pub struct ExportArguments {
     /// The model, or a vessel; of an average each model, into a folder of its own
     #[arg(long, visible_alias = "vessel", value_name = "model.json|average.json|vessel.toml")]
     model: PathBuf,
@@ -36,7 +35,7 @@ pub struct Arguments {
     compiler: String,
 }
 
-impl Task for Arguments {
+impl Task for ExportArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         check_positive("--rate", self.rate)?;
         let mut provenance = common.provenance("export");
@@ -61,7 +60,7 @@ impl Task for Arguments {
     }
 }
 
-impl Arguments {
+impl ExportArguments {
     /// Writes `portable` into the folder `out`.
     fn written(&self, portable: &Portable, out: &Path) -> Result<(String, Value), Failure> {
         let refused = |e| Failure::invalid(&self.model, &e);

@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::cli::{Common, beside, budget, folder_of};
-use crate::failure::Failure;
-use crate::ordered::ordered;
-use crate::progress::Progress;
+use crate::failure::{Failure, Progress};
+use crate::inputs::ordered;
 use crate::stage::{Summary, Task};
 use clap::Parser;
 use files::{Digest, Scratch, TableWriter, commit_with_document, free_bytes};
@@ -27,7 +26,7 @@ use study::trajectories::{Layout, MeasuredBlock};
     after_help = "Example:\n  ingest --config pipelines/esso-osaka/ingest.toml --logs LOGS \
     --vessel pipelines/esso-osaka/vessel.toml --out trajectories.parquet"
 )]
-pub struct Arguments {
+pub struct IngestArguments {
     /// What is in the logs
     #[arg(long, value_name = "ingest.toml")]
     config: PathBuf,
@@ -39,7 +38,7 @@ pub struct Arguments {
     vessel: Option<PathBuf>,
 }
 
-impl Task for Arguments {
+impl Task for IngestArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("ingest");
         let config = read_ingest(&self.config, &mut provenance)?;
@@ -68,7 +67,7 @@ impl Task for Arguments {
     }
 }
 
-impl Arguments {
+impl IngestArguments {
     /// The path of the summary of the table `out`.
     fn summary_file(&self, out: &Path) -> Result<PathBuf, Failure> {
         let summary = beside(out, "trajectories.parquet", "ingest.json");

@@ -22,7 +22,7 @@ use crate::stage::{Summary, Task};
     after_help = "Example:\n  validate merit --vessel pipelines/coaster/vessel.toml \
     --dictionary pipelines/coaster/dictionary.toml --length-m 100 --out merit.json"
 )]
-pub struct Arguments {
+pub struct MeritArguments {
     /// The ship, or a model of it
     #[arg(long, visible_alias = "model", value_name = "vessel.toml|model.json")]
     vessel: PathBuf,
@@ -46,7 +46,7 @@ pub struct Arguments {
 /// What the document is usually called.
 const MAIN: &str = "merit.json";
 
-impl Task for Arguments {
+impl Task for MeritArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("validate");
         let read = || [&self.vessel].into_iter().chain(&self.dictionary).chain(&self.trajectories);
@@ -115,7 +115,7 @@ impl Task for Arguments {
     }
 }
 
-impl Arguments {
+impl MeritArguments {
     /// What the model's file says of its parameters.
     fn covariance(&self) -> Result<Covariance, Failure> {
         read_model(&self.vessel)?.and_then(|model| model.errors_of_parameters().cloned()).ok_or_else(|| {

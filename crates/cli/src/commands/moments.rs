@@ -25,13 +25,10 @@ use trial::moments::{
     Prediction, Unpredictable, check_constants, numbers, structure,
 };
 
-use crate::choice::choice;
-use crate::cli::{Common, Sharding, given, none_given};
-use crate::failure::Failure;
-use crate::inputs;
-use crate::ordered::ordered;
+use crate::cli::{Common, Sharding, choice, given, none_given};
+use crate::failure::{Failure, Progress};
+use crate::inputs::{self, ordered};
 use crate::pool::Nominal;
-use crate::progress::Progress;
 use crate::stage::{Summary, Task};
 
 /// Computes how much each maneuver says about each parameter: its moments, the matrices M of docs/notation.md
@@ -43,7 +40,7 @@ use crate::stage::{Summary, Task};
     moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --out moments.json\n  \
     moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --estimator output-error --out moments.json"
 )]
-pub struct Arguments {
+pub struct MomentsArguments {
     /// The vessel
     #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     vessel: PathBuf,
@@ -73,7 +70,7 @@ pub struct Arguments {
     sharding: Sharding,
 }
 
-impl Task for Arguments {
+impl Task for MomentsArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("moments");
         let mut vessel = read_any_vessel(&self.vessel, &mut provenance)?;
@@ -154,7 +151,7 @@ fn published(out: &Path, provenance: &Provenance, document: &MomentsDocument) ->
     Ok(Summary::of(out, format!("moments of {count} maneuvers{part}{said}{current}"), details))
 }
 
-impl Arguments {
+impl MomentsArguments {
     /// The moments of a ship with forces, for an output-error estimate.
     fn of_forces(
         &self,
@@ -239,7 +236,7 @@ fn fault<'a>(invalid: &Invalid, vessel: &'a Path, campaign: &'a Path) -> &'a Pat
 
 /// The inputs, and how they are read.
 struct Reading<'a> {
-    a: &'a Arguments,
+    a: &'a MomentsArguments,
     vessel: &'a Vessel,
     prediction: Prediction<'a>,
     /// Of a ship with forces, in place of the prediction by terms.
@@ -332,7 +329,7 @@ impl Reading<'_> {
 
 /// The expected disturbances, and the model of free simulations, if requested.
 fn predicted(
-    a: &Arguments,
+    a: &MomentsArguments,
     vessel: &Vessel,
     beyond: &mut Vec<String>,
     provenance: &mut Provenance,
@@ -364,7 +361,7 @@ fn predicted(
 
 /// The disturbances to expect of trials of `campaign`, of which `noise` is predicted.
 fn expected(
-    a: &Arguments,
+    a: &MomentsArguments,
     vessel: &Vessel,
     campaign: &CampaignFile,
     noise: Noise,
@@ -376,7 +373,7 @@ fn expected(
 
 /// The nominal parameters of `--nominal`, without intercepts.
 fn nominal_of(
-    a: &Arguments,
+    a: &MomentsArguments,
     nominal: &Nominal,
     vessel: &Vessel,
     provenance: &mut Provenance,

@@ -3,7 +3,6 @@
 use std::ops::Range;
 use std::path::Path;
 
-use crate::additional::AdditionalFlags;
 use clap::Parser;
 use estimation::predictor::InitialState;
 use estimation::runs::RunEstimators;
@@ -23,8 +22,7 @@ use study::tallies::MAIN;
 use study::trajectories::Layout;
 use trial::campaign::Settings;
 
-use crate::choice::choice;
-use crate::cli::{Common, Sharding, budget, folder_of};
+use crate::cli::{AdditionalFlags, Common, Sharding, budget, choice, folder_of};
 use crate::failure::Failure;
 use crate::monte_carlo::{BLOCK, Done, needed_for, refused};
 use crate::simulate::{CampaignFlags, Files, note_plays};
@@ -38,7 +36,7 @@ use crate::stage::{Summary, Task};
     --dictionary pipelines/smoke/dictionary.toml --campaign pipelines/smoke/campaign.toml --design design.json \
     --realizations 1000 --out tally.json"
 )]
-pub struct Arguments {
+pub struct MonteCarloArguments {
     #[command(flatten)]
     of: CampaignFlags,
     /// The estimators, with commas between them, all on the same runs
@@ -68,7 +66,7 @@ pub struct Arguments {
 /// A run's number is a whole number of 32 bits in tables.
 const MOST_RUNS: i64 = i32::MAX as i64;
 
-impl Task for Arguments {
+impl Task for MonteCarloArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let out = common.main_output(MAIN, self.of.paths().chain(&self.sharding.gather))?;
         if self.sharding.gathers() {
@@ -79,7 +77,7 @@ impl Task for Arguments {
     }
 }
 
-impl Arguments {
+impl MonteCarloArguments {
     fn computed(&self, common: &Common, out: &Path) -> Result<Summary, Failure> {
         self.additional.check(&self.estimator)?;
         let mut provenance = common.provenance("monte-carlo");
@@ -116,7 +114,7 @@ impl Arguments {
     }
 }
 
-impl Arguments {
+impl MonteCarloArguments {
     /// Size and seed of the campaign.
     fn settings(&self, config: &CampaignFile, common: &Common, file: &Path) -> Result<Settings, Failure> {
         let settings = config.settings(common.seed);

@@ -69,7 +69,7 @@ pub struct Picture {
     name = "report",
     after_help = "Example:\n  report --study pipelines/paper --results out/paper --out out/paper/report.html"
 )]
-pub struct Arguments {
+pub struct ReportArguments {
     /// Folder of the study's hand-written files
     #[arg(long, value_name = "FOLDER")]
     study: PathBuf,
@@ -84,7 +84,7 @@ pub struct Arguments {
     scenarios: Vec<PathBuf>,
 }
 
-impl Task for Arguments {
+impl Task for ReportArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let study = load(&Sources {
             study: self.study.clone(),

@@ -13,11 +13,10 @@ use study::documents::SearchDocument;
 use study::files::read_any_vessel;
 
 use crate::cli::{Common, member, none_given, samples};
-use crate::failure::Failure;
+use crate::failure::{Failure, Progress};
 use crate::inputs;
 use crate::physical::{WeightFlags, absent, note, unfit};
 use crate::pool::RunFlags;
-use crate::progress::Progress;
 use crate::stage::{Summary, Task};
 
 /// Finds which terms a ship's model needs, from recordings of her; writes search.json and model.json. A ridge, chosen by
@@ -29,7 +28,7 @@ use crate::stage::{Summary, Task};
     after_help = "Example:\n  estimate search --vessel pipelines/esso-osaka/vessel.toml \
     --trajectories trajectories.parquet --recordings ingest.json --out search.json"
 )]
-pub struct Arguments {
+pub struct SearchArguments {
     /// The vessel; its terms are the structure that the search begins with
     #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     vessel: PathBuf,
@@ -123,7 +122,7 @@ const RESAMPLES: u32 = 50;
 /// Length of the windows of terms per sample \[s\], by default.
 const WINDOW_S: f64 = 60.0;
 
-impl Task for Arguments {
+impl Task for SearchArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
         let given = read_any_vessel(&self.vessel, &mut provenance)?;
@@ -209,7 +208,7 @@ fn summary(out: &Path, search: &SearchDocument) -> Summary {
     )
 }
 
-impl Arguments {
+impl SearchArguments {
     /// Searches for forces that `vessel` lacks.
     fn forces(
         &self,

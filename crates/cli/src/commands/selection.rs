@@ -12,14 +12,10 @@ use study::selection::{Row, columns, document, rows};
 use validation::selection::{PublishedLimits, Selection, SelectionOptions, Selector, available};
 
 use super::counts::counts;
-use crate::choice::choice;
-use crate::cli::{Common, Sharding, beside};
-use crate::failure::Failure;
-use crate::inputs;
-use crate::ordered::{joined, joined_blocks};
+use crate::cli::{Common, Sharding, beside, choice};
+use crate::failure::{Failure, Progress};
+use crate::inputs::{self, Made, joined, joined_blocks};
 use crate::pool::PoolFlags;
-use crate::progress::Progress;
-use crate::sharded::{self, Made};
 use crate::stage::{Summary, Task};
 
 /// The estimators that only need sums per sub-experiment.
@@ -32,7 +28,7 @@ const ESTIMATORS: [Estimator; 3] = [Estimator::Ls, Estimator::Iv, Estimator::Aut
     after_help = "Example:\n  validate selection --vessel pipelines/esso-osaka/vessel.toml \
     --trajectories trajectories.parquet --design design.json --out selection.parquet"
 )]
-pub struct Arguments {
+pub struct SelectionArguments {
     #[command(flatten)]
     flags: PoolFlags,
     /// The design whose counts are picked
@@ -57,7 +53,7 @@ pub struct Arguments {
 /// The usual name of the table.
 const MAIN: &str = "selection.parquet";
 
-impl Task for Arguments {
+impl Task for SelectionArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("validate");
         let vessel = self.flags.cored(StageOfTerms::Selection.read(&self.flags.vessel, &mut provenance)?)?;
@@ -96,7 +92,7 @@ impl Task for Arguments {
     }
 }
 
-impl Arguments {
+impl SelectionArguments {
     /// The limits of the figures of a published selection study.
     fn published(&self, provenance: &mut Provenance) -> Result<Option<PublishedLimits>, Failure> {
         let Some(file) = &self.reference else { return Ok(None) };
@@ -146,6 +142,6 @@ fn publish(
     let document = document(&rows);
     let details = json!({"ratio_q90": document.ratio_q90, "statements": document.statements});
     let said = document.statements.join("; ");
-    sharded::publish(table, file, &provenance, || Ok(document))?;
+    inputs::publish(table, file, &provenance, || Ok(document))?;
     Ok(Summary::of(&out, said, details))
 }

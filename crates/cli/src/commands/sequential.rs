@@ -16,9 +16,8 @@ use study::sequential::{SequentialFile, columns, document, rows};
 use trial::rounds::{self, Arm, Row, Trial};
 
 use crate::cli::{Common, Sharding, beside, budget};
-use crate::failure::Failure;
-use crate::progress::Progress;
-use crate::sharded::{self, Made};
+use crate::failure::{Failure, Progress};
+use crate::inputs::{self, Made};
 use crate::simulate::Files;
 use crate::stage::{Summary, Task};
 
@@ -30,7 +29,7 @@ use crate::stage::{Summary, Task};
     after_help = "Example:\n  sequential --vessel pipelines/paper/vessel.toml --dictionary pipelines/paper/dictionary.toml \
     --campaign pipelines/paper/campaign.toml --config pipelines/sequential/sequential.toml --out sequential.parquet"
 )]
-pub struct Arguments {
+pub struct SequentialArguments {
     /// The vessel, with its true parameters
     #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     vessel: PathBuf,
@@ -50,7 +49,7 @@ pub struct Arguments {
 /// The usual name of the table.
 const MAIN: &str = "sequential.parquet";
 
-impl Task for Arguments {
+impl Task for SequentialArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("sequential");
         let inputs = [&self.vessel, &self.dictionary, &self.campaign, &self.config].into_iter();
@@ -103,7 +102,7 @@ impl Task for Arguments {
     }
 }
 
-impl Arguments {
+impl SequentialArguments {
     /// Refuses more realizations than fit into memory: their rows are kept for the summary while they are converted
     /// to columns.
     fn check_room(&self, config: &SequentialFile) -> Result<(), Failure> {
@@ -118,7 +117,7 @@ impl Arguments {
 }
 
 fn publish(
-    a: &Arguments,
+    a: &SequentialArguments,
     file: &Path,
     made: Made<Row>,
     trial: &Trial,
@@ -142,7 +141,7 @@ fn publish(
         trial.statement().into_iter().chain(document.statements.iter().cloned()).collect();
     let said = said.join("; ");
     let details = json!({"realizations": count, "statements": document.statements});
-    sharded::publish(table, file, &provenance, || Ok(document))?;
+    inputs::publish(table, file, &provenance, || Ok(document))?;
     Ok(Summary::of(&out, format!("{count} realizations; {said}"), details))
 }
 

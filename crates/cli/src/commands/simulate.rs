@@ -31,7 +31,7 @@ use trial::campaign::{self, Maneuvers, Refusal, Settings};
     after_help = "Example:\n  simulate dictionary --vessel pipelines/paper/vessel.toml \
     --dictionary pipelines/paper/dictionary.toml --out dictionary.parquet"
 )]
-pub struct Arguments {}
+pub struct SimulateArguments {}
 
 /// Simulates each maneuver of a dictionary alone, without current, wind and noise
 #[derive(Parser)]

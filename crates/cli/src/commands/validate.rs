@@ -14,10 +14,8 @@ use study::scores::{self, Row};
 use study::trajectories::refuse_shard;
 
 use crate::cli::{Common, Sharding, beside, given};
-use crate::failure::Failure;
-use crate::inputs;
-use crate::progress::Progress;
-use crate::sharded::{self, Made};
+use crate::failure::{Failure, Progress};
+use crate::inputs::{self, Made};
 use crate::stage::{Summary, Task};
 
 /// Scores each estimate by how far its parameters and simulations are off; writes scores.parquet and validation.json
@@ -28,7 +26,7 @@ use crate::stage::{Summary, Task};
     --campaign pipelines/paper/campaign.toml --estimates estimates.parquet --validation validation.parquet \
     --out scores.parquet"
 )]
-pub struct Arguments {
+pub struct ValidateArguments {
     /// The vessel
     #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     vessel: PathBuf,
@@ -52,7 +50,7 @@ const MAIN: &str = "scores.parquet";
 /// server of 2024 (0.04 s for a thousand estimates and a thousand samples).
 const SIMULATED_PER_SECOND: f64 = 2.5e7;
 
-impl Task for Arguments {
+impl Task for ValidateArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("validate");
         let vessel = read_any_simulated(&self.vessel, &mut provenance)?;
@@ -73,7 +71,7 @@ impl Task for Arguments {
     }
 }
 
-impl Arguments {
+impl ValidateArguments {
     /// Scores the estimates of this shard, or all.
     fn computed(
         &self,
@@ -143,6 +141,6 @@ fn publish(
         format!("{} runs, {diverged} diverged", rows.len()),
         json!({"runs": rows.len(), "diverged": diverged, "designs": found.designs}),
     );
-    sharded::publish(table, document, &provenance, || Ok(found))?;
+    inputs::publish(table, document, &provenance, || Ok(found))?;
     Ok(summary)
 }

@@ -1,18 +1,33 @@
-use design::{Bounds, CountOptions, Design, Length, Options, Segments, Streamed, counted, solve_streamed};
-use files::{Provenance, commit, is_written, read_document, stage_document};
+use std::path::PathBuf;
+
+use clap::Parser;
+use maneuver::Generator;
+use numerics::Watch;
+use seatrial::{UpdateError, Updating};
 use serde_json::json;
-
-use super::Arguments;
-use super::problem::Problem;
-use super::refusal::{no_design, scarce};
-use crate::cli::Common;
-use crate::failure::Failure;
-use crate::stage::{Summary, Task};
-use study::documents::{DesignDocument, MomentsDocument, Solved};
+use ship::engine::refuse_endless;
+use ship::model::Vessel;
+use study::campaign_file::CampaignFile;
+use study::design_files::{Promised, read_limits};
+use study::documents::{DesignDocument, MomentsDocument, RefinedFiles, Solved};
+use study::files::{StageOfTerms, is_guess, read_campaign, read_dictionary};
 use study::moments_table::{MomentsTable, TableError, table_of};
-use trial::moments::Moments;
+use trial::campaign::Plan;
+use trial::moments::{Moments, check_constants};
+use trial::refining::{Limits, Refinement, Refusal, Start, StatedLimits};
 
-impl Task for Arguments {
+use super::{DesignArguments, Problem, no_design, scarce};
+use crate::cli::{Common, beside};
+use crate::failure::{Failure, Progress};
+use crate::inputs;
+use crate::simulate::Files;
+use crate::stage::{Summary, Task};
+use design::{Bounds, CountOptions, Design, Length, Options, Segments, Streamed, counted, solve_streamed};
+use files::{
+    Digest, Provenance, Staged, commit, is_written, read_document, stage_document, stage_set_document,
+};
+
+impl Task for DesignArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         self.check()?;
         let inputs = [&self.moments].into_iter().chain(&self.available).chain(&self.figures);
@@ -39,7 +54,7 @@ impl Task for Arguments {
     }
 }
 
-impl Arguments {
+impl DesignArguments {
     /// Options of the search for shares.
     fn options(&self, seed: u64) -> Options {
         Options { tolerance: self.tolerance, random_starts: self.starts, seed, ..Options::default() }
@@ -78,7 +93,7 @@ impl Arguments {
 
 /// The design of `moments`: criterion, stock, shares, counts, order.
 fn design(
-    a: &Arguments,
+    a: &DesignArguments,
     (seed, streamed): (u64, Option<Streamed>),
     moments: &Moments,
     provenance: &mut Provenance,
@@ -135,4 +150,183 @@ fn design(
         moments,
     }
     .into())
+}
+
+// `design refine`: optimises the input signals of an experiment, starting from a design.
+
+/// Improves the input signals of a designed trial, within limits of inputs and motion
+#[derive(Parser)]
+#[command(
+    name = "refine",
+    after_help = "Writes refined.json, and inputs.csv, refined-dictionary.toml and design.json for `simulate campaign`.\n\n\
+    Example:\n  design refine --vessel vessel.toml --dictionary dictionary.toml --design design.json --campaign campaign.toml --out refined/"
+)]
+pub struct Refine {
+    /// The vessel
+    #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
+    pub(super) vessel: PathBuf,
+    /// The maneuvers that the design is of
+    #[arg(long, value_name = "dictionary.toml")]
+    pub(super) dictionary: PathBuf,
+    /// The design whose experiment is the start
+    #[arg(long, value_name = "design.json")]
+    pub(super) design: PathBuf,
+    /// Disturbances, and the experiment's duration
+    #[arg(long, value_name = "campaign.toml")]
+    campaign: PathBuf,
+    /// Limits: u_m_s, v_m_s, r_rad_s, tables `inputs` and `rates` (per second) by input; default: those of [generate] in the
+    /// dictionary, else what the start reaches
+    #[arg(long, value_name = "limits.toml")]
+    limits: Option<PathBuf>,
+    /// Maximum number of iterations
+    #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    iterations: u32,
+}
+
+impl Task for Refine {
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        let mut provenance = common.provenance("design refine");
+        let inputs = || {
+            let all = [&self.vessel, &self.dictionary, &self.design, &self.campaign];
+            all.into_iter().chain(&self.limits)
+        };
+        let out = common.main_output("refined.json", inputs())?;
+        let others = ["inputs.csv", "refined-dictionary.toml", "design.json"]
+            .map(|name| beside(&out, "refined.json", name));
+        for path in &others {
+            Common { out: path.clone(), ..common.clone() }.main_output("", inputs())?;
+        }
+        let vessel = StageOfTerms::Refine.read(&self.vessel, &mut provenance)?.with_disturbances_held();
+        check_constants(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
+        let found = search(self, &vessel, &mut provenance, common.quiet)?;
+        settings(self, &found, &mut provenance);
+        let is_guess = is_guess(&self.vessel, &vessel);
+        let files = RefinedFiles { vessel: &vessel, found: &found, is_guess };
+        let document = files.document();
+        let [csv, dictionary, design] = &others;
+        let refined = files.dictionary();
+        // The refined design belongs to the refined dictionary, no longer to the original one.
+        let mut of_design = provenance.clone();
+        of_design.inputs.insert("dictionary".into(), Digest::of_bytes(refined.as_bytes()));
+        let mut staged = vec![
+            Staged::bytes(csv, files.inputs().as_bytes())?,
+            Staged::bytes(dictionary, refined.as_bytes())?,
+            stage_document(design, &of_design, &files.design(&document))?,
+        ];
+        staged.insert(0, stage_set_document(&out, &provenance, &document, &staged)?);
+        commit(staged)?;
+        let details = json!({
+            "before": document.before.value, "after": document.after.value, "worth": document.worth,
+            "iterations": document.iterations, "settled": document.settled,
+        });
+        Ok(Summary::of(&out, document.summary(), details))
+    }
+}
+
+/// Reads the design's experiment and its limits, and refines it.
+fn search(
+    a: &Refine,
+    vessel: &Vessel,
+    provenance: &mut Provenance,
+    quiet: bool,
+) -> Result<Refinement, Failure> {
+    let generator = read_dictionary(&a.dictionary, vessel, provenance)?;
+    let config = read_campaign(&a.campaign, provenance)?;
+    let design = inputs::document(&a.design, "design", provenance)?;
+    let plan = plan(a, vessel, &generator, &config, &design)?;
+    let noise = config.some_noise().map_err(|e| Failure::invalid(&a.campaign, &e))?;
+    let refused = |e| not_refined(a, e);
+    let start = Start::new(vessel, &generator, &plan, noise).map_err(|e| files(a).refused(e))?;
+    let model = &vessel.model;
+    let inputs: Vec<&str> = model.variables[3..3 + model.inputs].iter().map(|v| v.name.as_str()).collect();
+    let stated = match &a.limits {
+        Some(path) => read_limits(path, &inputs, provenance)?,
+        None => StatedLimits::default(),
+    };
+    let (limits, start) = Limits::new(&stated, vessel, &generator, start).map_err(refused)?;
+    let progress = Progress::new("iterations, at most", a.iterations as usize, quiet);
+    let watch = Watch::new(move || {
+        progress.advance(1);
+        true
+    });
+    Refinement::search(vessel, start, limits, a.iterations as usize, &watch).map_err(refused)
+}
+
+/// The experiment of the design in a campaign.
+fn plan(
+    a: &Refine,
+    vessel: &Vessel,
+    generator: &Generator,
+    config: &CampaignFile,
+    design: &DesignDocument,
+) -> Result<Plan, Failure> {
+    let samples = vessel.samples(config.duration_s);
+    refuse_endless("`duration_s`", samples).map_err(|e| Failure::invalid(&a.campaign, &e))?;
+    let names: Vec<String> = generator.maneuvers().iter().map(|m| m.name.clone()).collect();
+    design.designed().plan(&names, generator.tables(), samples).map_err(|e| files(a).refused(e))
+}
+
+fn files(a: &Refine) -> Files<'_> {
+    let (campaign, sea) = (&a.campaign, &a.campaign);
+    Files { vessel: &a.vessel, dictionary: &a.dictionary, campaign, sea, design: &a.design }
+}
+
+/// The settings that the result depends on besides the inputs.
+fn settings(a: &Refine, found: &Refinement, provenance: &mut Provenance) {
+    let settings = &mut provenance.settings;
+    settings.insert("simulate_with".into(), json!(found.start.source));
+    settings.insert("relative_to".into(), json!(found.start.source));
+    settings.insert("iterations".into(), json!(a.iterations));
+}
+
+/// Why an experiment is not refined.
+fn not_refined(a: &Refine, why: Refusal) -> Failure {
+    match why {
+        Refusal::Trial(why) => files(a).refused(why),
+        Refusal::Limits(e) => Failure::invalid(a.limits.as_ref().unwrap_or(&a.dictionary), &e),
+        Refusal::NotIdentifiable { parameter } => Failure::NoAnswer(format!(
+            "{}: the design's experiment: found one that does not distinguish `{parameter}` from the other parameters, expected a \
+             start that excites all; begin with another design",
+            a.design.display()
+        )),
+    }
+}
+
+// `design update`: what a design promised, and what its trial gave.
+
+/// Compares what a design promised with what is known after its trial
+#[derive(Parser)]
+#[command(
+    name = "update",
+    after_help = "Example:\n  design update --design design.json --moments moments.json --model model.json --out design-update.json"
+)]
+pub struct Update {
+    /// The design whose trial has been run
+    #[arg(long, value_name = "design.json")]
+    design: PathBuf,
+    /// The moments that it was made from
+    #[arg(long, value_name = "moments.json")]
+    moments: PathBuf,
+    /// The estimate of the trial, with its covariance
+    #[arg(long, value_name = "model.json")]
+    model: PathBuf,
+    /// Figures of merit with their slopes, those of the design
+    #[arg(long, value_name = "merit.json")]
+    figures: Option<PathBuf>,
+}
+
+impl Task for Update {
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        let inputs = [&self.design, &self.moments, &self.model].into_iter().chain(&self.figures);
+        let out = common.main_output("design-update.json", inputs)?;
+        let mut provenance = common.provenance("design update");
+        let of = Promised::read(&self.design, &self.moments, self.figures.as_deref(), &mut provenance)?;
+        let model = of.model(&self.model, &mut provenance)?;
+        let document = Updating::new(&of).after(&model).map_err(|e| match e {
+            UpdateError::Design(e) => Failure::invalid(&self.design, &e),
+            UpdateError::Model(e) => Failure::invalid(&self.model, &e),
+        })?;
+        commit(vec![stage_document(&out, &provenance, &document)?])?;
+        Ok(Summary::of(&out, document.summary(), json!({"parameter_error": document.parameter_error})))
+    }
 }

@@ -8,7 +8,6 @@ mod areas;
 mod input;
 mod legend;
 mod spots;
-mod tracks;
 mod view;
 
 use refusal::Invalid;
@@ -81,16 +80,16 @@ fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
         areas::draw(sheet, view, cells, &map.depth_limits_m);
     }
     areas::water(sheet, view, map);
-    tracks::contours(sheet, view, &map.contours);
+    areas::contours(sheet, view, &map.contours);
     map.margins.iter().for_each(|margin| areas::draw_margin(sheet, view, margin));
     areas::obstacles(sheet, view, map);
     graticule(sheet, view, &map.graticule);
     spots::draw(sheet, view, map);
     map.tube.iter().for_each(|tube| areas::tube(sheet, view, tube));
-    tracks::outlines(sheet, view, std::slice::from_ref(&map.edge), input::EDGE);
-    tracks::outlines(sheet, view, &map.speed_limits, input::SPEED_LIMIT);
-    tracks::outlines(sheet, view, &map.corridors, input::CORRIDOR);
-    tracks::draw(sheet, view, map);
+    areas::draw_outlines(sheet, view, std::slice::from_ref(&map.edge), input::EDGE);
+    areas::draw_outlines(sheet, view, &map.speed_limits, input::SPEED_LIMIT);
+    areas::draw_outlines(sheet, view, &map.corridors, input::CORRIDOR);
+    areas::draw_tracks(sheet, view, map);
     spots::hulls(sheet, view, &map.hulls);
     spots::ends(sheet, view, map);
     spots::draw_numbers(sheet, view, map);

@@ -1,25 +1,26 @@
 //! The planned trajectory.
 
-mod front;
 mod sheet;
 mod trials;
 pub(crate) mod words;
 
+use std::collections::BTreeMap;
+
 use maud::{Markup, html};
 use study::documents::{
-    Check, DroppedMove, Handling, LeftOut, PlanChart, PlanDocument, PlanHandling, PlanLattice, Primitive,
-    Voyage,
+    Check, DroppedMove, FrontPoint, Handling, LeftOut, PlanChart, PlanDocument, PlanHandling, PlanLattice,
+    Primitive, Voyage,
 };
 
 use crate::figures::map::parted;
-use crate::number::three;
+use crate::figures::{FrontDot, front as drawing};
+use crate::number::{exact, percent, three};
 use crate::parts::{Figures, Section, Table, missing};
 use crate::planned_trial::PlannedTrial;
 use crate::study::Study;
-use front::front;
 use sheet::{facts, information, sheet};
 use trials::{passage, trials};
-use words::{cost, level, minutes};
+use words::{cost, cost_title, level, minutes};
 
 /// The style of the section, only on pages with a trajectory.
 pub(super) const STYLE: &str = include_str!("style.css");
@@ -275,4 +276,75 @@ fn moves_table(voyage: &Voyage) -> Table<(bool, &Primitive)> {
         .number("Residual [°]", |(_, p)| three(p.residual_deg))
         .number("Spread [m]", |(_, p)| three(p.spread_m))
         .number("Fits", |(_, p)| p.fits)
+}
+
+/// The Pareto front of counts: fewer uses for less cost.
+fn front(plan: &PlanDocument, voyage: &Voyage, figures: &mut Figures) -> Markup {
+    let body = if voyage.front.is_empty() {
+        html! { p.missing { "Not shown: the search was not exhaustive, so what fewer uses would cost is not known." } }
+    } else {
+        shown(plan, voyage, figures)
+    };
+    html! { h3 { "Information against cost" } (body) }
+}
+
+fn shown(plan: &PlanDocument, voyage: &Voyage, figures: &mut Figures) -> Markup {
+    let labels: Vec<String> = voyage.front.iter().map(|point| uses(&point.counts)).collect();
+    let dots: Vec<FrontDot<'_>> = voyage
+        .front
+        .iter()
+        .zip(&labels)
+        .map(|(point, label)| FrontDot {
+            cost: point.cost,
+            log_det: point.log_det,
+            label,
+            chosen: is_own(plan, point),
+        })
+        .collect();
+    let order: Vec<&str> = plan.counts.keys().map(String::as_str).collect();
+    let caption = html! {
+        b { "Fewer uses for less." } " Each dot is the best plan with other counts (" (order.join(", "))
+        "); counts that cost more and tell less are left out. Filled: this plan."
+    };
+    html! {
+        div.pair.front {
+            (figures.place("front", drawing(&dots, cost_title(plan.cost_unit)), &caption))
+            (sweep_table(plan, voyage))
+        }
+    }
+}
+
+/// `3·2·3`, in the order of the names.
+fn uses(counts: &BTreeMap<String, u64>) -> String {
+    counts.values().map(u64::to_string).collect::<Vec<_>>().join("·")
+}
+
+fn is_own(plan: &PlanDocument, point: &FrontPoint) -> bool {
+    point.counts == plan.counts
+}
+
+fn sweep_table(plan: &PlanDocument, voyage: &Voyage) -> Markup {
+    let dimension = voyage.information.dimension as f64;
+    let own = voyage.front.iter().find(|point| is_own(plan, point)).map(|point| point.log_det);
+    let marked = Table::of(&voyage.front).class("compact tight").mark("main", |point| is_own(plan, point));
+    let mut table = plan
+        .counts
+        .keys()
+        .fold(marked, |table, name| table.number(name, |point| point.counts.get(name).copied().unwrap_or(0)));
+    table = table
+        .number(cost_title(plan.cost_unit), |point| exact((point.cost * 1e3).round() / 1e3))
+        .number("Informative legs", |point| minutes(point.informative_s))
+        .number("log|det|", |point| three(point.log_det));
+    if let Some(own) = own {
+        table = table.number("Efficiency", |point| percent(libm::exp((point.log_det - own) / dimension)));
+    }
+    html! {
+        div {
+            (table)
+            p.note {
+                "Informative legs: with approach and recovery. log|det|: as the counts promise it."
+                @if own.is_some() { " Efficiency: against this plan (bold), the ratio of the determinants to the power 1/" (voyage.information.dimension) "." }
+            }
+        }
+    }
 }

@@ -1,9 +1,8 @@
 //! Ships before their first trial: the same ship at another size, or one from her main dimensions.
 
-mod guessed;
 mod scaled;
 
-pub use guessed::guessed;
+pub use crate::ships::guessed;
 pub use scaled::{Size, scaled};
 pub use ship::forces::MainDimensions;
 

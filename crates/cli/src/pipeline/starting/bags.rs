@@ -1,17 +1,17 @@
 //! Bags in a folder of logs: what is in the first of them, and which are parts of one recording.
 
 use std::fmt::Write;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 
-use files::{Error, budget};
-use logs::guess::{BagGuess, Needed, Placed, TopicGuess};
-use logs::{Format, Topic, bag_census, database_census};
+use files::{Error, ForeignTable, Timed, budget, open};
+use flate2::read::MultiGzDecoder;
+use logs::guess::{BagGuess, Head, Needed, Placed, TopicGuess};
+use logs::{Format, LogError, Topic, bag_census, database_census};
 use refusal::foreign;
 use study::ingest_file::read::{check_format, database};
-use study::refuse;
-
-use super::reading::{reader, wrong};
-use super::text::{MARK, channel, quoted};
+use study::{invalid, refuse};
+use toml::Value;
 
 /// Endings of bags.
 pub(super) const BAGS: [&str; 8] =
@@ -123,5 +123,97 @@ fn mark(placed: &Placed) -> String {
         (false, false) => String::new(),
         (true, false) => format!("{MARK}: by the name of the topic"),
         (_, true) => format!("{MARK}: by the name of the topic, which says no unit"),
+    }
+}
+
+// Logs as they are read, whether they are packed or not.
+
+/// The bytes of the log at `path`, unpacked where its name ends with `.gz`.
+///
+/// # Errors
+/// A file that cannot be opened.
+pub(super) fn reader(path: &Path) -> Result<Box<dyn BufRead>, Error> {
+    let file = open(path)?;
+    let is_packed = path.extension().is_some_and(|end| end == "gz");
+    Ok(match is_packed {
+        true => Box::new(BufReader::new(MultiGzDecoder::new(file))),
+        false => Box::new(BufReader::new(file)),
+    })
+}
+
+/// What is wrong with the log at `path`.
+pub(super) fn wrong(path: &Path, error: LogError) -> Error {
+    match error {
+        LogError::Unreadable(error) => Error::io(path, "read", error),
+        LogError::Invalid(wrong) => invalid(path, &wrong),
+    }
+}
+
+// Texts in hand-written files.
+
+/// What is at the end of a line that was guessed.
+pub(super) const MARK: &str = "  # guessed";
+
+/// `text` in quotes as TOML has them.
+pub(super) fn quoted(text: &str) -> String {
+    Value::from(text).to_string()
+}
+
+/// A channel as an item of a list.
+pub(super) fn channel(placed: &Placed) -> String {
+    let [column, channel, unit] = [&placed.column, &placed.channel, &placed.unit].map(|text| quoted(text));
+    let optional = if placed.is_optional { ", optional = true" } else { "" };
+    format!("{{ column = {column}, channel = {channel}, unit = {unit}{optional} }}")
+}
+
+// The first rows of a log in Parquet.
+
+/// Endings of files in Parquet.
+pub(super) const PARQUET: [&str; 1] = [".parquet"];
+
+/// Rows that are looked at.
+const ROWS: usize = 400;
+
+/// The columns and first rows of the file at `path`, and how many rows it has.
+///
+/// # Errors
+/// A file that is not a whole Parquet file.
+pub(super) fn head(path: &Path) -> Result<(Head, usize), Error> {
+    let table = ForeignTable::open(path)?;
+    let columns = table.columns().to_vec();
+    let cells: Vec<Vec<String>> = columns.iter().map(|column| first(&table, column)).collect();
+    Ok((Head::of_cells(columns, &cells), table.rows()))
+}
+
+/// The first cells of `column`, times of a type as text; none of a type that holds nothing for a log.
+fn first(table: &ForeignTable, column: &str) -> Vec<String> {
+    let mut cells = Vec::new();
+    let mut keep = |cell: String| {
+        if cells.len() < ROWS {
+            cells.push(cell);
+        }
+    };
+    // What cannot be read is refused when the file is ingested, if it is needed there.
+    let _ = match table.timed(column) {
+        Some(Timed::Moments { .. } | Timed::OfDay { .. }) => {
+            table.seconds(column, |second| keep(of_day(second)))
+        }
+        Some(Timed::Days) => Ok(()),
+        None => table
+            .numbers(column, |number| {
+                keep(if number.is_finite() { number.to_string() } else { String::new() })
+            })
+            .or_else(|_| table.texts(column, |text| keep(text.to_owned()))),
+    };
+    cells
+}
+
+/// A time \[s\] as text: of which day says nothing about the step between rows.
+fn of_day(second: f64) -> String {
+    let second = second.rem_euclid(86_400.0);
+    let (hours, minutes) = ((second / 3600.0).floor(), (second / 60.0).floor() % 60.0);
+    match second.is_finite() {
+        true => format!("1970-01-01T{hours:02}:{minutes:02}:{:09.6}", second % 60.0),
+        false => String::new(),
     }
 }

@@ -5,12 +5,10 @@ use std::fmt::Write;
 use logs::guess::{BagGuess, Guess, Head, Needed, Placed, SentenceGuess};
 use logs::{Format, TimeUnit};
 
-use super::bags;
+use super::bags::{self, MARK, PARQUET, quoted};
 use super::looking::{Found, Looked};
 use super::presets::Preset;
 use super::sentences;
-use super::table::PARQUET;
-use super::text::{MARK, quoted};
 use crate::pipeline::steps::SEARCHED;
 
 /// Rows that a gap may be as long as.

@@ -13,9 +13,8 @@ use refusal::{foreign, listed};
 use study::ingest_file::read::check_format;
 use study::{invalid, refuse};
 
-use super::bags::{self, BAGS};
+use super::bags::{self, BAGS, PARQUET};
 use super::sentences::{self, PERHAPS, SENTENCES, is_of_sentences};
-use super::table::{self, PARQUET};
 
 /// Bytes of a log that are looked at.
 const LOOKED: u64 = 1 << 17;
@@ -270,7 +269,7 @@ impl Seen {
     fn of(path: &Path) -> Result<Self, Error> {
         check_format(path, Format::of(&path.to_string_lossy()), true)?;
         if ends(&path.to_string_lossy(), &PARQUET) {
-            let (head, rows) = table::head(path)?;
+            let (head, rows) = bags::head(path)?;
             return Ok(Self { head, rows: rows as f64 });
         }
         let unreadable = |e| Error::io(path, "read", e);

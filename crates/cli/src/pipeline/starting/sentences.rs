@@ -11,8 +11,7 @@ use refusal::listed;
 use study::ingest_file::read::check_format;
 use study::refuse;
 
-use super::reading::{reader, wrong};
-use super::text::{MARK, channel, quoted};
+use super::bags::{MARK, channel, quoted, reader, wrong};
 
 /// Endings of logs of sentences.
 pub(super) const SENTENCES: [&str; 2] = [".nmea", ".nmea.gz"];

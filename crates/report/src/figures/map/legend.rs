@@ -1,7 +1,6 @@
-use super::areas::{band, bands};
+use super::areas::{MOST_REALIZATIONS, band, bands};
 use super::input::{self, Class, Map, Purpose, Symbol, TrackStyle};
 use super::spots;
-use super::tracks::MOST_REALIZATIONS;
 use super::view::{self, LABEL};
 use crate::figures::svg::{Anchor, Lettering, Look, Paint, Path, Point, Sheet};
 use crate::figures::text;
