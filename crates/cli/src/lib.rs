@@ -18,7 +18,6 @@ pub mod ships;
 pub mod simulate;
 pub mod stage;
 pub mod umbrella;
-pub mod verify;
 
 #[doc(hidden)]
 pub use mimalloc::MiMalloc;

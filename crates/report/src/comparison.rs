@@ -1,16 +1,20 @@
-use maud::{Markup, html};
-use study::documents::{DesignScores, Published, PublishedShare, Reference, ValidationDocument};
+use maud::{Markup, Render, html};
+use study::documents::{
+    DesignScores, Published, PublishedLimits, PublishedPicks, PublishedSelection, PublishedShare, Quantiles,
+    Reference, SelectionScores, Share, SharesBeyond, ValidationDocument,
+};
 use study::estimates::distinct;
 use study::scores::Row;
+use study::selection::Row as SelectionRow;
 
 use super::number::{exact, median, parameter_share, published, q90, simulation_share, three};
 use super::parts::{INTERVALS, Section, Table, drawn_from, missing};
 use super::study::Study;
 use crate::dictionary::validation_input;
 use crate::figures::HistogramPanel;
-use crate::number::percent;
+use crate::number::{or_dash, percent, percent_within};
 use crate::parts::Figures;
-use crate::selection::ErrorFigure;
+use crate::selection::{ErrorFigure, SelectionStudy};
 use crate::study::optimized_first;
 
 /// Our shares under the bounds, quantiles and failures per design, next to the published shares.
@@ -29,7 +33,7 @@ pub(super) fn comparison(study: &Study) -> Section {
 }
 
 /// The use of the published numbers.
-pub(super) fn use_of_published(reference: &Reference) -> &str {
+fn use_of_published(reference: &Reference) -> &str {
     let none = "Published numbers are shown for comparison and used for nothing else.";
     reference.used.as_deref().unwrap_or(none)
 }
@@ -152,4 +156,73 @@ fn drawn(study: &Study, scores: &[Row], figures: &mut Figures) -> Markup {
             }
         }
     }
+}
+
+/// The selection study compared with a published one: a table, and figures with the published limits. `None` unless
+/// there are both.
+pub(super) fn published_selection(study: &Study, figures: &mut Figures) -> Option<Section> {
+    let (found, reference) = (study.selection.as_ref()?, study.reference.as_ref()?);
+    let limits = reference.selection.as_ref()?;
+    let whole = ErrorFigure::half("published-norm", "norm of RMSE", limits.limit_norm);
+    let files = ["published-surge", "published-sway", "published-yaw"];
+    let degrees = ErrorFigure::thirds(files, [limits.limit_u, limits.limit_v, limits.limit_r]);
+    let body = html! {
+        @if let Some(label) = &study.data {
+            p.note { b { "Ours: " (label) "." } " The published study used logs of a real ship that were never published." }
+        }
+        (published_table(found, limits))
+        @for statement in &limits.statements { p.note { "Published: “" (statement) "”" } }
+        p.note { "Source: " (reference.source) ". " (use_of_published(reference)) }
+        div.pair { (whole.place(&found.errors(norm), figures)) }
+        div.triple {
+            @for (d, figure) in degrees.iter().enumerate() { (figure.place(&found.rmse(d), figures)) }
+        }
+    };
+    Some(Section::new("published", "Published", "Selection beside the published one", body))
+}
+
+/// Norm of the three RMSE as numbers, as published.
+fn norm(row: &SelectionRow) -> Option<f64> {
+    row.rmse.map(|errors| errors.iter().map(|e| e * e).sum::<f64>().sqrt())
+}
+
+/// A row's value for a design, and the published one.
+type PublishedLine<'a> =
+    (&'a str, &'a dyn Fn(&SelectionScores) -> String, Option<fn(&PublishedPicks) -> Option<String>>);
+
+fn published_table(found: &SelectionStudy, limits: &PublishedSelection) -> Markup {
+    let at = found.summary.published_limits.unwrap_or(PublishedLimits::from(limits));
+    let labels = [
+        format!("At or above {} (published as degenerate)", exact(at.rmse_norm)),
+        format!("Surge at or above {} m/s", exact(at.rmse_u)),
+        format!("Sway at or above {} m/s", exact(at.rmse_v)),
+        format!("Yaw rate at or above {} rad/s", exact(at.rmse_r)),
+    ];
+    let norm = |d: &SelectionScores, value: fn(&Quantiles) -> Option<f64>| {
+        value(&d.overlapping.rmse_norm).map_or("∞".to_owned(), three)
+    };
+    let beyond = |d: &SelectionScores, share: fn(&SharesBeyond) -> Share| {
+        let own = d.beyond_published.as_ref().map(share);
+        or_dash(own.map(|own| percent_within(own.share, own.interval)))
+    };
+    let lines: [PublishedLine<'_>; 8] = [
+        (&labels[0], &|d| beyond(d, |b| b.norm), Some(|p| p.degenerate_share.map(published))),
+        ("Best", &|d| norm(d, |q| q.min), Some(|p| p.best.clone())),
+        ("Median", &|d| norm(d, |q| q.median), None),
+        ("90 % quantile", &|d| norm(d, |q| q.q90), None),
+        ("Worst", &|d| norm(d, |q| q.max), Some(|p| p.worst.clone())),
+        (&labels[1], &|d| beyond(d, |b| b.surge), None),
+        (&labels[2], &|d| beyond(d, |b| b.sway), None),
+        (&labels[3], &|d| beyond(d, |b| b.yaw), None),
+    ];
+    let labelled = Table::of(lines).name("norm of RMSE", |(label, ..)| label);
+    let table = found.summary.designs.iter().fold(labelled, |table, d| {
+        let published = if d.design == "optimized" { &limits.optimized } else { &limits.random };
+        table.number(&d.design, |(_, ours, _)| ours(d)).classed(
+            "number published",
+            "published",
+            |(.., theirs)| or_dash(theirs.and_then(|theirs| theirs(published))),
+        )
+    });
+    table.render()
 }

@@ -24,7 +24,6 @@ mod number;
 mod page;
 mod parts;
 mod planned_trial;
-mod published_selection;
 pub mod results;
 mod searched;
 mod selection;

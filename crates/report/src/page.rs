@@ -3,7 +3,7 @@ use study::documents::{DesignScores, Estimator, EstimatorScores};
 
 use super::allocation::{allocation, certificate};
 use super::compared::compared;
-use super::comparison::{comparison, errors};
+use super::comparison::{comparison, errors, published_selection};
 use super::delivered::delivered;
 use super::dictionary::{dictionary, excitation};
 use super::estimators::{estimators, parameters};
@@ -12,7 +12,6 @@ use super::measured::{Measured, logs};
 use super::merit::merit;
 use super::next_trial::next_trial;
 use super::parts::{Figures, Section};
-use super::published_selection::published_selection;
 use super::searched::searched;
 use super::selection::selection;
 use super::sequential::sequential;

@@ -1,19 +1,15 @@
 //! The stages as programs: their flags, inputs, calls and outputs.
 
 mod compare;
-pub mod counts;
 mod estimate;
 mod estimate_pool;
 mod export;
 mod ingest;
-mod merit;
 mod moments;
 mod monte_carlo;
 mod plan;
 mod report;
 mod search;
-mod selection;
-mod sequential;
 mod simulate;
 mod validate;
 
@@ -43,14 +39,14 @@ pub const MONTE_CARLO: Stage = Stage::of::<monte_carlo::MonteCarloArguments>();
 pub const VALIDATE: Stage = Stage::of::<validate::ValidateArguments>().with(&[
     Stage::of::<compare::CompareArguments>(),
     Stage::of::<compare::CrossArguments>(),
-    Stage::of::<merit::MeritArguments>(),
-    Stage::of::<selection::SelectionArguments>(),
+    Stage::of::<validate::MeritArguments>(),
+    Stage::of::<compare::SelectionArguments>(),
 ]);
 /// One trajectory with every maneuver as often as the design requires.
 pub const PLAN: Stage =
     Stage::of::<plan::PlanArguments>().with(&[Stage::of::<plan::Resume>(), Stage::of::<plan::Follow>()]);
 /// Trials designed in rounds.
-pub const SEQUENTIAL: Stage = Stage::of::<sequential::SequentialArguments>();
+pub const SEQUENTIAL: Stage = Stage::of::<monte_carlo::SequentialArguments>();
 /// A model for other tools.
 pub const EXPORT: Stage = Stage::of::<export::ExportArguments>();
 /// A study on one page, many in tables, a picture of one.

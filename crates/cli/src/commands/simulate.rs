@@ -3,19 +3,13 @@
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Common, Sharding, beside, check_positive, given};
-use crate::failure::Failure;
-use crate::inputs;
-use crate::plan::MAIN;
-use crate::simulate::{
-    CampaignFlags, Files, check_campaign, check_maneuvers, logs, note_plays, write_campaign, write_maneuvers,
-};
-use crate::stage::{Summary, Task};
 use clap::Parser;
-use files::{Provenance, Shard, commit, gather};
+use files::{Provenance, Shard, Staged, Work, commit, gather, stage_set_document};
+use logs::chain::{Entry, Fault, Logbook, NoLogs, force_factors};
+use maneuver::Generator;
 use serde_json::{Value, json};
 use ship::engine::Segment;
-use ship::model::Source;
+use ship::model::{Source, Vessel};
 use study::campaign_file::CampaignFile;
 use study::documents::{SIMULATED_FILE, SimulatedLogsDocument};
 use study::files::{generator, kept_to_data, read_any_simulated, read_campaign, read_dictionary};
@@ -23,6 +17,15 @@ use study::logs_file::LogsFile;
 use study::track::read_planned;
 use study::trajectories::{DataLabel, ID, VERSION};
 use trial::campaign::{self, Maneuvers, Refusal, Settings};
+
+use crate::cli::{Common, Sharding, beside, budget, check_positive, folder_of, given, in_folder};
+use crate::failure::Failure;
+use crate::inputs;
+use crate::plan::MAIN;
+use crate::simulate::{
+    CampaignFlags, Files, check_campaign, check_maneuvers, note_plays, write_campaign, write_maneuvers,
+};
+use crate::stage::{Summary, Task};
 
 /// Simulates a ship: single maneuvers, whole trials, plans, and what her instruments log
 #[derive(Parser)]
@@ -309,10 +312,10 @@ impl Task for Logs {
         DataLabel::SimulatedLogs.label(&mut provenance);
         let out =
             common.output_in_any_folder(SIMULATED_FILE, [&self.vessel, &self.dictionary, &self.logs])?;
-        let files = logs::Files { vessel: &self.vessel, dictionary: &self.dictionary, logs: &self.logs };
-        let entries = logs::simulate(&files, &vessel, &generator, &config, seed)?;
+        let files = LogFiles { vessel: &self.vessel, dictionary: &self.dictionary, logs: &self.logs };
+        let entries = simulate(&files, &vessel, &generator, &config, seed)?;
         let document = SimulatedLogsDocument::of(&vessel, &config, &entries);
-        logs::publish(&out, &entries, &document, &provenance)?;
+        publish(&out, &entries, &document, &provenance)?;
         let (recordings, samples) = (entries.len(), config.samples);
         let maneuvers = recordings / config.repeats as usize;
         let said: String = document.statements.iter().map(|statement| format!("; {statement}")).collect();
@@ -323,4 +326,76 @@ impl Task for Logs {
                 "statements": document.statements}),
         ))
     }
+}
+
+// Logs as a ship's instruments would write them, for studies without access to the real logs.
+
+/// The hand-written files, for messages.
+pub struct LogFiles<'a> {
+    /// `vessel.toml`.
+    pub vessel: &'a Path,
+    /// `dictionary.toml`.
+    pub dictionary: &'a Path,
+    /// `logs.toml`.
+    pub logs: &'a Path,
+}
+
+/// Simulates the logs of `config`.
+///
+/// # Errors
+/// Those of [`LogsFile::check`], a vessel without true parameters or without the forces of azimuth thrusters as
+/// inputs; see [`Logbook`].
+pub fn simulate(
+    files: &LogFiles,
+    vessel: &Vessel,
+    generator: &Generator,
+    config: &LogsFile,
+    seed: u64,
+) -> Result<Vec<Entry>, Failure> {
+    let names: Vec<&str> = generator.maneuvers().iter().map(|m| m.name.as_str()).collect();
+    config.check(&names, vessel.sample_rate_hz).map_err(|e| Failure::invalid(files.logs, &e))?;
+    check_room(files.logs, config, &names, vessel.sample_rate_hz)?;
+    let parameters = vessel.parameters(Source::Value).map_err(|e| Failure::invalid(files.vessel, &e))?;
+    let entries = || {
+        let chain = config.chain(vessel, &parameters, force_factors(vessel)?);
+        Logbook::new(chain, generator, config.schedule(), seed)?.entries()
+    };
+    entries().map_err(|NoLogs { fault, what }| {
+        let file = match fault {
+            Fault::Vessel => files.vessel,
+            Fault::Maneuvers => files.dictionary,
+            Fault::Thrusters => files.logs,
+        };
+        Failure::invalid(file, &what)
+    })
+}
+
+/// Refuses logs that do not fit into memory, where all are held until they are written.
+fn check_room(file: &Path, config: &LogsFile, maneuvers: &[&str], rate_hz: f64) -> Result<(), Failure> {
+    /// Characters of a cell with its separator.
+    const CELL: f64 = 14.0;
+    let rows = config.rows(maneuvers, rate_hz);
+    let cells = rows * (4 + 2 * config.thruster.len()) as f64;
+    let (found, remedy) = (format!("logs of {rows} rows"), "take fewer `repeats` or `samples`");
+    Ok(budget().memory(Work { file, thing: "`repeats`", found: &found, remedy }, CELL * cells)?)
+}
+
+/// Writes the logs and `out` next to them: all or nothing.
+///
+/// # Errors
+/// Output that fails.
+pub fn publish(
+    out: &Path,
+    entries: &[Entry],
+    document: &SimulatedLogsDocument,
+    provenance: &Provenance,
+) -> Result<(), Failure> {
+    in_folder(folder_of(out), || {
+        let mut files = Vec::with_capacity(entries.len() + 1);
+        for (entry, recording) in entries.iter().zip(&document.recordings) {
+            files.push(Staged::bytes(folder_of(out).join(&recording.file), entry.text.as_bytes())?);
+        }
+        files.insert(0, stage_set_document(out, provenance, document, &files)?);
+        Ok(commit(files)?)
+    })
 }

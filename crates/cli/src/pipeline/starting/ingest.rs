@@ -8,7 +8,6 @@ use logs::{Format, TimeUnit};
 use super::bags::{self, MARK, PARQUET, quoted};
 use super::looking::{Found, Looked};
 use super::presets::Preset;
-use super::sentences;
 use crate::pipeline::steps::SEARCHED;
 
 /// Rows that a gap may be as long as.
@@ -28,7 +27,7 @@ pub(super) fn written(looked: &Looked, preset: &Preset) -> String {
             general_of_bags(looked, guess, rate_hz) + &bags::groups(guess, &looked.patterns, &looked.files)
         }
         Found::Sentences(guess) => {
-            general_of_sentences(looked, guess, rate_hz) + &sentences::group(guess, &looked.patterns)
+            general_of_sentences(looked, guess, rate_hz) + &bags::group(guess, &looked.patterns)
         }
     };
     looked.missing().iter().for_each(|own| text += &missing(own, &looked.found));

@@ -13,8 +13,7 @@ use refusal::{foreign, listed};
 use study::ingest_file::read::check_format;
 use study::{invalid, refuse};
 
-use super::bags::{self, BAGS, PARQUET};
-use super::sentences::{self, PERHAPS, SENTENCES, is_of_sentences};
+use super::bags::{self, BAGS, PARQUET, PERHAPS, SENTENCES, is_of_sentences};
 
 /// Bytes of a log that are looked at.
 const LOOKED: u64 = 1 << 17;
@@ -140,7 +139,7 @@ impl Looked {
         others: Vec<String>,
         needed: &[Needed],
     ) -> Result<Self, Error> {
-        let guess = sentences::guessed(&folder.join(&files[0]), needed)?;
+        let guess = bags::guessed_sentences(&folder.join(&files[0]), needed)?;
         let patterns = patterns(&files, &[SENTENCES.as_slice(), &PERHAPS].concat());
         let (folder, usual_s, found) = (folder.to_owned(), guess.length_s, Found::Sentences(guess));
         Ok(Self { folder, patterns, files, usual_s, found, others })

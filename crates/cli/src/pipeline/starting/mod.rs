@@ -4,7 +4,6 @@ mod bags;
 mod ingest;
 mod looking;
 mod presets;
-mod sentences;
 
 use std::path::Path;
 

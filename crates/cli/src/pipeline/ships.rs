@@ -1,9 +1,6 @@
 //! Ships before their first trial: the same ship at another size, or one from her main dimensions.
 
-mod scaled;
-
-pub use crate::ships::guessed;
-pub use scaled::{Size, scaled};
+pub use crate::ships::{Size, guessed, scaled};
 pub use ship::forces::MainDimensions;
 
 /// A `vessel.toml` and what to say about it.

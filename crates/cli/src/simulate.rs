@@ -1,7 +1,5 @@
 //! `simulate`: trajectories of dictionaries, campaigns and validation maneuvers.
 
-pub mod logs;
-
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
