@@ -6,7 +6,7 @@ use clap::Parser;
 use files::{Staged, commit, whole_folder};
 use refusal::Invalid;
 use serde_json::json;
-use ship::forces::{GRAVITY, usual_froude};
+use ship::forces::{GRAVITY, MainDimensions, usual_froude};
 use ship::model::{InputSpec, Vessel, VesselFile};
 use study::plan::second;
 use study::ship_file::{ShipFile, read_ship};
@@ -14,9 +14,17 @@ use study::vessel_text::{Notes, vessel_text};
 
 use crate::cli::{Common, folder_of, none_given};
 use crate::failure::Failure;
-use crate::pipeline::ships::{MainDimensions, Written};
 use crate::pipeline::starting::{Charted, PRESETS, Preset, measured, of_ship, schemas, simulated};
 use crate::stage::{Summary, Task};
+
+/// A `vessel.toml` and what to say about it.
+#[derive(Clone, Debug)]
+pub struct Written {
+    /// The file.
+    pub text: String,
+    /// One line.
+    pub said: String,
+}
 
 /// What the file is usually called.
 const MAIN: &str = "vessel.toml";

@@ -3,12 +3,11 @@
 mod compare;
 mod estimate;
 mod estimate_pool;
-mod export;
 mod ingest;
 mod moments;
 mod monte_carlo;
+mod outputs;
 mod plan;
-mod report;
 mod search;
 mod simulate;
 mod validate;
@@ -48,10 +47,10 @@ pub const PLAN: Stage =
 /// Trials designed in rounds.
 pub const SEQUENTIAL: Stage = Stage::of::<monte_carlo::SequentialArguments>();
 /// A model for other tools.
-pub const EXPORT: Stage = Stage::of::<export::ExportArguments>();
+pub const EXPORT: Stage = Stage::of::<outputs::ExportArguments>();
 /// A study on one page, many in tables, a picture of one.
-pub const REPORT: Stage = Stage::of::<report::ReportArguments>()
-    .with(&[Stage::of::<report::Results>(), Stage::of::<report::Picture>()]);
+pub const REPORT: Stage = Stage::of::<outputs::ReportArguments>()
+    .with(&[Stage::of::<outputs::Results>(), Stage::of::<outputs::Picture>()]);
 
 /// Every stage, in the order in which a study runs them.
 pub const STAGES: [&Stage; 11] = [

@@ -30,8 +30,7 @@ use trial::rounds::{self, Arm, Row, Trial};
 use crate::cli::{AdditionalFlags, Common, Sharding, beside, budget, choice, folder_of};
 use crate::failure::{Failure, Progress};
 use crate::inputs::{self, Made};
-use crate::monte_carlo::{BLOCK, Done, needed_for, refused};
-use crate::simulate::{CampaignFlags, Files, note_plays};
+use crate::simulate::{BLOCK_OF_GROUPS, CampaignFlags, Done, Files, needed_for, note_plays, refused};
 use crate::stage::{Summary, Task};
 
 /// Simulates a trial many times and counts how often its model is good; writes tally.json
@@ -177,7 +176,7 @@ impl MonteCarloArguments {
     /// The runs of this shard, or all.
     fn mine(&self, study: &MonteCarlo) -> Vec<(usize, Range<usize>)> {
         let groups = study.groups();
-        study.parts(self.sharding.shard.map_or(0..groups, |shard| shard.range(groups)), BLOCK)
+        study.parts(self.sharding.shard.map_or(0..groups, |shard| shard.range(groups)), BLOCK_OF_GROUPS)
     }
 
     /// Refuses work that does not fit into memory or on disk.
@@ -187,7 +186,7 @@ impl MonteCarloArguments {
         let runs = if self.until.is_some() { 0.0 } else { study.campaign.runs() as f64 };
         let rows = study.campaign.samples() as f64 + 1.0;
         let designs = study.campaign.designs() as f64;
-        let each = (BLOCK * LANES) as f64;
+        let each = (BLOCK_OF_GROUPS * LANES) as f64;
         let at_once = 2.0 * each * rayon::current_num_threads() as f64;
         let estimators = study.estimators.estimators.len() as f64;
         let kept =

@@ -1,15 +1,29 @@
 //! `plan`: one trajectory with every maneuver as often as the design requires.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser};
-use plan::voyage::Place;
-use study::plan::{Begun, FollowFiles, SoFar, place};
+use files::{Provenance, Staged, commit, read_json, stage_document, stage_set_document};
+use report::plan_map;
+use seatrial::{ChartedTrial, PlanError, Planned};
+use serde_json::json;
+use study::documents::{DesignDocument, FollowStatus, PlanDocument};
+use study::files::{kept_to_data, read_model, read_plan, read_planned};
+use study::plan::{
+    Begun, FollowFiles, FollowedPlan, PlanFile, SoFar, Unplanned, in_tide, no_plan, of_problem, out_of_time,
+    place, read_begun, too_large, uncertain, unplanned, unsafe_plan,
+};
+use study::track::stage_track;
 
-use crate::cli::{Common, LimitFlags, check_positive, given};
-use crate::failure::Failure;
-use crate::plan::{MAIN, VoyageFiles, Wanted, plan_problem, plan_voyage};
+use crate::cli::{Common, LimitFlags, beside, budget, check_positive, given};
+use crate::failure::{Failure, on_stderr};
+use crate::inputs;
 use crate::stage::{Summary, Task};
+use plan::lattice::{self, ProblemFile};
+use plan::voyage::{Brief, Place, Search, Shares};
+
+pub use crate::cli::Limits;
 
 /// Plans a trial on a chart: the provably shortest track, with routes for the bridge; or solves a lattice problem
 #[derive(Parser)]
@@ -193,4 +207,296 @@ impl Task for Follow {
         let files = FollowFiles { plan: &rest.plan, positions, within_m: *within_m, max_gap_s: *max_gap_s };
         rest.plan(SoFar::Positions(files), common, "plan follow")
     }
+}
+
+// `plan`: from a design to a trajectory on a chart.
+
+// The files of a plan on a chart: read, and guarded from being overwritten.
+
+/// The files of a plan on a chart.
+pub struct VoyageFiles<'a> {
+    /// `vessel.toml`.
+    pub vessel: &'a Path,
+    /// `plan.toml`.
+    pub config: &'a Path,
+    /// The dictionary's trajectories.
+    pub trajectories: &'a Path,
+    /// `dictionary.toml`, for maneuvers that react to the ship.
+    pub dictionary: Option<&'a Path>,
+    /// `design.json`, for counts that follow from its shares.
+    pub design: Option<&'a Path>,
+    /// Whether inputs may leave the range of the model's logs.
+    pub beyond_range: bool,
+    /// The plan of which this is the rest.
+    pub begun: Option<Begun<'a>>,
+}
+
+/// The usual name of a plan.
+pub const MAIN: &str = "plan.json";
+
+/// Where the ship is in a plan that is followed.
+const FOLLOWED: &str = "follow.json";
+
+/// The files written next to `plan.json`.
+const ADDITIONAL: [&str; 8] = [
+    FOLLOWED,
+    "track.parquet",
+    "track.geojson",
+    "route.rtz",
+    "route.gpx",
+    "route.plan",
+    "map.json",
+    "map.svg",
+];
+
+impl<'a> VoyageFiles<'a> {
+    /// The files that are read, but for the charts and the plan to be resumed.
+    pub fn inputs(&self) -> impl Iterator<Item = &'a Path> {
+        let others = self.dictionary.into_iter().chain(self.design);
+        [self.vessel, self.config, self.trajectories].into_iter().chain(others)
+    }
+
+    /// Why there is no plan of these files.
+    fn refused(&self, error: PlanError) -> Failure {
+        self::plan([self.config, self.trajectories], self.design, error)
+    }
+
+    /// Reads everything for a plan to be written to `out`, except its charts, and `plan.toml`, which names them.
+    fn read(
+        &self,
+        out: &Path,
+        provenance: &mut Provenance,
+        seed: u64,
+    ) -> Result<(Brief, PlanFile, Option<FollowedPlan>), Failure> {
+        check_names(out)?;
+        let vessel = read_planned(self.vessel, provenance)?;
+        let vessel = kept_to_data(self.vessel, vessel, self.beyond_range)?;
+        // What was made before the trial is of the vessel before it was identified.
+        let of_model = self.begun.is_some() && read_model(self.vessel)?.is_some();
+        let model = if of_model { provenance.inputs.remove("vessel") } else { None };
+        let config = read_plan(self.config, provenance)?;
+        let task = config.task(&vessel).map_err(|e| Failure::invalid(self.config, &e))?;
+        let task = uncertain([self.config, self.vessel], &config, &vessel, task)
+            .and_then(|task| in_tide(self.config, &config, task, provenance))?;
+        let plan = self.begun.map(|begun| read_begun(begun.plan, of_model, provenance)).transpose()?;
+        let begun = self.begun.as_ref().zip(plan.as_ref());
+        let task = begun.map_or_else(|| Ok(task.clone()), |(begun, plan)| begun.task(plan, task.clone()))?;
+        let dictionary = inputs::runs(self.trajectories, &vessel, provenance)?;
+        let design = self.design.map(|path| inputs::document::<DesignDocument>(path, "design", provenance));
+        let design = design.transpose()?.map(|d| Shares { order: d.order, share: d.shares });
+        let (layers, programs) = (Vec::new(), BTreeMap::new());
+        let mut brief = Brief { vessel, task, layers, chart_bytes: 0, dictionary, programs, design, seed };
+        brief.programs = study::plan::programs(self.dictionary, &brief, provenance)?;
+        let followed = match begun {
+            Some((begun, plan)) => {
+                begun.followed(plan, &mut brief, provenance).map_err(|error| self.refused(error.into()))?
+            }
+            None => None,
+        };
+        if let Some(model) = model {
+            provenance.origins.remove("vessel");
+            provenance.inputs.insert("vessel".to_owned(), model);
+        }
+        Ok((brief, config, followed))
+    }
+
+    /// Refuses to overwrite an input: those next to `out`, and charts by the name of an output.
+    fn check_inputs(&self, config: &PlanFile, out: &Path, problem: Option<&Path>) -> Result<(), Failure> {
+        let folder = self.config.parent().unwrap_or(Path::new(""));
+        let charts = config.chart.iter().map(|spec| folder.join(&spec.file));
+        let own = self.inputs().chain(self.begun.iter().flat_map(Begun::files));
+        let inputs: Vec<PathBuf> = charts.chain(own.map(Path::to_path_buf)).collect();
+        let outputs: Vec<PathBuf> =
+            ADDITIONAL.iter().map(|name| beside(out, MAIN, name)).chain([out.to_path_buf()]).collect();
+        if let Some(problem) = problem {
+            let existing = problem.canonicalize().ok();
+            let is = |path: &&PathBuf| {
+                **path == problem || existing.is_some() && path.canonicalize().ok() == existing
+            };
+            if let Some(other) = inputs.iter().chain(&outputs).find(is) {
+                return Err(Failure::Usage(format!(
+                    "--export-problem: found {}, which is also an input or another output, expected another file; name one",
+                    other.display()
+                )));
+            }
+        }
+        for output in outputs.into_iter().filter_map(|path| path.canonicalize().ok()) {
+            let same = |input: &&PathBuf| input.canonicalize().is_ok_and(|path| path == output);
+            if let Some(input) = inputs.iter().find(same) {
+                return Err(Failure::Usage(format!(
+                    "--out: found {}, an input that what is written beside it would replace, expected another folder; name one",
+                    input.display()
+                )));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Refuses a main output with the name of an additional one.
+fn check_names(out: &Path) -> Result<(), Failure> {
+    let name = ADDITIONAL.iter().find(|name| out.file_name().is_some_and(|own| own == **name));
+    name.map_or(Ok(()), |name| {
+        let message =
+            format!("--out: found {name}, which is written beside it, expected another name; take plan.json");
+        Err(Failure::Usage(message))
+    })
+}
+
+// Why there is no plan, as failures of the program.
+
+/// Why there is no plan of `plan.toml`, for the runs in `trajectories` and a design.
+fn plan(paths: [&Path; 2], design: Option<&Path>, error: PlanError) -> Failure {
+    match error {
+        PlanError::File(error) => error.into(),
+        PlanError::Voyage(error) => unplanned(paths, design, error).into(),
+        PlanError::Unsafe(check) => unsafe_plan(paths[0], &check).into(),
+    }
+}
+
+impl From<Unplanned> for Failure {
+    fn from(why: Unplanned) -> Self {
+        match why {
+            Unplanned::File(error) => error.into(),
+            Unplanned::NoAnswer(message) => Self::NoAnswer(message),
+        }
+    }
+}
+
+// `plan` on a chart: read, plan, write.
+
+/// The outputs.
+pub struct Wanted<'a> {
+    /// `plan.json`.
+    pub out: &'a Path,
+    /// The lattice problem that was solved.
+    pub problem: Option<&'a Path>,
+    /// Whether to write plans that fail their check.
+    pub unsafe_too: bool,
+}
+
+/// Plans a trial and writes `plan.json`, and next to it track, routes and map.
+///
+/// # Errors
+/// Files that are refused; no plan, or none that passes its check unless unsafe ones are requested; output that
+/// fails.
+pub fn plan_voyage(
+    files: &VoyageFiles,
+    wanted: &Wanted,
+    limits: &Limits,
+    seed: u64,
+    mut provenance: Provenance,
+) -> Result<Summary, Failure> {
+    let out = wanted.out;
+    provenance.settings.insert("seed".into(), json!(seed));
+    let refuse = |error| files.refused(error);
+    let (brief, config, followed) = files.read(out, &mut provenance, seed)?;
+    let means = (budget(), &(|| limits.keep_going()) as &(dyn Fn() -> bool + Sync));
+    let trial = ChartedTrial::on_charts(brief, (files.config, &config), means, &mut provenance);
+    let trial = trial.map_err(refuse)?;
+    files.check_inputs(&config, out, wanted.problem)?;
+    let mut said = String::new();
+    let mut staged = Vec::new();
+    if let (Some(own), Some(Begun { so_far: SoFar::Positions(own_files), .. })) = (&followed, &files.begun) {
+        trial.check_afloat(own_files, own, &|| limits.keep_going()).map_err(refuse)?;
+        staged.push(stage_document(beside(out, MAIN, FOLLOWED), &provenance, &own.document)?);
+        let doubts = own.document.doubts.iter().filter(|_| !limits.quiet);
+        doubts.for_each(|doubt| on_stderr(format_args!("plan follow: {doubt}")));
+        if own.document.status != FollowStatus::UnderWay {
+            commit(staged)?;
+            let details = json!({"status": own.document.status, "step": own.document.step});
+            return Ok(Summary::of(&beside(out, MAIN, FOLLOWED), own.document.statement.clone(), details));
+        }
+        said = format!("{}; ", own.document.summary());
+    }
+    let searched = limits.before_check();
+    let search = Search {
+        options: limits.options(),
+        watch: &|| searched.watch(),
+        keep_going: &|| limits.keep_going(),
+    };
+    let mut planned = trial.plan(&search, wanted.unsafe_too).map_err(refuse)?;
+    planned.document.beyond = study::beyond(files.vessel, files.trajectories, None)?;
+    staged.extend(stage(&planned, out, &provenance)?);
+    if let Some(path) = wanted.problem {
+        let cell_m = planned.prepared.brief.task.cell_m;
+        let problem = ProblemFile::of(&planned.solved.problem, "trial on a chart", cell_m);
+        let problem = problem.map_err(|e| Failure::invalid(files.config, &e))?;
+        staged.push(Staged::bytes(path, &serde_json::to_vec(&problem).unwrap_or_default())?);
+    }
+    commit(staged)?;
+    let document = &planned.document;
+    document.messages().filter(|_| !limits.quiet).for_each(|chart| on_stderr(format_args!("plan: {chart}")));
+    let (plan, details) = document.summary();
+    Ok(Summary::of(out, said + &plan, details))
+}
+
+/// All outputs.
+fn stage(planned: &Planned, out: &Path, provenance: &Provenance) -> Result<Vec<Staged>, Failure> {
+    let (map, others) = rayon::join(
+        || stage_map(planned, out, provenance),
+        || stage_track_and_routes(planned, out, provenance),
+    );
+    let mut staged = others?;
+    staged.extend(map?);
+    staged.insert(0, stage_set_document(out, provenance, &planned.document, &staged)?);
+    Ok(staged)
+}
+
+fn stage_track_and_routes(
+    planned: &Planned,
+    out: &Path,
+    provenance: &Provenance,
+) -> Result<Vec<Staged>, Failure> {
+    let Some(routes) = planned.routes() else { return Ok(Vec::new()) };
+    let names: Vec<String> = routes.voyage.legs.iter().map(|leg| leg.name.clone()).collect();
+    let (track, vessel) = (beside(out, MAIN, "track.parquet"), &planned.prepared.brief.vessel);
+    let track = stage_track([&track, out], provenance, vessel, routes.plane, &names, routes.sailed)?;
+    let refused = |(name, invalid)| {
+        Failure::Failed(files::Error::invalid(beside(out, MAIN, name), invalid).to_string())
+    };
+    let route = beside(out, MAIN, "route.rtz");
+    let files = routes.files(&route.file_stem().unwrap_or_default().to_string_lossy()).map_err(refused)?;
+    let stage = |(name, bytes): (&str, Vec<u8>)| Ok(Staged::bytes(beside(out, MAIN, name), &bytes)?);
+    std::iter::once(Ok(track)).chain(files.into_iter().map(stage)).collect()
+}
+
+/// The map document, and the map that is drawn from it.
+fn stage_map(planned: &Planned, out: &Path, provenance: &Provenance) -> Result<Vec<Staged>, Failure> {
+    let Some(map) = planned.map() else { return Ok(Vec::new()) };
+    let svg = plan_map(&map).map_err(|e| Failure::Failed(format!("map: {e}")))?;
+    let document = stage_document(beside(out, MAIN, "map.json"), provenance, &map)?;
+    Ok(vec![document, Staged::bytes(beside(out, MAIN, "map.svg"), svg.as_bytes())?])
+}
+
+// `plan --problem`: a lattice problem from a file.
+
+/// Solves the problem in `file` and writes the plan to `out`.
+///
+/// # Errors
+/// A file that is refused; no plan.
+pub fn plan_problem(
+    file: &Path,
+    out: &Path,
+    limits: &Limits,
+    mut provenance: Provenance,
+) -> Result<Summary, Failure> {
+    let (parsed, digest) = read_json::<ProblemFile>(file)?;
+    let demand = parsed.demand();
+    if demand.bytes() > u128::from(limits.memory_bytes) {
+        return Err(too_large(file, &demand).into());
+    }
+    let problem =
+        parsed.into_problem_while(&|| limits.keep_going()).map_err(|e| Failure::invalid(file, &e))?;
+    let problem = problem.ok_or_else(|| out_of_time(file, "the layout of the map"))?;
+    let solution = lattice::plan(&problem, &limits.options(), &mut *limits.before_writing().watch())
+        .map_err(|why| no_plan(file, &why))?;
+    let document = of_problem(&problem, &solution);
+    provenance.inputs.insert("problem".into(), digest);
+    commit(vec![stage_document(out, &provenance, &document)?])?;
+    let PlanDocument { status, cost, lower_bound, gap, .. } = &document;
+    let steps = document.steps.len();
+    let details =
+        json!({"status": status, "cost": cost, "lower_bound": lower_bound, "gap": gap, "steps": steps});
+    Ok(Summary::of(out, format!("{}, cost {cost}, {steps} steps", document.known()), details))
 }

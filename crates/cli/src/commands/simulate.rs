@@ -18,10 +18,10 @@ use study::track::read_planned;
 use study::trajectories::{DataLabel, ID, VERSION};
 use trial::campaign::{self, Maneuvers, Refusal, Settings};
 
+use super::plan::MAIN;
 use crate::cli::{Common, Sharding, beside, budget, check_positive, folder_of, given, in_folder};
 use crate::failure::Failure;
 use crate::inputs;
-use crate::plan::MAIN;
 use crate::simulate::{
     CampaignFlags, Files, check_campaign, check_maneuvers, note_plays, write_campaign, write_maneuvers,
 };

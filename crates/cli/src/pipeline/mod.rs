@@ -1,10 +1,9 @@
 //! A study from its first files to its page: what it begins with, which stages run with which flags, and which of them are
 //! up to date.
 //!
-//! [`starting`] writes the hand-written files of a new study, [`ships`] a ship before her first trial. A [`Pipeline`] lists the stages of a study as command lines; a
+//! [`starting`] writes the hand-written files of a new study. A [`Pipeline`] lists the stages of a study as command lines; a
 //! [`Record`] knows by digests which of them need not run again. Whoever has the stages runs them.
 
-pub mod ships;
 pub mod starting;
 mod steps;
 

@@ -13,12 +13,10 @@ use study::plan::{ChartsError, Means, PlanFile, read_charts};
 
 use chart::{Bounds, Chart, Class, Distances, Layer, Plane, Raster};
 
+use presets::with_schema;
+
 pub use looking::{Found, Looked};
-
-pub use presets::{PRESETS, Preset, of_ship};
-
-/// A hand-written file of a new study: its name and its text.
-pub type NewFile = (String, String);
+pub use presets::{NewFile, PRESETS, Preset, of_ship};
 
 /// The files of the study `name` of `preset` that is simulated, and with a chart planned on it.
 ///
@@ -59,18 +57,6 @@ pub fn schemas() -> Vec<NewFile> {
     let all = hand_written::schemas().into_iter();
     let file = |kind| format!("schemas/{}", hand_written::file_name(kind));
     all.map(|(kind, schema)| (file(kind), format!("{schema:#}\n"))).collect()
-}
-
-/// A file with the line that editors find its schema by.
-fn with_schema((name, text): NewFile) -> NewFile {
-    let (up, own) = name.rsplit_once('/').map_or(("", name.as_str()), |(_, own)| ("../", own));
-    match hand_written::kind_of(own) {
-        None => (name, text),
-        Some(kind) => {
-            let text = format!("#:schema {up}schemas/{}\n{text}", hand_written::file_name(kind));
-            (name, text)
-        }
-    }
 }
 
 // What the trial after logs may consist of: the folder `next` of a new study.

@@ -9,8 +9,22 @@ use refusal::Invalid;
 use ship::engine::Streams;
 use ship::model::{Vessel, VesselFile};
 use study::files::read_any_vessel;
+use study::hand_written;
 
-use super::{NewFile, with_schema};
+/// A hand-written file of a new study: its name and its text.
+pub type NewFile = (String, String);
+
+/// A file with the line that editors find its schema by.
+pub(super) fn with_schema((name, text): NewFile) -> NewFile {
+    let (up, own) = name.rsplit_once('/').map_or(("", name.as_str()), |(_, own)| ("../", own));
+    match hand_written::kind_of(own) {
+        None => (name, text),
+        Some(kind) => {
+            let text = format!("#:schema {up}schemas/{}\n{text}", hand_written::file_name(kind));
+            (name, text)
+        }
+    }
+}
 
 /// A ship that a new study can begin with.
 #[derive(Debug)]
