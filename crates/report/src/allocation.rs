@@ -6,13 +6,11 @@ use study::documents::{
     DesignUpdateDocument, Reference, Sequence, SequencePart, Start, UpdatedParameter,
 };
 
-use super::dictionary::{omission, shown, used};
-use super::number::{exact, or_dash, percent, published, three_or_dash};
-use super::parts::{Figures, Section, Table, missing};
-use super::study::Study;
+use crate::dictionary::{omission, shown, used};
 use crate::figures::{AccuracyCurve, SensitivityRow, ShareRow, accuracy, sensitivities, shares};
-use crate::number::three;
-use crate::parts::{coded, entry};
+use crate::number::{exact, or_dash, percent, published, three, three_or_dash};
+use crate::parts::{Figures, Section, Table, coded, entry, missing};
+use crate::study::Study;
 
 /// The time of each maneuver, and the efficiency of the unused ones.
 pub(super) fn allocation(study: &Study, figures: &mut Figures) -> Section {
@@ -27,13 +25,15 @@ fn designed(study: &Study, design: &DesignDocument, figures: &mut Figures) -> Ma
     let reference = study.reference.as_ref();
     let names = shown(design.order.iter().map(String::as_str), Some(design));
     let of = |values: &BTreeMap<String, f64>, name: &str| values.get(name).copied().unwrap_or(f64::NAN);
-    let share = |name| {
-        let published = published_share(reference, name);
-        ShareRow { name, share: of(&design.shares, name), published }
+    let share = |name| ShareRow {
+        name,
+        share: of(&design.shares, name),
+        published: published_share(reference, name),
     };
-    let sensitivity = |name| {
-        let sensitivity = of(&design.sensitivities, name);
-        SensitivityRow { name, sensitivity, used: used(design, name) }
+    let sensitivity = |name| SensitivityRow {
+        name,
+        sensitivity: of(&design.sensitivities, name),
+        used: used(design, name),
     };
     let bars: Vec<ShareRow<'_>> = names.iter().copied().map(share).collect();
     let dots: Vec<SensitivityRow<'_>> = names.iter().copied().map(sensitivity).collect();
@@ -133,7 +133,7 @@ fn time_of(design: &DesignDocument, name: &str, length: f64) -> String {
 }
 
 fn alone(design: &DesignDocument, name: &str) -> String {
-    let printed = |own: &f64| if *own <= 1e-9 { "0".to_owned() } else { percent(*own) };
+    let printed = |efficiency: &f64| if *efficiency <= 1e-9 { "0".to_owned() } else { percent(*efficiency) };
     or_dash(design.efficiency.as_ref().and_then(|all| all.single.get(name)).map(printed))
 }
 
@@ -157,19 +157,19 @@ fn footnotes(design: &DesignDocument) -> Markup {
 
 /// The required length of the experiment, and that of other designs.
 fn accuracy_of(design: &DesignDocument, figures: &mut Figures) -> Markup {
-    let Some(found) = &design.accuracy else { return html! {} };
-    let title = match found.of {
+    let Some(accuracies) = &design.accuracy else { return html! {} };
+    let title = match accuracies.of {
         AccuracyOf::Overall => "root of Σ (std error/θ)² [1]",
         AccuracyOf::PerParameter => "largest std error/θ [1]",
         AccuracyOf::Figures => "largest std error of a figure/wanted [1]",
     };
-    let figure = accuracy(&curves(found), (found.duration_s, found.wanted), title);
+    let figure = accuracy(&curves(accuracies), (accuracies.duration_s, accuracies.wanted), title);
     html! {
         h3 { "How long?" }
-        p { (found.statement) }
+        p { (accuracies.statement) }
         (figures.place("accuracy", figure, &html! {
             b { "Predicted standard error against the duration of the experiment." }
-            " The dot is the wanted error, " (three(found.wanted)) ", reached after " (three(found.duration_s)) " s."
+            " The dot is the wanted error, " (three(accuracies.wanted)) ", reached after " (three(accuracies.duration_s)) " s."
         }))
     }
 }
@@ -204,7 +204,7 @@ fn certified(design: &DesignDocument) -> Markup {
         @if let Some(prior) = &design.prior { p { (prior.statement) } }
         (crate::parts::held(design.held_in_words().as_ref()))
         (crate::parts::beyond(&design.beyond))
-        @if let Some(found) = &design.unreached { p.caution { b { "Missed by inputs." } " " (coded(&found.statement)) } }
+        @if let Some(unreached) = &design.unreached { p.caution { b { "Missed by inputs." } " " (coded(&unreached.statement)) } }
         (facts(design))
         @if !design.starts.is_empty() {
             p { (agreement(&design.starts)) }
@@ -214,10 +214,14 @@ fn certified(design: &DesignDocument) -> Markup {
 }
 
 fn facts(design: &DesignDocument) -> Markup {
+    let proof = match design.proved_global {
+        true => "proved: the problem is concave and the gap bounds the distance",
+        false => "not proved: the problem is not concave, so the gap certifies a stationary point",
+    };
     html! {
         dl.facts {
             (entry("Status", display(design.status)))
-            (entry("Global optimum", proof(design)))
+            (entry("Global optimum", proof))
             @if let (Some(gap), Some(p)) = (design.gap, design.dimension) {
                 (entry("Gap max g − p", format!("{} (p = {p})", three(gap))))
             }
@@ -230,14 +234,6 @@ fn facts(design: &DesignDocument) -> Markup {
                 @if let Some(removal) = design.mean_removal { ", instruments' mean removed: " (removal) }
             }))
         }
-    }
-}
-
-fn proof(design: &DesignDocument) -> &'static str {
-    if design.proved_global {
-        "proved: the problem is concave and the gap bounds the distance"
-    } else {
-        "not proved: the problem is not concave, so the gap certifies a stationary point"
     }
 }
 
@@ -264,51 +260,48 @@ fn starts(starts: &[Start]) -> Table<&Start> {
 }
 
 /// What became of the promise of a design; nothing before its trial.
-fn updated(found: Option<&DesignUpdateDocument>) -> Markup {
-    let Some(found) = found else { return html! {} };
+fn updated(update: Option<&DesignUpdateDocument>) -> Markup {
+    let Some(update) = update else { return html! {} };
     html! {
         h3 { "What became of the promise?" }
-        p { (found.statement) }
-        (promises_table(&found.parameters))
+        p { (update.statement) }
+        (promises_table(&update.parameters))
         p.note {
             "Standard errors as promised for a trial of this length, and from the covariance of its estimate. Scales are what errors \
              are relative to, before and after."
         }
-        @for said in &found.statements { p.note { (said) } }
+        @for said in &update.statements { p.note { (said) } }
     }
 }
 
 fn promises_table(parameters: &[UpdatedParameter]) -> Table<&UpdatedParameter> {
     Table::of(parameters)
         .compact()
-        .name("Parameter", |own| own.name.as_str())
-        .number("Estimate", |own| three(own.estimate))
-        .number("Scale", |own| or_dash(own.scale.map(three)))
-        .number("Promised", |own| three(own.standard_error.promised))
-        .number("Now", |own| three(own.standard_error.now))
-        .number("Promised/now", |own| or_dash(own.standard_error.ratio.map(three)))
+        .name("Parameter", |parameter| parameter.name.as_str())
+        .number("Estimate", |parameter| three(parameter.estimate))
+        .number("Scale", |parameter| or_dash(parameter.scale.map(three)))
+        .number("Promised", |parameter| three(parameter.standard_error.promised))
+        .number("Now", |parameter| three(parameter.standard_error.now))
+        .number("Promised/now", |parameter| or_dash(parameter.standard_error.ratio.map(three)))
 }
 
 /// How well figures of merit will be known; nothing where the design has none.
 fn figure_errors(design: &DesignDocument) -> Markup {
-    let Some(found) = &design.figures else { return html! {} };
+    let Some(errors) = &design.figures else { return html! {} };
     let weighted = design.criterion == CriterionName::Figures;
+    let length = match errors.samples {
+        1 => ", for one sample: that of N samples is √N times smaller".to_owned(),
+        samples => format!(" of {samples} samples"),
+    };
     html! {
         h3 { "How well will figures of merit be known?" }
-        (figures_table(found, weighted))
+        (figures_table(errors, weighted))
         p.note {
-            "Standard errors after this experiment" (length(found.samples)) ", and after the D-optimal one of the same maneuvers \
+            "Standard errors after this experiment" (length) ", and after the D-optimal one of the same maneuvers \
              and time."
             @if weighted { " A figure without a weight may be known worse than there." }
         }
-        @for said in &found.left_out { p.note { (said) } }
-    }
-}
-
-fn length(samples: u64) -> String {
-    match samples {
-        1 => ", for one sample: that of N samples is √N times smaller".to_owned(),
-        samples => format!(" of {samples} samples"),
+        @for said in &errors.left_out { p.note { (said) } }
     }
 }
 

@@ -5,26 +5,25 @@ use study::documents::{
     CompareDocument, ComparedErrors, DegreeOfFreedom, ErrorCorrelations, ErrorKind, Traced, traces as columns,
 };
 
-use super::loader::Loader;
-use super::number::{exact, fit, three_or_dash, three_within};
-use super::parts::{Figures, Section, Table, grouped, statements};
 use crate::figures::{
     CorrelationCell, CorrelationRow, Curve, TraceColumn, TraceRow, Track, TrackLine, correlations, palette,
     traces, tracks,
 };
-use crate::number::three;
+use crate::loader::Loader;
+use crate::number::{exact, fit, three, three_or_dash, three_within};
+use crate::parts::{Figures, Section, Table, grouped, statements};
 
-/// Windows beyond this many are not drawn.
-const MOST_WINDOWS: usize = 24;
+/// Windows, and recordings, beyond this many are not drawn.
+const MOST: usize = 24;
 
 /// Reads `compare.json` and `compare.parquet`, if both exist.
 pub(super) fn load(loader: &mut Loader) -> Result<Option<(CompareDocument, Vec<Traced>)>, Error> {
-    let found = loader.document("compare.json", "the model on recordings that it was not fitted to")?;
-    let Some(found) = found else { return Ok(None) };
+    let document = loader.document("compare.json", "the model on recordings that it was not fitted to")?;
+    let Some(document) = document else { return Ok(None) };
     let reader =
         loader.table("compare.parquet", "the model over time on these recordings", ("compare", 1))?;
     let rows = reader.map(|reader| columns().read(&reader, &Traced::default())).transpose()?;
-    Ok(Some((found, rows.unwrap_or_default())))
+    Ok(Some((document, rows.unwrap_or_default())))
 }
 
 /// The model on recordings that it was not fitted to: the verdict, numbers, measured and simulated over time.
@@ -46,8 +45,7 @@ pub(super) fn compared(
 }
 
 fn about(found: &CompareDocument) -> Markup {
-    let windows =
-        found.window_s.map_or("whole recordings".to_owned(), |s| format!("windows of {} s", exact(s)));
+    let windows = windows_of(found.window_s);
     html! {
         p {
             "Each model is simulated freely over " (found.windows) " " (windows) ", " (found.samples)
@@ -98,34 +96,27 @@ fn differences(found: &CompareDocument) -> Markup {
 fn over_time(trace: &[Traced], figures: &mut Figures) -> Markup {
     let windows: Vec<&[Traced]> =
         trace.chunk_by(|a, b| a.source == b.source && a.window == b.window).collect();
-    let drawn = &windows[..windows.len().min(MOST_WINDOWS)];
-    let times: Vec<Vec<f64>> = drawn.iter().map(|own| own.iter().map(|row| row.t).collect()).collect();
+    let drawn = &windows[..windows.len().min(MOST)];
+    let times: Vec<Vec<f64>> = drawn.iter().map(|window| window.iter().map(|row| row.t).collect()).collect();
     let legend = || vec![("simulated, with its 95 % band".to_owned(), palette::BLUE)];
     let columns = ["surge speed u [m/s]", "sway speed v [m/s]", "yaw rate r [rad/s]"]
         .map(|title| TraceColumn { title, legend: legend() });
-    let cell = |own: &[Traced], d: usize| {
-        let band: Vec<f64> = own.iter().filter_map(|row| row.half[d]).collect();
-        let measured = own.iter().map(|row| row.measured[d]).collect();
-        let simulated = own.iter().map(|row| row.simulated[d]).collect();
+    let cell = |window: &[Traced], d: usize| {
+        let band: Vec<f64> = window.iter().filter_map(|row| row.half[d]).collect();
+        let measured = window.iter().map(|row| row.measured[d]).collect();
+        let simulated = window.iter().map(|row| row.simulated[d]).collect();
         vec![
             Curve { values: simulated, colour: Some(palette::BLUE), band, is_thin: false },
             Curve { values: measured, ..Curve::default() },
         ]
     };
-    let row = |(own, t): (&&[Traced], &'_ Vec<f64>)| {
-        (own[0].source.clone(), t.clone(), [0, 1, 2].map(|d| cell(own, d)))
+    let row = |(window, t): (&&[Traced], &'_ Vec<f64>)| TraceRow {
+        name: &window[0].source,
+        note: Some(format!("window {}", window[0].window + 1)),
+        t,
+        cells: [0, 1, 2].map(|d| cell(window, d)).to_vec(),
     };
-    let rows: Vec<_> = drawn.iter().zip(&times).map(row).collect();
-    let rows: Vec<TraceRow> = rows
-        .iter()
-        .zip(drawn)
-        .map(|((name, t, cells), own)| TraceRow {
-            name,
-            note: Some(format!("window {}", own[0].window + 1)),
-            t,
-            cells: cells.to_vec(),
-        })
-        .collect();
+    let rows: Vec<TraceRow> = drawn.iter().zip(&times).map(row).collect();
     let caption = html! {
         b { "Measured (black) and simulated (blue) over time." }
         " All rows of a column share one axis."
@@ -155,7 +146,8 @@ const MOST_INPUTS: usize = 7;
 
 /// Correlations of the model's errors with themselves and with inputs: one-step residuals, then free-run errors.
 fn residuals(found: &[ErrorCorrelations], figures: &mut Figures) -> Markup {
-    let of = |kind: ErrorKind| found.iter().filter(|own| own.of == kind).collect::<Vec<_>>();
+    let of =
+        |kind: ErrorKind| found.iter().filter(|correlations| correlations.of == kind).collect::<Vec<_>>();
     html! {
         @if !found.is_empty() { h3 { "What is left of the errors" } }
         (drawn("residual-correlations", &of(ErrorKind::OneStep), figures, &one_step()))
@@ -189,7 +181,7 @@ fn drawn(name: &str, found: &[&ErrorCorrelations], figures: &mut Figures, captio
     let inputs: Vec<&str> = first.inputs.iter().map(|input| input.name.as_str()).collect();
     let shown = &inputs[..inputs.len().min(MOST_INPUTS)];
     let titles: Vec<&str> = ["itself"].into_iter().chain(shown.iter().copied()).collect();
-    let rows: Vec<CorrelationRow> = found.iter().map(|own| row(own, shown)).collect();
+    let rows: Vec<CorrelationRow> = found.iter().map(|correlations| row(correlations, shown)).collect();
     let caption = html! {
         (caption) " " (band(first))
         @if shown.len() < inputs.len() { " The first " (shown.len()) " of " (inputs.len()) " inputs." }
@@ -197,16 +189,16 @@ fn drawn(name: &str, found: &[&ErrorCorrelations], figures: &mut Figures, captio
     figures.place_wide(name, correlations(&titles, &rows), &caption)
 }
 
-fn row<'a>(error_correlations: &'a ErrorCorrelations, shown: &[&str]) -> CorrelationRow<'a> {
-    let crossed = |name: &&str| match error_correlations.inputs.iter().find(|input| input.name == *name) {
+fn row<'a>(found: &'a ErrorCorrelations, shown: &[&str]) -> CorrelationRow<'a> {
+    let crossed = |name: &&str| match found.inputs.iter().find(|input| input.name == *name) {
         Some(input) => cell(-half(input.crossed.len()), &input.crossed),
         None => cell(0, &[]),
     };
-    let name = DegreeOfFreedom::ALL.into_iter().find(|d| d.state() == error_correlations.state);
-    let cells = std::iter::once(cell(1, &error_correlations.own)).chain(shown.iter().map(crossed));
+    let name = DegreeOfFreedom::ALL.into_iter().find(|d| d.state() == found.state);
+    let cells = std::iter::once(cell(1, &found.own)).chain(shown.iter().map(crossed));
     CorrelationRow {
         name: name.map_or("", DegreeOfFreedom::name),
-        bound: error_correlations.bound,
+        bound: found.bound,
         cells: cells.collect(),
     }
 }
@@ -227,9 +219,6 @@ fn band(found: &ErrorCorrelations) -> Markup {
     }
 }
 
-/// Recordings beyond this many are not drawn.
-const MOST: usize = 24;
-
 /// A gapless section of a recording: the measured track, and a simulated one for every window.
 #[derive(Default)]
 struct Sailed<'a> {
@@ -244,14 +233,10 @@ struct Sailed<'a> {
 fn sailed(windows: &[&[Traced]], figures: &mut Figures) -> Markup {
     let mut all: Vec<Sailed> = Vec::new();
     for window in windows {
-        match all.last_mut().filter(|sailed| sailed.continues_with(window)) {
-            Some(sailed) => sailed.add(window),
-            None => {
-                let mut sailed = Sailed { source: &window[0].source, ..Sailed::default() };
-                sailed.add(window);
-                all.push(sailed);
-            }
+        if !all.last().is_some_and(|sailed| sailed.continues_with(window)) {
+            all.push(Sailed { source: &window[0].source, ..Sailed::default() });
         }
+        all.last_mut().into_iter().for_each(|sailed| sailed.add(window));
     }
     let drawn = &all[..all.len().min(MOST)];
     let axes: Vec<Vec<[Vec<f64>; 2]>> = drawn.iter().map(Sailed::axes).collect();

@@ -7,15 +7,14 @@ use study::estimates::distinct;
 use study::scores::Row;
 use study::selection::Row as SelectionRow;
 
-use super::number::{exact, median, parameter_share, published, q90, simulation_share, three};
-use super::parts::{INTERVALS, Section, Table, drawn_from, missing};
-use super::study::Study;
 use crate::dictionary::validation_input;
 use crate::figures::HistogramPanel;
-use crate::number::{or_dash, percent, percent_within};
-use crate::parts::Figures;
+use crate::number::{
+    exact, median, or_dash, parameter_share, percent, percent_within, published, q90, simulation_share, three,
+};
+use crate::parts::{Figures, INTERVALS, Section, Table, drawn_from, missing};
 use crate::selection::{ErrorFigure, SelectionStudy};
-use crate::study::optimized_first;
+use crate::study::{Study, optimized_first};
 
 /// Our shares under the bounds, quantiles and failures per design, next to the published shares.
 pub(super) fn comparison(study: &Study) -> Section {
@@ -39,14 +38,14 @@ fn use_of_published(reference: &Reference) -> &str {
 }
 
 /// A row's value for a design, and the published one.
-type Line<'a> = (&'a str, fn(&DesignScores) -> String, Option<fn(&Published) -> PublishedShare>);
+type ScoreLine<'a> = (&'a str, fn(&DesignScores) -> String, Option<fn(&Published) -> PublishedShare>);
 
 fn table(study: &Study, validation: &ValidationDocument) -> Markup {
     let (scored, reference) = (study.scored(), study.reference.as_ref());
     let bounds = validation.bounds;
     let parameter = format!("Runs with parameter error below {}", exact(bounds.parameter_error));
     let simulation = format!("Runs with simulation error below {}", exact(bounds.simulation_error));
-    let lines: [Line<'_>; 12] = [
+    let lines: [ScoreLine<'_>; 12] = [
         (&parameter, parameter_share, Some(|p| p.parameter_error_share)),
         (&simulation, simulation_share, Some(|p| p.simulation_error_share)),
         ("Parameter error, median", |d| median(&d.parameter_error), None),
@@ -65,9 +64,9 @@ fn table(study: &Study, validation: &ValidationDocument) -> Markup {
     let table = scored.iter().fold(labelled, |table, d| {
         let table = table.number(&d.design, |(_, ours, _)| ours(d));
         let Some(reference) = reference else { return table };
-        let own = reference.designs.get(&d.design);
+        let published = reference.designs.get(&d.design);
         table.classed("number published", "published", |(.., theirs)| {
-            printed(own.zip(theirs).map(|(own, share)| share(own)))
+            printed(published.zip(theirs).map(|(published, share)| share(published)))
         })
     });
     html! {
@@ -80,8 +79,8 @@ fn table(study: &Study, validation: &ValidationDocument) -> Markup {
 /// What the design foretold of the trial, beside what its simulations found.
 fn foretold(study: &Study) -> Option<String> {
     let foretold = study.design.as_ref()?.sequence.as_ref()?.foretold?;
-    let found = *study.scored().first()?;
-    let (parameters, simulations) = (found.parameter_error.median?, found.simulation_error.median?);
+    let first = *study.scored().first()?;
+    let (parameters, simulations) = (first.parameter_error.median?, first.simulation_error.median?);
     let (parameter, simulation) = (foretold.parameter_error, foretold.simulation_error?);
     Some(format!(
         "Before the trial the design foretold, as medians, a parameter error of {} and a simulation error of {}; found were {} and {}, \
@@ -134,8 +133,8 @@ fn drawn(study: &Study, scores: &[Row], figures: &mut Figures) -> Markup {
     let panels = |value: &dyn Fn(&Row) -> Option<f64>, good: Option<Good>| -> Vec<HistogramPanel<'_>> {
         let values = |design: &str| scores.iter().filter(|row| row.design == design).map(value).collect();
         let note = |design: &str| {
-            let ((bound, share), own) = (good?, scored.iter().find(|d| d.design == design)?);
-            Some(format!("{} below {}", percent(share(own)), exact(bound)))
+            let ((bound, share), scores) = (good?, scored.iter().find(|d| d.design == design)?);
+            Some(format!("{} below {}", percent(share(scores)), exact(bound)))
         };
         let all = designs.iter();
         all.map(|design| HistogramPanel { label: design, values: values(design), note: note(design) })
@@ -187,7 +186,7 @@ fn norm(row: &SelectionRow) -> Option<f64> {
 }
 
 /// A row's value for a design, and the published one.
-type PublishedLine<'a> =
+type PublishedScoreLine<'a> =
     (&'a str, &'a dyn Fn(&SelectionScores) -> String, Option<fn(&PublishedPicks) -> Option<String>>);
 
 fn published_table(found: &SelectionStudy, limits: &PublishedSelection) -> Markup {
@@ -202,10 +201,10 @@ fn published_table(found: &SelectionStudy, limits: &PublishedSelection) -> Marku
         value(&d.overlapping.rmse_norm).map_or("∞".to_owned(), three)
     };
     let beyond = |d: &SelectionScores, share: fn(&SharesBeyond) -> Share| {
-        let own = d.beyond_published.as_ref().map(share);
-        or_dash(own.map(|own| percent_within(own.share, own.interval)))
+        let share = d.beyond_published.as_ref().map(share);
+        or_dash(share.map(|share| percent_within(share.share, share.interval)))
     };
-    let lines: [PublishedLine<'_>; 8] = [
+    let lines: [PublishedScoreLine<'_>; 8] = [
         (&labels[0], &|d| beyond(d, |b| b.norm), Some(|p| p.degenerate_share.map(published))),
         ("Best", &|d| norm(d, |q| q.min), Some(|p| p.best.clone())),
         ("Median", &|d| norm(d, |q| q.median), None),

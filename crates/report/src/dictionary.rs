@@ -3,13 +3,10 @@ use std::cmp::Ordering;
 use maud::{Markup, html};
 use study::documents::{DesignDocument, EstimateDocument, MomentsDocument};
 
-use super::number::{percent, three};
-use super::parts::{Figures, Section, entry, missing};
-use super::study::{ManeuverTrace, Study};
 use crate::figures::{Curve, TraceColumn, TraceRow, Track, TrackLine, palette, traces, tracks};
-use crate::number::{percent_within, three_or_dash, three_within};
-use crate::parts::{Table, grouped};
-use crate::study::optimized_first;
+use crate::number::{percent, percent_within, three, three_or_dash, three_within};
+use crate::parts::{Figures, Section, Table, entry, grouped, missing};
+use crate::study::{ManeuverTrace, Study, optimized_first};
 
 /// Every maneuver over time and in the plane.
 pub(super) fn dictionary(study: &Study, figures: &mut Figures) -> Section {
@@ -49,7 +46,7 @@ pub(super) fn validation_input(trace: &ManeuverTrace, figures: &mut Figures) -> 
 }
 
 fn small_multiples(maneuvers: &[&ManeuverTrace], design: Option<&DesignDocument>) -> String {
-    let inputs = Inputs::of(maneuvers);
+    let inputs = InputScales::of(maneuvers);
     let columns = [
         TraceColumn { title: "inputs, each over its largest", legend: inputs.legend() },
         TraceColumn { title: "surge speed u [m/s]", legend: Vec::new() },
@@ -62,7 +59,7 @@ fn small_multiples(maneuvers: &[&ManeuverTrace], design: Option<&DesignDocument>
 
 fn row<'a>(
     maneuver: &'a ManeuverTrace,
-    inputs: &Inputs<'_>,
+    inputs: &InputScales<'_>,
     design: Option<&DesignDocument>,
 ) -> TraceRow<'a> {
     let design = design.filter(|design| used(design, &maneuver.name));
@@ -78,11 +75,11 @@ fn row<'a>(
 }
 
 /// The inputs of all maneuvers: name, unit and largest modulus.
-struct Inputs<'a> {
+struct InputScales<'a> {
     all: Vec<(&'a str, &'a str, f64)>,
 }
 
-impl<'a> Inputs<'a> {
+impl<'a> InputScales<'a> {
     fn of(maneuvers: &[&'a ManeuverTrace]) -> Self {
         let mut all: Vec<(&str, &str, f64)> = Vec::new();
         for (name, unit, values) in maneuvers.iter().flat_map(|maneuver| &maneuver.inputs) {
@@ -135,8 +132,8 @@ fn track_caption() -> Markup {
 }
 
 fn descriptions(maneuvers: &[&ManeuverTrace]) -> Markup {
-    let words = |maneuver_trace: &ManeuverTrace| {
-        let parts = [maneuver_trace.description.as_str(), maneuver_trace.reached.as_str()];
+    let words = |maneuver: &ManeuverTrace| {
+        let parts = [maneuver.description.as_str(), maneuver.reached.as_str()];
         parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("; ")
     };
     let described: Vec<_> = maneuvers.iter().filter(|maneuver| !words(maneuver).is_empty()).collect();
@@ -234,8 +231,8 @@ fn nonstationarity(MomentsDocument(moments): &MomentsDocument, design: Option<&D
     let named = Table::of(maneuvers).compact().name("Maneuver", |maneuver| &maneuver.name);
     let table = moments.degrees.iter().fold(named, |table, degree| {
         table.number(&degree.name, |maneuver| {
-            let own = maneuver.degrees.iter().find(|d| d.name == degree.name);
-            three_or_dash(own.map(|d| d.nonstationarity))
+            let moments = maneuver.degrees.iter().find(|d| d.name == degree.name);
+            three_or_dash(moments.map(|d| d.nonstationarity))
         })
     });
     html! {

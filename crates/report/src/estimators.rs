@@ -5,17 +5,15 @@ use study::documents::{
 };
 use study::files::Vessel;
 
-use super::number::{median, or_dash, percent, q90, three_or_dash};
-use super::parts::{INTERVALS, Section, Table, drawn_from, section};
-use super::study::{Scenario, Study, optimized_first};
 use crate::figures::{ErrorRow, relative_errors};
-use crate::number::{three, unit};
-use crate::parts::{Figures, entry, missing};
+use crate::number::{median, or_dash, percent, q90, three, three_or_dash, unit};
+use crate::parts::{Figures, INTERVALS, Section, Table, drawn_from, entry, missing, section};
+use crate::study::{Scenario, Study, optimized_first};
 
 /// Every estimator on the same runs, if they were compared; then other studies' comparisons.
 pub(super) fn estimators(study: &Study) -> Option<Section> {
-    let own = study.validation.as_ref().is_some_and(|v| v.compared.is_some());
-    if !own && study.scenarios.is_empty() {
+    let is_compared = study.validation.as_ref().is_some_and(|v| v.compared.is_some());
+    if !is_compared && study.scenarios.is_empty() {
         return None;
     }
     let both = study.estimate.as_ref().zip(study.validation.as_ref());
@@ -47,8 +45,8 @@ fn designs(scores: &[EstimatorScores]) -> Vec<&str> {
 /// The recommendation of the validation for the design that is shown first.
 fn recommended(validation: &ValidationDocument) -> Markup {
     match recommendation(validation) {
-        Some(found) if found.candidates.is_empty() => html! { p.missing { (found.statement) } },
-        Some(found) => html! { p { (found.statement) } },
+        Some(advice) if advice.candidates.is_empty() => html! { p.missing { (advice.statement) } },
+        Some(advice) => html! { p { (advice.statement) } },
         None => html! {},
     }
 }
@@ -56,7 +54,7 @@ fn recommended(validation: &ValidationDocument) -> Markup {
 /// The recommendation for the design that is shown first.
 fn recommendation(validation: &ValidationDocument) -> Option<&EstimatorRecommendation> {
     let all = validation.recommendations.as_deref().unwrap_or(&[]);
-    optimized_first(all, |found| &found.design).into_iter().next()
+    optimized_first(all, |advice| &advice.design).into_iter().next()
 }
 
 /// Scores and estimates of one estimator.
@@ -98,8 +96,8 @@ fn table(design: &str, estimates: &[EstimatorSummary], scores: &[EstimatorScores
 /// Predicted over observed standard errors, parameter by parameter.
 fn trust(design: &str, document: &EstimateDocument) -> Markup {
     let compared = document.compared.as_deref().unwrap_or(&[]);
-    let own = compared.iter().flat_map(|e| e.designs.iter().map(move |d| (e.estimator, d)));
-    let rows: Vec<(Estimator, &DesignSummary)> = own.filter(|(_, d)| d.design == design).collect();
+    let all = compared.iter().flat_map(|e| e.designs.iter().map(move |d| (e.estimator, d)));
+    let rows: Vec<(Estimator, &DesignSummary)> = all.filter(|(_, d)| d.design == design).collect();
     let Some((_, first)) = rows.first() else { return html! {} };
     let wrong: Vec<String> = rows
         .iter()
@@ -173,11 +171,13 @@ fn of_first_design(scenario: &Scenario) -> impl Iterator<Item = (bool, &Scenario
     of_both(design, estimates, scores).into_iter().map(move |both| (first == Some(both.0), scenario, both))
 }
 
-fn verdict(found: Option<&EstimatorRecommendation>, estimator: Estimator) -> Markup {
-    let Some(found) = found.filter(|found| found.candidates.contains(&estimator)) else { return html! {} };
-    match found.estimator {
+fn verdict(advice: Option<&EstimatorRecommendation>, estimator: Estimator) -> Markup {
+    let Some(advice) = advice.filter(|advice| advice.candidates.contains(&estimator)) else {
+        return html! {};
+    };
+    match advice.estimator {
         Some(_) => html! { b { "recommended" } },
-        None => html! { "no difference that " (found.runs) " runs can tell" },
+        None => html! { "no difference that " (advice.runs) " runs can tell" },
     }
 }
 
@@ -208,14 +208,14 @@ struct Shown<'a> {
 impl<'a> Shown<'a> {
     /// The estimates by the recommended estimator; else by the best one.
     fn of(estimate: &'a EstimateDocument, study: &Study) -> Self {
-        let best = study.validation.as_ref().and_then(recommendation).and_then(|found| found.estimator);
+        let best = study.validation.as_ref().and_then(recommendation).and_then(|advice| advice.estimator);
         let compared = estimate.compared.as_deref().unwrap_or(&[]);
-        let own = compared.iter().find(|own| Some(own.estimator) == best);
-        let (estimator, designs) = match own {
-            Some(own) => (own.estimator, &own.designs),
+        let recommended = compared.iter().find(|summary| Some(summary.estimator) == best);
+        let (estimator, designs) = match recommended {
+            Some(summary) => (summary.estimator, &summary.designs),
             None => (estimate.estimator, &estimate.designs),
         };
-        let why = match own {
+        let why = match recommended {
             Some(_) => format!("Estimates by {estimator}, which the validation recommends."),
             None => format!("No estimator is recommended; these are the estimates by {estimator}."),
         };
@@ -265,12 +265,9 @@ fn facts(estimate: &Shown, designs: &[&DesignSummary]) -> Markup {
 
 /// The number of runs that reject the model.
 fn rejected(design: &DesignSummary) -> String {
-    match design.rejected {
-        Some(rejected) => {
-            format!("by {rejected} of {} runs; by chance by 1 in 20", design.identified)
-        }
-        None => "the runs were not asked what the model lacks".to_owned(),
-    }
+    design.rejected.map_or("the runs were not asked what the model lacks".to_owned(), |rejected| {
+        format!("by {rejected} of {} runs; by chance by 1 in 20", design.identified)
+    })
 }
 
 fn estimator(estimator: Estimator) -> &'static str {
@@ -310,7 +307,11 @@ fn parameters_table(design: &DesignSummary, vessel: Option<&Vessel>) -> Markup {
 }
 
 fn term(vessel: Option<&Vessel>, name: &str) -> String {
-    or_dash(vessel.and_then(|v| terms(v).into_iter().find(|(_, own, _)| *own == name)).map(|(.., term)| term))
+    or_dash(
+        vessel
+            .and_then(|v| terms(v).into_iter().find(|(_, parameter, _)| *parameter == name))
+            .map(|(.., term)| term),
+    )
 }
 
 /// Every parameter with its degree of freedom and its term, in the order of `vessel.toml`.
@@ -332,8 +333,8 @@ fn structure(vessel: &Vessel) -> Markup {
     // Those of forces belong to no one degree of freedom.
     let table = Table::of(0..names.len())
         .name("Parameter", |i| names[i])
-        .text("Degree", |i| terms.get(i).map_or("–", |own| own.0.name()))
-        .text("Term", |i| terms.get(i).map_or("–", |own| own.2))
+        .text("Degree", |i| terms.get(i).map_or("–", |(degree, ..)| degree.name()))
+        .text("Term", |i| terms.get(i).map_or("–", |(.., term)| term))
         .text("Unit", |i| unit(&units[i]))
         .number("True", |i| three_or_dash(vessel.value[i]))
         .number("Nominal", |i| three(vessel.nominal[i]));

@@ -10,7 +10,7 @@ use study::{scores, selection};
 
 use crate::headline::kind;
 use crate::page::STYLE;
-use crate::parts::{missing, statements};
+use crate::parts::{coded, missing, statements};
 use crate::planned_trial::{PlannedTrial, label};
 use crate::study::Study;
 use crate::trajectory::words::{action, heading, knots, latitude, longitude};
@@ -105,13 +105,13 @@ const MOST: usize = 12_000;
 
 /// Measured and simulated motion of every window; `None` in a study without.
 fn panel(study: &Study) -> Option<Panel> {
-    let (found, rows) = study.measured.as_ref()?.compared.as_ref()?;
+    let (document, rows) = study.measured.as_ref()?.compared.as_ref()?;
     let windows = rows.chunk_by(|a, b| a.source == b.source && a.window == b.window);
     let every = stride(rows.len(), MOST);
-    let windows: Vec<Value> = windows.map(|own| window(own, every)).collect();
-    let verdict = found.statements.first();
+    let windows: Vec<Value> = windows.map(|rows| window(rows, every)).collect();
+    let verdict = document.statements.first();
     let about = html! {
-        @if let Some(verdict) = verdict { p { (crate::parts::coded(verdict)) } }
+        @if let Some(verdict) = verdict { p { (coded(verdict)) } }
         p {
             "Measured in the colour of the text, simulated in blue with its 95 % band. "
             "Drag to zoom; all three plots have the same time."
@@ -162,9 +162,9 @@ fn numbers(values: impl Iterator<Item = f64>) -> Value {
 }
 
 /// The places of a line in tenths of a metre: the first east and north, then differences to the place before.
-fn line(map_line: &MapLine) -> Value {
+fn line(line: &MapLine) -> Value {
     let mut last = [0; 2];
-    let places = map_line.east_m.iter().zip(&map_line.north_m);
+    let places = line.east_m.iter().zip(&line.north_m);
     let steps = places.flat_map(|(east, north)| {
         let place = [tenths(*east), tenths(*north)];
         let step = [place[0] - last[0], place[1] - last[1]];
@@ -250,26 +250,27 @@ const MOST_RUNS: usize = 10_000;
 
 /// Simulated trials by their scores, and picks of sub-experiments by their errors.
 fn panels(study: &Study) -> Vec<Panel> {
-    let scored = study.scores.as_ref().filter(|rows| !rows.is_empty()).map(|rows| scored(rows));
-    let picked = study
-        .selection
-        .as_ref()
-        .filter(|selection| !selection.rows.is_empty())
-        .map(|selection| picked(&selection.rows));
-    scored.into_iter().chain(picked).collect()
+    let trials = study.scores.as_deref().filter(|rows| !rows.is_empty());
+    let picks = study.selection.as_ref().map(|selection| &selection.rows).filter(|rows| !rows.is_empty());
+    trials.map(scored).into_iter().chain(picks.map(|rows| picked(rows))).collect()
 }
 
-fn scored(rows: &[scores::Row]) -> Panel {
-    let columns = [
+/// Columns of runs: their number, an error, the states' errors, and another error with its unit.
+fn run_columns(number: &str, error: &str, (other, unit): (&str, &str)) -> [Value; 8] {
+    [
         column("design", "", "text"),
-        column("run", "", "number"),
+        column(number, "", "number"),
         column("status", "", "text"),
-        column("parameter error", "1", "number"),
+        column(error, "1", "number"),
         column("RMSE u", "m/s", "number"),
         column("RMSE v", "m/s", "number"),
         column("RMSE r", "rad/s", "number"),
-        column("simulation error", "", "number"),
-    ];
+        column(other, unit, "number"),
+    ]
+}
+
+fn scored(rows: &[scores::Row]) -> Panel {
+    let columns = run_columns("run", "parameter error", ("simulation error", ""));
     let row = |row: &scores::Row| {
         let [u, v, r] = row.rmse.map(number);
         let [parameter, simulation] = [row.parameter_error, row.simulation_error].map(number);
@@ -279,16 +280,7 @@ fn scored(rows: &[scores::Row]) -> Panel {
 }
 
 fn picked(rows: &[selection::Row]) -> Panel {
-    let columns = [
-        column("design", "", "text"),
-        column("realization", "", "number"),
-        column("status", "", "text"),
-        column("error norm", "1", "number"),
-        column("RMSE u", "m/s", "number"),
-        column("RMSE v", "m/s", "number"),
-        column("RMSE r", "rad/s", "number"),
-        column("error norm, left out", "1", "number"),
-    ];
+    let columns = run_columns("realization", "error norm", ("error norm, left out", "1"));
     let row = |row: &selection::Row| {
         let [u, v, r] = row.rmse.map_or([const { Value::Null }; 3], |rmse| rmse.map(number));
         let [norm, left_out] = [row.error_norm, row.left_out_norm].map(number);
@@ -331,9 +323,9 @@ fn about(all: usize, every: usize) -> Markup {
 
 /// A section for each plan with a map: the study's own, its variants, that of the next trial.
 fn plan_panels(study: &Study) -> Vec<Panel> {
-    let own = study.trajectory.iter().flat_map(|own| own.main.iter().chain(&own.variants));
-    let next = study.measured.iter().filter_map(|own| own.next.as_ref()?.planned.as_ref());
-    let all = own.chain(next).enumerate();
+    let plans = study.trajectory.iter().flat_map(|plans| plans.main.iter().chain(&plans.variants));
+    let next = study.measured.iter().filter_map(|measured| measured.next.as_ref()?.planned.as_ref());
+    let all = plans.chain(next).enumerate();
     all.filter_map(|(index, trial)| plan_panel(study, trial, index)).collect()
 }
 
@@ -379,8 +371,8 @@ fn drawn(map: &MapDocument, steps: Option<&[usize]>) -> Value {
         "frame": [frame.west_m, frame.south_m, frame.east_m, frame.north_m],
         "uncharted": !map.uncharted_is_water,
         "bands": map.depth_limits_m.len() + 1,
-        "cells": map.cells.as_ref().map(|own| cells(own, map)),
-        "areas": map.areas.iter().map(|own| area(own, map)).collect::<Value>(),
+        "cells": map.cells.as_ref().map(|raster| cells(raster, map)),
+        "areas": map.areas.iter().map(|rings| area(rings, map)).collect::<Value>(),
         "contours": map.contours.iter().map(|contour| json!([contour.depth_m, line(&contour.line)])).collect::<Value>(),
         "margins": map.margins.iter().map(|margin| json!([margin.purpose.name(), raster(&margin.raster), margin.runs])).collect::<Value>(),
         "spots": map.spots.iter().map(|spot| json!([place(spot.place), spot.symbol.name(), spot.depth_m, spot.title])).collect::<Value>(),
@@ -403,12 +395,12 @@ fn lines(all: &[MapLine]) -> Value {
     all.iter().map(line).collect()
 }
 
-fn place(map_place: MapPlace) -> Value {
-    json!([map_place.east_m, map_place.north_m])
+fn place(place: MapPlace) -> Value {
+    json!([place.east_m, place.north_m])
 }
 
-fn raster(map_raster: &MapRaster) -> Value {
-    json!([map_raster.west_m, map_raster.south_m, map_raster.cell_m, map_raster.columns, map_raster.rows])
+fn raster(raster: &MapRaster) -> Value {
+    json!([raster.west_m, raster.south_m, raster.cell_m, raster.columns, raster.rows])
 }
 
 /// `land`, `no-go`, or the number of the band of depth, from the shoalest.
@@ -421,21 +413,21 @@ fn class(class: MapClass, least_m: Option<f64>, map: &MapDocument) -> Value {
     }
 }
 
-fn area(map_area: &MapArea, map: &MapDocument) -> Value {
-    json!([class(map_area.class, map_area.least_m, map), lines(&map_area.rings)])
+fn area(area: &MapArea, map: &MapDocument) -> Value {
+    json!([class(area.class, area.least_m, map), lines(&area.rings)])
 }
 
-fn cells(map_cells: &MapCells, map: &MapDocument) -> Value {
+fn cells(cells: &MapCells, map: &MapDocument) -> Value {
     let classes: Vec<(Value, &MapRuns)> =
-        map_cells.classes.iter().map(|cell| (class(cell.class, cell.least_m, map), &cell.runs)).collect();
-    json!([raster(&map_cells.raster), classes])
+        cells.classes.iter().map(|cell| (class(cell.class, cell.least_m, map), &cell.runs)).collect();
+    json!([raster(&cells.raster), classes])
 }
 
 /// Kind, place of the maneuver among all, its number, the line, and the step of the plan.
 fn tracks(map: &MapDocument, steps: Option<&[usize]>) -> Value {
-    let track = |(index, own): (usize, &study::documents::MapTrack)| {
-        let maneuver = map.counts.keys().position(|name| own.maneuver.as_ref() == Some(name));
-        json!([own.kind.name(), maneuver, own.number, line(&own.line), steps.map(|steps| steps[index])])
+    let track = |(index, track): (usize, &MapTrack)| {
+        let maneuver = map.counts.keys().position(|name| track.maneuver.as_ref() == Some(name));
+        json!([track.kind.name(), maneuver, track.number, line(&track.line), steps.map(|steps| steps[index])])
     };
     map.tracks.iter().enumerate().map(track).collect()
 }

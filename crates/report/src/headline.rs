@@ -1,14 +1,14 @@
 use maud::{Markup, html};
-
-use super::dictionary::used as is_used;
-use super::number::{exact, parameter_share, percent, percent_within, simulation_share, three};
-use super::parts::{EXPLORE, card};
-use super::study::Study;
-use super::trajectory::words::{clearance, cost, gap, minutes};
 use study::documents::{
     Arm, Check, DesignDocument, DesignScores, PlanDocument, RoundGain, SequentialDocument,
     ValidationDocument, Voyage, WorstVessels,
 };
+
+use crate::dictionary::used as is_used;
+use crate::number::{exact, parameter_share, percent, percent_within, simulation_share, three};
+use crate::parts::{EXPLORE, card};
+use crate::study::Study;
+use crate::trajectory::words::{clearance, cost, gap, minutes};
 
 /// Name of the design that is today's practice.
 const PRACTICE: &str = "practice";
@@ -61,8 +61,8 @@ fn answer(study: &Study) -> String {
     if let Some(measured) = &study.measured {
         return measured.answer(study.selection.as_ref());
     }
-    if let (Some(found), None) = (&study.sequential, &study.design) {
-        return in_rounds(found);
+    if let (Some(rounds), None) = (&study.sequential, &study.design) {
+        return in_rounds(rounds);
     }
     match (&study.validation, &study.design) {
         (Some(validation), _) if !validation.designs.is_empty() => compared(study, validation),
@@ -181,11 +181,10 @@ fn counterparts(others: &[&DesignScores], same_length: bool) -> String {
 /// Their errors in free simulation.
 fn against(others: &[&DesignScores]) -> String {
     let sentence = |d: &&DesignScores| format!("{} ({})", simulation_share(d), d.design);
-    let each: Vec<String> = others.iter().map(sentence).collect();
-    if each.is_empty() {
-        return String::new();
+    match others.iter().map(sentence).collect::<Vec<_>>().as_slice() {
+        [] => String::new(),
+        each => format!(" of the realizations, against {}", each.join(" and ")),
     }
-    format!(" of the realizations, against {}", each.join(" and "))
 }
 
 /// The first sentence about a design that has not been validated.

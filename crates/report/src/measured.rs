@@ -7,13 +7,11 @@ use study::documents::{
     WarningSummary,
 };
 
-use super::SelectionStudy;
-use super::loader::Loader;
-use super::next_trial::NextTrial;
-use super::number::{fit, or_dash, percent_within, three_or_dash};
-use super::parts::{Table, card};
-use crate::number::three;
-use crate::parts::{Section, grouped, missing};
+use crate::SelectionStudy;
+use crate::loader::Loader;
+use crate::next_trial::NextTrial;
+use crate::number::{fit, or_dash, percent_within, three, three_or_dash};
+use crate::parts::{Section, Table, card, grouped, missing};
 
 /// The results from measured logs.
 #[derive(Clone, Debug, Default)]
@@ -84,31 +82,31 @@ impl Measured {
 
     /// Whether the estimate of all recordings is judged: how far it can be trusted, or what is wrong with forces.
     pub(super) fn is_judged(&self) -> bool {
-        let forces = self.model.as_ref().and_then(|own| own.forces.as_ref());
-        self.trust.is_some() || forces.is_some_and(|own| own.criticism.is_some())
+        let forces = self.model.as_ref().and_then(|model| model.forces.as_ref());
+        self.trust.is_some() || forces.is_some_and(|forces| forces.criticism.is_some())
     }
 
     /// The search whose model is delivered, with its errors where recordings were left out.
-    fn found(&self) -> Option<(&SearchDocument, FreeRunErrors)> {
-        let found = self.searched.as_ref().filter(|_| self.crossval.is_none())?;
-        Some((found, found.delivered_errors()?))
+    fn delivered_search(&self) -> Option<(&SearchDocument, FreeRunErrors)> {
+        let search = self.searched.as_ref().filter(|_| self.crossval.is_none())?;
+        Some((search, search.delivered_errors()?))
     }
 
     /// What the delivered model of a search predicts, and beside it the others.
     fn delivered(&self) -> Option<String> {
-        let (found, errors) = self.found()?;
-        let over = found.window_s.map_or("whole recordings".to_owned(), |s| format!("windows of {s} s"));
-        let beside = found.beside.as_ref();
-        let kind = beside.map(|own| own.delivered);
+        let (search, errors) = self.delivered_search()?;
+        let over = windows_of(search.window_s);
+        let beside = search.beside.as_ref();
+        let kind = beside.map(|beside| beside.delivered);
         let what = match kind {
             Some(DeliveredKind::Average) => "the average of searched terms and of forces",
             Some(DeliveredKind::Forces) => "of forces",
             _ => "found by a search",
         };
         let others = [
-            ("the searched terms", found.nested.search, kind == Some(DeliveredKind::Average)),
-            ("the forces", beside.and_then(|own| own.errors), kind != Some(DeliveredKind::Forces)),
-            ("the terms that the search began with", found.nested.base, true),
+            ("the searched terms", search.nested.search, kind == Some(DeliveredKind::Average)),
+            ("the forces", beside.and_then(|beside| beside.errors), kind != Some(DeliveredKind::Forces)),
+            ("the terms that the search began with", search.nested.base, true),
         ];
         let other = |(name, errors, _): (&str, Option<FreeRunErrors>, bool)| {
             Some(format!("{} by {name}", mean_fit(&errors?)))
@@ -129,8 +127,7 @@ impl Measured {
     pub(super) fn answer(&self, selection: Option<&SelectionStudy>) -> String {
         let mut sentences = Vec::new();
         if let (Some((score, errors)), Some(crossval)) = (self.best(), &self.crossval) {
-            let over =
-                crossval.window_s.map_or("whole recordings".to_owned(), |s| format!("windows of {s} s"));
+            let over = windows_of(crossval.window_s);
             sentences.push(format!(
                 "Fitted by {} to the other recordings, the model follows those left out, over {over}, with a fit of {} in \
                  surge, {} in sway and {} in yaw rate.",
@@ -142,11 +139,13 @@ impl Measured {
         }
         if let Some(delivered) = self.delivered() {
             sentences.push(delivered);
-        } else if let Some((found, errors)) =
-            self.searched.as_ref().and_then(|searched| Some((searched, searched.delivered_errors()?)))
+        } else if let Some((search, errors)) =
+            self.searched.as_ref().and_then(|search| Some((search, search.delivered_errors()?)))
         {
-            let what = match &found.forces {
-                Some(own) if !own.delivered => "The ship as she was, without forces that a search found,",
+            let what = match &search.forces {
+                Some(forces) if !forces.delivered => {
+                    "The ship as she was, without forces that a search found,"
+                }
                 _ => "A structure found by a search",
             };
             sentences.push(format!(
@@ -156,13 +155,13 @@ impl Measured {
                 fit(errors.fit_r)
             ));
         }
-        if let Some(found) = selection {
+        if let Some(study) = selection {
             sentences.push(format!(
                 "Of models from {} sub-experiments, 90 % have an error norm below {} where the design picks them; picked at \
                  random the bound is {}.",
-                found.summary.picks,
-                found.q90(0),
-                found.q90(1)
+                study.summary.picks,
+                study.q90(0),
+                study.q90(1)
             ));
         }
         let degrees = || self.trust.iter().flat_map(|trust| &trust.degrees);
@@ -182,21 +181,21 @@ impl Measured {
     pub(super) fn cards(&self, selection: Option<&SelectionStudy>) -> Markup {
         html! {
             @if let Some((score, errors)) = self.best() {
-                @for (what, own) in [("surge", errors.fit_u), ("sway", errors.fit_v), ("yaw rate", errors.fit_r)] {
-                    (card(&format!("Fit of {what}, left out"), fit(own), display(score.name), &[]))
+                @for (what, value) in [("surge", errors.fit_u), ("sway", errors.fit_v), ("yaw rate", errors.fit_r)] {
+                    (card(&format!("Fit of {what}, left out"), fit(value), display(score.name), &[]))
                 }
             }
-            @if let Some((found, errors)) = self.found() {
-                @let name = match found.beside.as_ref().map(|own| own.delivered) {
+            @if let Some((search, errors)) = self.delivered_search() {
+                @let name = match search.beside.as_ref().map(|beside| beside.delivered) {
                     Some(DeliveredKind::Average) => "average",
                     Some(DeliveredKind::Forces) => "forces",
                     _ => "search",
                 };
-                @for (what, own) in [("surge", errors.fit_u), ("sway", errors.fit_v), ("yaw rate", errors.fit_r)] {
-                    (card(&format!("Fit of {what}, left out"), fit(own), name, &[]))
+                @for (what, value) in [("surge", errors.fit_u), ("sway", errors.fit_v), ("yaw rate", errors.fit_r)] {
+                    (card(&format!("Fit of {what}, left out"), fit(value), name, &[]))
                 }
             }
-            @if let Some(found) = selection { (selection_card(found)) }
+            @if let Some(study) = selection { (selection_card(study)) }
             @if let Some(trust) = &self.trust {
                 @let cut = format!("{} sub-experiments, {} samples", trust.parts, trust.samples);
                 (card("Data", trust.sources, "recordings", &[cut]))

@@ -1,19 +1,20 @@
 use maud::{Markup, html};
 use study::documents::{FigureMerit, ManeuverMerit, MeritDocument};
 
-use super::number::{interval, or_dash, three};
-use super::parts::{Figures, Section, Table, grouped};
-use super::study::Study;
 use crate::figures::{Curve, TraceColumn, TraceRow, Track, TrackLine, palette, traces, tracks};
+use crate::number::{interval, or_dash, three};
+use crate::parts::{Figures, Section, Table, grouped};
+use crate::study::Study;
 
 /// Figures of merit of the standard maneuvers; none in a study without.
 pub(super) fn merit(study: &Study, figures: &mut Figures) -> Option<Section> {
     // Logs may show no standard maneuver.
-    let found = study.merit.as_ref().filter(|found| found.maneuvers.iter().any(|own| own.runs > 0))?;
+    let merit =
+        study.merit.as_ref().filter(|merit| merit.maneuvers.iter().any(|maneuver| maneuver.runs > 0))?;
     let body = html! {
-        (table(found))
-        (tracked(found, figures))
-        (over_time(found, figures))
+        (table(merit))
+        (tracked(merit, figures))
+        (over_time(merit, figures))
     };
     Some(Section::new("merit", "Figures of merit", "Figures of merit", body))
 }
@@ -80,10 +81,10 @@ fn verdict(figure: &FigureMerit) -> &'static str {
 /// The track of the first maneuver of each kind.
 fn first_tracks(found: &MeritDocument) -> String {
     let mut kinds = Vec::new();
-    let first = |own: &&ManeuverMerit| {
-        let is_new = !kinds.contains(&own.kind);
-        kinds.push(own.kind.clone());
-        is_new && !own.track.t_s.is_empty()
+    let first = |maneuver: &&ManeuverMerit| {
+        let is_new = !kinds.contains(&maneuver.kind);
+        kinds.push(maneuver.kind.clone());
+        is_new && !maneuver.track.t_s.is_empty()
     };
     let firsts: Vec<&ManeuverMerit> = found.maneuvers.iter().filter(first).collect();
     tracks_of(&firsts, found.length_m)
@@ -117,23 +118,15 @@ fn tracked(found: &MeritDocument, figures: &mut Figures) -> Markup {
 fn over_time(found: &MeritDocument, figures: &mut Figures) -> Markup {
     let columns = ["heading [°]", "surge speed u [m/s]", "yaw rate r [°/s]"]
         .map(|title| TraceColumn { title, legend: Vec::new() });
-    let row = |maneuver_merit: &'_ ManeuverMerit| -> Vec<Vec<Curve>> {
-        let values = [
-            &maneuver_merit.track.heading_deg,
-            &maneuver_merit.track.surge_m_s,
-            &maneuver_merit.track.yaw_rate_deg_s,
-        ];
-        let curve = |values: &Vec<f64>| vec![Curve { values: values.clone(), ..Curve::default() }];
-        values.map(curve).into()
-    };
+    let curve = |values: &Vec<f64>| vec![Curve { values: values.clone(), ..Curve::default() }];
     let rows: Vec<TraceRow<'_>> = found
         .maneuvers
         .iter()
-        .map(|maneuver| TraceRow {
-            name: &maneuver.name,
+        .map(|ManeuverMerit { name, track, .. }| TraceRow {
+            name,
             note: None,
-            t: &maneuver.track.t_s,
-            cells: row(maneuver),
+            t: &track.t_s,
+            cells: [&track.heading_deg, &track.surge_m_s, &track.yaw_rate_deg_s].map(curve).into(),
         })
         .collect();
     let caption = html! {

@@ -1,26 +1,24 @@
-use maud::{DOCTYPE, Markup, PreEscaped, display, html};
+use maud::{DOCTYPE, Markup, PreEscaped, Render, display, html};
 use study::documents::{DesignScores, Estimator, EstimatorScores};
 
-use super::allocation::{allocation, certificate};
-use super::compared::compared;
-use super::comparison::{comparison, errors, published_selection};
-use super::delivered::delivered;
-use super::dictionary::{dictionary, excitation};
-use super::estimators::{estimators, parameters};
-use super::headline::{headline, kind};
-use super::measured::{Measured, logs};
-use super::merit::merit;
-use super::next_trial::next_trial;
-use super::parts::{Figures, Section};
-use super::searched::searched;
-use super::selection::selection;
-use super::sequential::sequential;
-use super::study::Study;
-use super::trajectory::{self, trajectory};
-use super::trust::{cross_validation, trust};
+use crate::allocation::{allocation, certificate};
+use crate::compared::compared;
+use crate::comparison::{comparison, errors, published_selection};
+use crate::delivered::delivered;
+use crate::dictionary::{dictionary, excitation};
+use crate::estimators::{estimators, parameters};
+use crate::headline::{headline, kind};
+use crate::measured::{Measured, logs};
+use crate::merit::merit;
+use crate::next_trial::next_trial;
 use crate::number::{median, or_dash, percent, q90};
-use crate::parts::{Table, entry, statements};
-use crate::study::optimized_first;
+use crate::parts::{Figures, Section, Table, entry, statements};
+use crate::searched::searched;
+use crate::selection::selection;
+use crate::sequential::sequential;
+use crate::study::{Study, optimized_first};
+use crate::trajectory::{self, trajectory};
+use crate::trust::{cross_validation, trust};
 
 /// The page and its figures.
 #[derive(Clone, Debug)]
@@ -38,7 +36,7 @@ pub fn render(study: &Study) -> Rendered {
     let mut figures = Figures::default();
     let mut sections = match (&study.measured, &study.sequential, &study.design) {
         (Some(measured), ..) => of_logs(study, measured, &mut figures),
-        (None, Some(found), None) => sequential(found, &mut figures),
+        (None, Some(rounds), None) => sequential(rounds, &mut figures),
         _ => of_trials(study, &mut figures),
     };
     sections.extend([notation(study), files(study)]);
@@ -78,7 +76,7 @@ fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Vec<Sec
         sections.push(dictionary(study, figures));
     }
     if let Some(next) = &measured.next {
-        let sailed = next.planned.as_ref().map(|own| trajectory::planned(study, own, figures));
+        let sailed = next.planned.as_ref().map(|planned| trajectory::planned(study, planned, figures));
         sections.push(next_trial(next, sailed));
     }
     sections.push(logs(measured));
@@ -102,7 +100,7 @@ pub(super) fn whole(title: &str, head: &Markup, sections: &[Section], style: Opt
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
                 title { (title) }
-                style { (PreEscaped(STYLE)) @if let Some(own) = style { (PreEscaped(own)) } }
+                style { (PreEscaped(STYLE)) @if let Some(more) = style { (PreEscaped(more)) } }
             }
             body {
                 main {
@@ -194,16 +192,14 @@ fn notes_of_logs() -> Markup {
 
 /// The sources of the numbers.
 fn files(study: &Study) -> Section {
-    let body = html! {
-        @if study.files.is_empty() {
-            p.missing { "No file was read." }
-        } @else {
-            (Table::of(&study.files)
-                .compact()
-                .name("File", |(name, ..)| name)
-                .with(html! { th scope="col" { "What it is" } }, |(_, what, _)| html! { td.wrap { (what) } })
-                .with(html! { th scope="col" { "Digest" } }, |(.., digest)| html! { td.digest { (digest) } }))
-        }
+    let body = match study.files.as_slice() {
+        [] => html! { p.missing { "No file was read." } },
+        files => Table::of(files)
+            .compact()
+            .name("File", |(name, ..)| name)
+            .with(html! { th scope="col" { "What it is" } }, |(_, what, _)| html! { td.wrap { (what) } })
+            .with(html! { th scope="col" { "Digest" } }, |(.., digest)| html! { td.digest { (digest) } })
+            .render(),
     };
     Section::new("files", "Files", "Files", body)
 }

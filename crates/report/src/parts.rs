@@ -116,10 +116,11 @@ impl Figures {
 pub(super) struct Table<R> {
     class: Option<&'static str>,
     head: String,
-    rows: Vec<Row<R>>,
+    rows: Vec<TableRow<R>>,
 }
 
-struct Row<R> {
+/// A row: what it is of, its classes and its cells.
+struct TableRow<R> {
     of: R,
     classes: Option<Vec<&'static str>>,
     cells: String,
@@ -128,7 +129,7 @@ struct Row<R> {
 impl<R: Copy> Table<R> {
     /// A row for each of `rows`.
     pub(super) fn of(rows: impl IntoIterator<Item = R>) -> Self {
-        let row = |of| Row { of, classes: None, cells: String::new() };
+        let row = |of| TableRow { of, classes: None, cells: String::new() };
         Self { class: None, head: String::new(), rows: rows.into_iter().map(row).collect() }
     }
 
@@ -195,7 +196,7 @@ impl<R: Copy> Table<R> {
 
 impl<R> Render for Table<R> {
     fn render(&self) -> Markup {
-        let classes = |row: &Row<R>| row.classes.as_ref().map(|classes| classes.join(" "));
+        let classes = |row: &TableRow<R>| row.classes.as_ref().map(|classes| classes.join(" "));
         html! {
             div.scroll { table class=[self.class] {
                 thead { tr { (PreEscaped(&self.head)) } }
@@ -210,8 +211,8 @@ pub(super) fn grouped<'a, A, B>(
     outer: impl IntoIterator<Item = &'a A>,
     inner: impl Fn(&'a A) -> &'a [B],
 ) -> Vec<(bool, &'a A, &'a B)> {
-    let own = |a| inner(a).iter().enumerate().map(move |(i, b)| (i == 0, a, b));
-    outer.into_iter().flat_map(own).collect()
+    let within = |a| inner(a).iter().enumerate().map(move |(i, b)| (i == 0, a, b));
+    outer.into_iter().flat_map(within).collect()
 }
 
 /// Explains the brackets after numbers.

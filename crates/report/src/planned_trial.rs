@@ -3,12 +3,12 @@
 use files::{Digest, Error, Work, budget, is_written, read_written};
 use refusal::Invalid;
 use study::documents::{
-    MapArea, MapCellClass, MapCells, MapClass, MapDocument, MapLine, MapMargin, MapPlace, MapPurpose,
-    MapRaster, MapRuns, MapSpot, MapSymbol, MapTrack, MapTrackKind, PlanDocument,
+    MapArea, MapCellClass, MapCells, MapClass, MapContour, MapDocument, MapLine, MapMargin, MapPlace,
+    MapPurpose, MapRaster, MapRuns, MapSpot, MapSymbol, MapTrack, MapTrackKind, PlanDocument,
 };
 
-use super::loader::{Loader, document_at};
 use crate::figures::map as figure;
+use crate::loader::{Loader, document_at};
 
 /// Approximate bytes per cell of a map while it is drawn.
 const CELL_BYTES: f64 = 24.0;
@@ -44,9 +44,9 @@ pub(crate) fn map(loader: &mut Loader, name: &str) -> Result<(Option<String>, Op
     }
     let text = String::from_utf8(bytes).map_err(|_| "bytes that are not UTF-8".to_owned());
     let checked = text.and_then(|text| refused(&text).map_or(Ok(text), Err));
-    let svg = checked.map_err(|found| {
+    let svg = checked.map_err(|fault| {
         let expected = "a drawing of shapes and text, without scripts, styles or links";
-        study::refuse(&path, "map", &found, expected, "run `plan` again, or remove the file")
+        study::refuse(&path, "map", &fault, expected, "run `plan` again, or remove the file")
     })?;
     Ok((Some(svg), None))
 }
@@ -56,8 +56,8 @@ fn drawn(loader: &mut Loader, name: &str) -> Result<Option<(String, MapDocument)
     let path = loader.sources.results.join(name);
     let Some(loaded) = document_at::<MapDocument>(path.clone())? else { return Ok(None) };
     let cells = loaded.data.raster_cells();
-    let (found, remedy) = (format!("{cells} cells"), "run `plan` again with a coarser raster");
-    let work = Work { file: &path, thing: "`raster`", found: &found, remedy };
+    let (size, remedy) = (format!("{cells} cells"), "run `plan` again with a coarser raster");
+    let work = Work { file: &path, thing: "`raster`", found: &size, remedy };
     budget().memory(work, CELL_BYTES * cells)?;
     let svg = plan_map(&loaded.data).map_err(|invalid| Error::invalid(&path, invalid))?;
     loader.note(name, "what the map of the plan shows", loaded.digest);
@@ -69,33 +69,8 @@ fn drawn(loader: &mut Loader, name: &str) -> Result<Option<(String, MapDocument)
 /// The allowed elements of a map: those that this crate writes.
 const ELEMENTS: [&str; 8] = ["svg", "g", "title", "desc", "path", "rect", "circle", "text"];
 /// The allowed attributes: none of them loads, links, runs or names anything.
-const ATTRIBUTES: [&str; 25] = [
-    "aria-label",
-    "cx",
-    "cy",
-    "d",
-    "dy",
-    "fill",
-    "fill-opacity",
-    "font-family",
-    "font-size",
-    "font-weight",
-    "height",
-    "r",
-    "role",
-    "stroke",
-    "stroke-dasharray",
-    "stroke-linecap",
-    "stroke-linejoin",
-    "stroke-opacity",
-    "stroke-width",
-    "text-anchor",
-    "transform",
-    "viewBox",
-    "width",
-    "x",
-    "y",
-];
+const ATTRIBUTES: &str = "aria-label cx cy d dy fill fill-opacity font-family font-size font-weight height r role stroke \
+     stroke-dasharray stroke-linecap stroke-linejoin stroke-opacity stroke-width text-anchor transform viewBox width x y";
 const NAMESPACE: &str = "http://www.w3.org/2000/svg";
 
 /// The reason to refuse `svg`; `None` if it is one plain drawing with balanced tags.
@@ -110,8 +85,8 @@ fn refused(svg: &str) -> Option<String> {
         }
         let tag = piece.split_once('>').map(|(tag, _)| tag);
         let step = tag.map_or(Err("a tag that is not closed".to_owned()), |tag| enter(tag, &mut open));
-        if let Err(found) = step {
-            return Some(found);
+        if let Err(fault) = step {
+            return Some(fault);
         }
     }
     open.last().map(|name| format!("<{name}> without its end"))
@@ -127,7 +102,7 @@ fn enter<'a>(tag: &'a str, open: &mut Vec<&'a str>) -> Result<(), String> {
     if !ELEMENTS.contains(&name) {
         return Err(format!("<{name}>"));
     }
-    check(attributes).map_err(|found| format!("{found} in <{name}>"))?;
+    check(attributes).map_err(|fault| format!("{fault} in <{name}>"))?;
     open.extend((!closed).then_some(name));
     Ok(())
 }
@@ -139,7 +114,8 @@ fn check(attributes: &str) -> Result<(), String> {
         let Some((name, (value, after))) = parts else {
             return Err("an attribute without quotes".to_owned());
         };
-        let known = ATTRIBUTES.contains(&name) || (name == "xmlns" && value == NAMESPACE);
+        let known =
+            ATTRIBUTES.split(' ').any(|known| known == name) || (name == "xmlns" && value == NAMESPACE);
         if !known || value.to_ascii_lowercase().contains("url(") {
             return Err(format!("the attribute `{name}=\"{value}\"`"));
         }
@@ -162,22 +138,26 @@ pub fn plan_map(document: &MapDocument) -> Result<String, Invalid> {
 }
 
 fn figure_of(document: &MapDocument) -> figure::Map {
-    let own = document.frame;
+    let frame = document.frame;
     let names: Vec<&String> = document.counts.keys().collect();
+    let contour =
+        |contour: &MapContour| figure::Contour { depth_m: contour.depth_m, line: points(&contour.line) };
+    let (meridians, parallels) = (document.meridians.iter(), document.parallels.iter());
     figure::Map {
         title: if document.safe { "Planned trial" } else { "Planned trial, unsafe" }.to_owned(),
         description: document.statement.clone(),
         warning: (!document.safe).then(|| "Unsafe: the plan fails its own check".to_owned()),
-        frame: figure::Frame { west: own.west_m, south: own.south_m, east: own.east_m, north: own.north_m },
+        frame: figure::Frame {
+            west: frame.west_m,
+            south: frame.south_m,
+            east: frame.east_m,
+            north: frame.north_m,
+        },
         uncharted: !document.uncharted_is_water,
         depth_limits_m: document.depth_limits_m.clone(),
         cells: document.cells.as_ref().map(cells),
         areas: document.areas.iter().filter_map(area).collect(),
-        contours: document
-            .contours
-            .iter()
-            .map(|contour| figure::Contour { depth_m: contour.depth_m, line: points(&contour.line) })
-            .collect(),
+        contours: document.contours.iter().map(contour).collect(),
         margins: document.margins.iter().map(margin).collect(),
         maneuvers: document.counts.iter().map(|(name, count)| (name.clone(), *count)).collect(),
         spots: document.spots.iter().map(spot).collect(),
@@ -190,36 +170,28 @@ fn figure_of(document: &MapDocument) -> figure::Map {
         corridors: document.corridors.iter().map(points).collect(),
         edge: document.edge.as_ref().map(points).unwrap_or_default(),
         speed_limits: document.speed_limits.iter().map(points).collect(),
-        tracks: document.tracks.iter().map(|own| track(own, &names)).collect(),
+        tracks: document.tracks.iter().map(|line| track(line, &names)).collect(),
         hulls: document.hulls.iter().map(points).collect(),
         start: document.start.map(place),
         goal: document.goal.map(place),
         graticule: figure::Graticule {
-            x: document
-                .meridians
-                .iter()
-                .map(|meridian| (meridian.east_m, label(meridian.longitude_deg, ["E", "W"])))
-                .collect(),
-            y: document
-                .parallels
-                .iter()
-                .map(|parallel| (parallel.north_m, label(parallel.latitude_deg, ["N", "S"])))
-                .collect(),
+            x: meridians.map(|line| (line.east_m, label(line.longitude_deg, ["E", "W"]))).collect(),
+            y: parallels.map(|line| (line.north_m, label(line.latitude_deg, ["N", "S"]))).collect(),
         },
     }
 }
 
-fn place(own: MapPlace) -> [f64; 2] {
-    [own.east_m, own.north_m]
+fn place(place: MapPlace) -> [f64; 2] {
+    [place.east_m, place.north_m]
 }
 
 fn points(line: &MapLine) -> Vec<[f64; 2]> {
     line.east_m.iter().zip(&line.north_m).map(|(east, north)| [*east, *north]).collect()
 }
 
-fn raster(map_raster: &MapRaster) -> figure::Raster {
-    let [nx, ny] = [map_raster.columns, map_raster.rows].map(|count| count as usize);
-    figure::Raster { origin: [map_raster.west_m, map_raster.south_m], cell_m: map_raster.cell_m, nx, ny }
+fn raster(raster: &MapRaster) -> figure::Raster {
+    let [nx, ny] = [raster.columns, raster.rows].map(|count| count as usize);
+    figure::Raster { origin: [raster.west_m, raster.south_m], cell_m: raster.cell_m, nx, ny }
 }
 
 /// For each cell whether it is in the set.
@@ -236,55 +208,50 @@ fn class(class: MapClass, least_m: Option<f64>) -> Option<figure::Class> {
     }
 }
 
-fn cells(map_cells: &MapCells) -> figure::Cells {
-    let grid = raster(&map_cells.raster);
+fn cells(map: &MapCells) -> figure::Cells {
+    let grid = raster(&map.raster);
     let mut classes = vec![None; grid.nx * grid.ny];
-    for MapCellClass { class: name, least_m, runs } in &map_cells.classes {
+    for MapCellClass { class: name, least_m, runs } in &map.classes {
         let cells = classes.iter_mut().zip(set(runs)).filter(|(_, is_in)| *is_in);
         cells.for_each(|(cell, _)| *cell = class(*name, *least_m));
     }
     figure::Cells { grid, classes }
 }
 
-fn area(map_area: &MapArea) -> Option<figure::Area> {
-    let mut rings = map_area.rings.iter().map(points);
+fn area(area: &MapArea) -> Option<figure::Area> {
+    let mut rings = area.rings.iter().map(points);
     Some(figure::Area {
-        class: class(map_area.class, map_area.least_m)?,
+        class: class(area.class, area.least_m)?,
         ring: rings.next()?,
         holes: rings.collect(),
     })
 }
 
-fn margin(map_margin: &MapMargin) -> figure::Margin {
-    let purpose = match map_margin.purpose {
+fn margin(margin: &MapMargin) -> figure::Margin {
+    let purpose = match margin.purpose {
         MapPurpose::Trial => figure::Purpose::Trial,
         MapPurpose::Transit => figure::Purpose::Transit,
     };
-    figure::Margin { purpose, grid: raster(&map_margin.raster), blocked: set(&map_margin.runs) }
+    figure::Margin { purpose, grid: raster(&margin.raster), blocked: set(&margin.runs) }
 }
 
-fn spot(map_spot: &MapSpot) -> figure::Spot {
-    let symbol = match map_spot.symbol {
+fn spot(spot: &MapSpot) -> figure::Spot {
+    let symbol = match spot.symbol {
         MapSymbol::Sounding => figure::Symbol::Sounding,
         MapSymbol::Danger => figure::Symbol::Danger,
     };
-    figure::Spot {
-        at: place(map_spot.place),
-        symbol,
-        depth_m: map_spot.depth_m,
-        title: map_spot.title.clone(),
-    }
+    figure::Spot { at: place(spot.place), symbol, depth_m: spot.depth_m, title: spot.title.clone() }
 }
 
 /// A track in the colour of its maneuver among `names`.
-fn track(own: &MapTrack, names: &[&String]) -> figure::Track {
-    let maneuver = names.iter().position(|name| own.maneuver.as_ref() == Some(name));
-    let style = match (own.kind, maneuver) {
+fn track(track: &MapTrack, names: &[&String]) -> figure::Track {
+    let maneuver = names.iter().position(|name| track.maneuver.as_ref() == Some(name));
+    let style = match (track.kind, maneuver) {
         (MapTrackKind::Maneuver, Some(maneuver)) => figure::TrackStyle::Maneuver(maneuver),
         (MapTrackKind::RunIn, _) => figure::TrackStyle::RunIn,
         _ => figure::TrackStyle::Basic,
     };
-    figure::Track { style, points: points(&own.line), number: own.number }
+    figure::Track { style, points: points(&track.line), number: track.number }
 }
 
 /// Degrees and minutes to a tenth.

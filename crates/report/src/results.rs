@@ -4,9 +4,6 @@ use std::path::{Component, Path, PathBuf};
 
 use files::{Document, Error, Loaded, Provenance, TableReader};
 use serde_json::Value;
-
-use crate::loader::{document_at, existing};
-use crate::number::{exact, or_dash, percent, percent_within, published, three, three_or_dash, three_within};
 use study::documents::{
     Bounds, CrossvalDocument, DesignScores, EstimateDocument, Estimator, EstimatorScore, EstimatorScores,
     PublishedShare, Quantiles, Reference, SelectionDocument, SequentialDocument, SimulatedLogsDocument,
@@ -14,6 +11,9 @@ use study::documents::{
 };
 use study::files::{read_campaign, read_reference};
 use study::trajectories;
+
+use crate::loader::{document_at, existing};
+use crate::number::{exact, or_dash, percent, percent_within, published, three, three_or_dash, three_within};
 
 /// Folders that the stages wrote into. Missing ones are reported.
 #[derive(Clone, Debug, Default)]
@@ -40,7 +40,7 @@ pub struct Folders {
 /// An existing document is refused.
 pub fn tables(folders: &Folders) -> Result<String, Error> {
     let sections = [
-        section(&folders.studies, folders.written.as_deref())?,
+        designs_section(&folders.studies, folders.written.as_deref())?,
         estimators_section(&folders.scenarios)?,
         unknown_section(&folders.unknown)?,
         rounds_section(&folders.rounds)?,
@@ -59,22 +59,22 @@ repeated study falls into the interval printed here less often, some 83 times of
 
 // Shares of good models and median errors, by study and design.
 
-fn section(folders: &[PathBuf], written: Option<&Path>) -> Result<Option<String>, Error> {
-    let (found, missing) = documents::<ValidationDocument>(folders, "validation.json")?;
+fn designs_section(folders: &[PathBuf], written: Option<&Path>) -> Result<Option<String>, Error> {
+    let (read, missing) = documents::<ValidationDocument>(folders, "validation.json")?;
     let (mut rows, mut bounds, mut used) = (Vec::new(), Vec::new(), String::new());
-    for (folder, Loaded { data: validation, .. }) in &found {
+    for (folder, Loaded { data: validation, .. }) in &read {
         let (name, seed) = (label(folder), seed(folder)?);
         let of = (name.clone(), length_s(written, &name)?);
         let reference = reference(written, &name)?;
         let Bounds { parameter_error, simulation_error } = validation.bounds;
         bounds.push(format!("{name} {} and {}", exact(parameter_error), exact(simulation_error)));
-        if let Some(own) = reference.as_ref().and_then(|r| r.used.as_ref()) {
-            used += &format!("\nOf the published numbers of {name}: {own}\n");
+        if let Some(use_of) = reference.as_ref().and_then(|r| r.used.as_ref()) {
+            used += &format!("\nOf the published numbers of {name}: {use_of}\n");
         }
         let published = |design: &str| reference.as_ref()?.designs.get(design).copied();
         rows.extend(validation.designs.iter().map(|d| (of.clone(), seed, d, published(&d.design))));
     }
-    let table = Table::of(rows)
+    let table = MarkdownTable::of(rows)
         .column("study", |((name, _), ..)| name.clone())
         .column("length, s", |((_, length_s), ..)| or_dash(length_s.map(exact)))
         .column("design", |(_, _, d, _)| d.design.clone())
@@ -91,7 +91,7 @@ fn section(folders: &[PathBuf], written: Option<&Path>) -> Result<Option<String>
         .column("median parameter error", |(_, _, d, _)| median(&d.parameter_error))
         .column("median simulation error", |(_, _, d, _)| median(&d.simulation_error));
     let note = left_out(&missing, "not computed");
-    if found.iter().any(|(_, v)| v.data.designs.iter().any(|d| d.design == "practice")) {
+    if read.iter().any(|(_, v)| v.data.designs.iter().any(|d| d.design == "practice")) {
         used = format!("\n{PRACTICE}\n{used}");
     }
     Ok(table.text().map(|table| {
@@ -120,14 +120,14 @@ type Read<D> = (Vec<(PathBuf, Loaded<D>)>, Vec<String>);
 
 /// The folders with a document `name`, and the names of those without.
 fn documents<D: Document>(folders: &[PathBuf], name: &str) -> Result<Read<D>, Error> {
-    let (mut found, mut missing) = (Vec::new(), Vec::new());
+    let (mut read, mut missing) = (Vec::new(), Vec::new());
     for folder in folders {
         match document_at(folder.join(name))? {
-            Some(document) => found.push((folder.clone(), document)),
+            Some(document) => read.push((folder.clone(), document)),
             None => missing.push(label(folder)),
         }
     }
-    Ok((found, missing))
+    Ok((read, missing))
 }
 
 /// A note on what is not in the table.
@@ -179,12 +179,12 @@ fn reference(written: Option<&Path>, name: &str) -> Result<Option<Reference>, Er
 // A table in Markdown.
 
 /// A table that is written column by column.
-struct Table<R> {
+struct MarkdownTable<R> {
     heads: Vec<String>,
     rows: Vec<(R, Vec<String>)>,
 }
 
-impl<R> Table<R> {
+impl<R> MarkdownTable<R> {
     /// A row for each of `rows`.
     fn of(rows: impl IntoIterator<Item = R>) -> Self {
         Self { heads: Vec::new(), rows: rows.into_iter().map(|row| (row, Vec::new())).collect() }
@@ -227,24 +227,24 @@ fn median(errors: &Quantiles) -> String {
 const DESIGN: &str = "optimized";
 
 fn estimators_section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
-    let (found, missing) = documents::<ValidationDocument>(folders, "validation.json")?;
+    let (read, missing) = documents::<ValidationDocument>(folders, "validation.json")?;
     let compared: Vec<&[EstimatorScores]> =
-        found.iter().map(|(_, v)| v.data.compared.as_deref().unwrap_or_default()).collect();
+        read.iter().map(|(_, v)| v.data.compared.as_deref().unwrap_or_default()).collect();
     let given = |estimator: &Estimator| compared.iter().any(|scores| of(scores, *estimator).is_some());
     let estimators: Vec<Estimator> = Estimator::OF_RUNS.into_iter().filter(given).collect();
     let mut rows = Vec::new();
-    for ((folder, _), scores) in found.iter().zip(&compared) {
-        let own: Vec<Option<&DesignScores>> =
+    for ((folder, _), scores) in read.iter().zip(&compared) {
+        let scored: Vec<Option<&DesignScores>> =
             estimators.iter().map(|estimator| of(scores, *estimator)).collect();
-        rows.push((label(folder), seed(folder)?, own));
+        rows.push((label(folder), seed(folder)?, scored));
     }
-    let table = Table::of(rows)
+    let table = MarkdownTable::of(rows)
         .column("scenario", |(name, ..)| name.clone())
-        .column("trials", |(.., own)| or_dash(own.iter().flatten().next().map(|d| d.runs)))
+        .column("trials", |(.., scored)| or_dash(scored.iter().flatten().next().map(|d| d.runs)))
         .column("seed", |(_, seed, _)| or_dash(*seed));
     let table = estimators.iter().enumerate().fold(table, |table, (i, estimator)| {
-        let error = |own: &[Option<&DesignScores>]| or_dash(own[i].map(|d| median(&d.parameter_error)));
-        table.column(&format!("`{estimator}`"), |(.., own)| error(own))
+        let error = |scored: &[Option<&DesignScores>]| or_dash(scored[i].map(|d| median(&d.parameter_error)));
+        table.column(&format!("`{estimator}`"), |(.., scored)| error(scored))
     });
     let note = left_out(&missing, "not computed");
     Ok(table.text().map(|table| {
@@ -262,11 +262,11 @@ fn of(scores: &[EstimatorScores], estimator: Estimator) -> Option<&DesignScores>
 // How well models predict measured recordings that were left out.
 
 fn logs_section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
-    let (found, missing) = documents::<CrossvalDocument>(folders, "crossval.json")?;
-    let scores = found.iter().flat_map(|(folder, loaded)| {
+    let (read, missing) = documents::<CrossvalDocument>(folders, "crossval.json")?;
+    let scores = read.iter().flat_map(|(folder, loaded)| {
         loaded.data.estimators.iter().map(move |score| (folder, &loaded.data, score))
     });
-    let table = Table::of(scores)
+    let table = MarkdownTable::of(scores)
         .column("logs", |(folder, ..)| label(folder))
         .column("estimator", |(.., score)| format!("`{}`", score.name))
         .column("fit of surge, sway, yaw rate", |(.., score)| fits(score))
@@ -300,9 +300,9 @@ fn fits(score: &EstimatorScore) -> String {
 // Trials designed in rounds against trials designed once.
 
 fn rounds_section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
-    let (found, missing) = documents::<SequentialDocument>(folders, "sequential.json")?;
+    let (read, missing) = documents::<SequentialDocument>(folders, "sequential.json")?;
     let mut text = String::new();
-    for (folder, Loaded { data: document, provenance, .. }) in &found {
+    for (folder, Loaded { data: document, provenance, .. }) in &read {
         text += &format!(
             "\n{}: {} maneuvers, {} realizations, seed {}.\n\n{}{}",
             label(folder),
@@ -316,12 +316,12 @@ fn rounds_section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
     let note = left_out(&missing, "not computed");
     let about = "Median parameter error after equal time at sea, and the error in rounds over that of the trial designed once, pair by pair \
         (geometric mean). Then trials that stop when they promise the accuracy.";
-    Ok((!found.is_empty()).then(|| format!("## Rounds\n\n{about}\n{text}{note}")))
+    Ok((!read.is_empty()).then(|| format!("## Rounds\n\n{about}\n{text}{note}")))
 }
 
 /// A row per time, a column per arm.
 fn errors(document: &SequentialDocument) -> Option<String> {
-    let times = Table::of(document.gains.iter().enumerate())
+    let times = MarkdownTable::of(document.gains.iter().enumerate())
         .column("after", |(_, gain)| format!("{} s", exact(gain.time_s)));
     let arms = document.arms.iter().fold(times, |table, arm| {
         table.column(arm.name.name(), |(i, _)| {
@@ -341,7 +341,7 @@ fn errors(document: &SequentialDocument) -> Option<String> {
 /// A row per arm that may stop.
 fn stopping(document: &SequentialDocument) -> Option<String> {
     let within = format!("within {}, of those promised", exact(document.accuracy));
-    let table = Table::of(&document.stopping)
+    let table = MarkdownTable::of(&document.stopping)
         .column("", |arm| arm.arm.name().to_owned())
         .column("promised in time", |arm| format!("{} of {}", arm.stopped, document.realizations))
         .column("mean time", |arm| mean_time(arm))
@@ -363,14 +363,12 @@ fn mean_time(arm: &Stopping) -> String {
 // Models from sub-experiments that a design picked against random picks.
 
 fn selections_section(folders: &[PathBuf], written: Option<&Path>) -> Result<Option<String>, Error> {
-    let (found, missing) = documents::<SelectionDocument>(folders, "selection.json")?;
+    let (read, missing) = documents::<SelectionDocument>(folders, "selection.json")?;
     let mut rows = Vec::new();
     let mut notes: Vec<String> = Vec::new();
-    for (folder, Loaded { data: selection, .. }) in &found {
-        let (name, seed_of_selection) = (label(folder), seed_of_selection(folder)?);
-        rows.extend(
-            selection.designs.iter().map(|scores| (study(&name).to_owned(), seed_of_selection, scores)),
-        );
+    for (folder, Loaded { data: selection, .. }) in &read {
+        let (name, seed) = (label(folder), seed_of_logs(folder)?);
+        rows.extend(selection.designs.iter().map(|scores| (study(&name).to_owned(), seed, scores)));
         let published = reference(written, &name)?.and_then(|r| r.selection);
         let statements = published.map_or(Vec::new(), |published| published.statements);
         let statements =
@@ -379,9 +377,9 @@ fn selections_section(folders: &[PathBuf], written: Option<&Path>) -> Result<Opt
         notes.extend(new);
     }
     let plain = |value: Option<f64>| value.map_or("∞".to_owned(), three);
-    let table = Table::of(rows)
+    let table = MarkdownTable::of(rows)
         .column("study", |(name, ..)| name.clone())
-        .column("seed of the logs", |(_, seed_of_selection, _)| or_dash(*seed))
+        .column("seed of the logs", |(_, seed, _)| or_dash(*seed))
         .column("picks", |(.., d)| d.design.clone())
         .column("realizations", |(.., d)| d.realizations.to_string())
         .column("median", |(.., d)| median(&d.overlapping.rmse_norm))
@@ -401,7 +399,7 @@ fn study(label: &str) -> &str {
 }
 
 /// The seed of simulated logs, which are next to the results from them.
-fn seed_of_selection(folder: &Path) -> Result<Option<u64>, Error> {
+fn seed_of_logs(folder: &Path) -> Result<Option<u64>, Error> {
     let path = folder.parent().unwrap_or(folder).join("logs/simulated.json");
     Ok(document_at::<SimulatedLogsDocument>(path)?.and_then(|logs| seed_of(&logs.provenance)))
 }
@@ -412,11 +410,11 @@ fn seed_of_selection(folder: &Path) -> Result<Option<u64>, Error> {
 const FLAGS: [(&str, &str); 2] = [("unknown_current", "--unknown-current"), ("intercepts", "--intercepts")];
 
 fn unknown_section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
-    let (found, missing) = documents::<ValidationDocument>(folders, "validation.json")?;
+    let (read, missing) = documents::<ValidationDocument>(folders, "validation.json")?;
     let mut rows = Vec::new();
-    for (folder, validation) in &found {
+    for (folder, validation) in &read {
         let estimate = document_at::<EstimateDocument>(folder.join("estimate.json"))?;
-        let settings = estimate.map(|own| own.provenance.settings).unwrap_or_default();
+        let settings = estimate.map(|estimate| estimate.provenance.settings).unwrap_or_default();
         let setting = |name: &str| settings.get(name).and_then(Value::as_str);
         let flags = FLAGS.iter().filter_map(|(name, flag)| Some(format!(" {flag} {}", setting(name)?)));
         let way = format!("`{}{}`", setting("estimator").unwrap_or("–"), flags.collect::<String>());
@@ -429,16 +427,16 @@ fn unknown_section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
                 .map(|design| (scenario.clone(), way.clone(), validation.data.seed, design)),
         );
     }
-    rows.retain(|(.., own)| own.design == DESIGN);
-    let table = Table::of(rows)
+    rows.retain(|(.., design)| design.design == DESIGN);
+    let table = MarkdownTable::of(rows)
         .column("scenario", |(scenario, ..)| or_dash(scenario.clone()))
-        .column("trials", |(.., own)| own.runs.to_string())
+        .column("trials", |(.., design)| design.runs.to_string())
         .column("seed", |(.., seed, _)| or_dash(*seed))
         .column("estimator", |(_, way, ..)| way.clone())
-        .column("median parameter error", |(.., own)| median(&own.parameter_error))
-        .column("without an estimate", |(.., own)| or_dash(own.without_estimate_share.map(percent)));
+        .column("median parameter error", |(.., design)| median(&design.parameter_error))
+        .column("without an estimate", |(.., design)| or_dash(design.without_estimate_share.map(percent)));
     let note = left_out(&missing, "not computed");
-    Ok(table.text().map(|table| format!("## Current as an unknown\n\n{HEAD}\n\n{table}{note}")))
+    Ok(table.text().map(|table| format!("## Current as an unknown\n\n{UNKNOWN}\n\n{table}{note}")))
 }
 
-const UNKNOWN_HEAD: &str = "The same trials of the optimized design, estimated without being told of the disturbances (`estimate` without `--campaign`).";
+const UNKNOWN: &str = "The same trials of the optimized design, estimated without being told of the disturbances (`estimate` without `--campaign`).";

@@ -4,12 +4,10 @@ use study::documents::{
     NestedRecording, SearchDocument, SearchTerm, SearchedForces, SizeScore, TriedForce,
 };
 
-use super::measured::free_runs;
-use super::number::{exact, or_dash, three, three_or_dash, three_within};
-use super::parts::{Figures, Section, Table, statements};
 use crate::figures::{ScoredDot, scored};
-use crate::number::{percent, unit};
-use crate::parts::coded;
+use crate::measured::free_runs;
+use crate::number::{exact, or_dash, percent, three, three_or_dash, three_within, unit};
+use crate::parts::{Figures, Section, Table, coded, statements};
 
 /// Terms beyond this many are not listed: those of the base structure first, then those that were chosen most often.
 const MOST_TERMS: usize = 40;
@@ -18,12 +16,15 @@ const MOST_TERMS: usize = 40;
 pub(super) fn searched(found: Option<&SearchDocument>, figures: &mut Figures) -> Option<Section> {
     let found = found?;
     if let Some(forces) = &found.forces {
-        return Some(Section::new(
-            "search",
-            "Search for forces",
-            "The search for forces",
-            of_forces(found, forces),
-        ));
+        let body = html! {
+            (about_forces(found, forces))
+            (statements(&found.statements))
+            (nested(found))
+            (found_forces(forces))
+            (without(forces))
+            (recordings(found))
+        };
+        return Some(Section::new("search", "Search for forces", "The search for forces", body));
     }
     let body = html! {
         (about(found))
@@ -38,20 +39,8 @@ pub(super) fn searched(found: Option<&SearchDocument>, figures: &mut Figures) ->
     Some(Section::new("search", "Search for a structure", "The search for a structure", body))
 }
 
-fn of_forces(found: &SearchDocument, forces: &SearchedForces) -> Markup {
-    html! {
-        (about_forces(found, forces))
-        (statements(&found.statements))
-        (nested(found))
-        (self::found(forces))
-        (without(forces))
-        (recordings(found))
-    }
-}
-
 fn about(found: &SearchDocument) -> Markup {
-    let windows =
-        found.window_s.map_or("whole recordings".to_owned(), |s| format!("windows of {} s", exact(s)));
+    let windows = windows_of(found.window_s);
     html! {
         p {
             "Beside the terms of the vessel a library is fitted by the errors of free simulations over windows of "
@@ -62,40 +51,23 @@ fn about(found: &SearchDocument) -> Markup {
     }
 }
 
-/// A score of the whole search or of the base structure.
-#[derive(Clone, Copy)]
-struct Judged {
-    name: &'static str,
-    windows: &'static str,
-    errors: Option<FreeRunErrors>,
-}
-
+/// Scores of the whole search, of the base structure and of the average, over both kinds of windows.
 fn nested(found: &SearchDocument) -> Markup {
     let nested = &found.nested;
-    let consecutive = [("whole search", &nested.search), ("base structure", &nested.base)];
-    let overlapping =
-        [("whole search", &nested.search_overlapping), ("base structure", &nested.base_overlapping)];
     let average = nested.average.as_ref();
-    let mean = |of: fn(&NestedAverage) -> &Option<FreeRunErrors>| {
-        average.map(|average| ("average of models", of(average)))
+    let scores = |windows: &'static str, [search, base], of: fn(&NestedAverage) -> Option<FreeRunErrors>| {
+        let average = average.map(|average| ("average of models", of(average)));
+        let single = [("whole search", search), ("base structure", base)].into_iter();
+        single.chain(average).map(move |(name, errors)| (name, windows, errors))
     };
-    let [consecutive, overlapping] =
-        [(consecutive, mean(|own| &own.errors)), (overlapping, mean(|own| &own.overlapping))]
-            .map(|(rows, mean)| rows.into_iter().chain(mean));
-    let judged = |windows: &'static str| {
-        move |(name, errors): (&'static str, &'_ Option<FreeRunErrors>)| Judged {
-            name,
-            windows,
-            errors: *errors,
-        }
-    };
-    let rows: Vec<Judged> = consecutive
-        .map(judged("side by side"))
-        .chain(overlapping.map(judged("one at every quarter of another")))
-        .collect();
-    let table = Table::of(&rows).name("On recordings left out", |j| j.name).text("Windows", |j| j.windows);
+    let consecutive = scores("side by side", [nested.search, nested.base], |average| average.errors);
+    let overlapping = [nested.search_overlapping, nested.base_overlapping];
+    let overlapping = scores("one at every quarter of another", overlapping, |average| average.overlapping);
+    let table = Table::of(consecutive.chain(overlapping))
+        .name("On recordings left out", |(name, ..)| name)
+        .text("Windows", |(_, windows, _)| windows);
     html! {
-        (free_runs(table, |j| j.errors))
+        (free_runs(table, |(.., errors)| errors))
         @if let Some(margin) = &nested.margin {
             p.note {
                 "The base structure's norm of RMSE/std lies above that of the search by "
@@ -103,7 +75,7 @@ fn nested(found: &SearchDocument) -> Markup {
                 " recordings with its 95 % interval; one that contains 0 tells no difference."
             }
         }
-        @if let Some(margin) = average.and_then(|own| own.over_search.as_ref()) {
+        @if let Some(margin) = average.and_then(|average| average.over_search.as_ref()) {
             p.note {
                 "That of the whole search, which is a single model, lies above that of the average by "
                 (three_within(margin.median, Some(margin.interval))) ". The average is nested too: all its models are found again \
@@ -170,12 +142,12 @@ fn terms(found: &SearchDocument) -> Markup {
         .text("Parameter", |t| t.name.as_str())
         .number("Value", |t| three(t.value))
         .number("Chosen without a fold", |t| or_dash(t.chosen_by_folds));
-    if let Some(own) = found.resamples {
+    if let Some(resamples) = found.resamples {
         table = table
             .number("2.5 %", |t| three_or_dash(t.low))
             .number("97.5 %", |t| three_or_dash(t.high))
             .number("Chosen again", move |t| {
-                or_dash(t.chosen_by_resamples.map(|n| format!("{n} of {}", own.searches)))
+                or_dash(t.chosen_by_resamples.map(|n| format!("{n} of {}", resamples.searches)))
             });
     }
     html! {
@@ -184,8 +156,8 @@ fn terms(found: &SearchDocument) -> Markup {
         p.note {
             "Those of the base structure first, then those that were chosen most often. "
             @match found.resamples {
-                Some(own) => {
-                    "2.5 % and 97.5 %: what so many of " (own.searches) " searches over recordings drawn again found less and \
+                Some(resamples) => {
+                    "2.5 % and 97.5 %: what so many of " (resamples.searches) " searches over recordings drawn again found less and \
                      more, 0 without the term (bootstrap of the whole search). "
                 }
                 None => {
@@ -259,8 +231,7 @@ fn averaged(found: &AverageSummary) -> Markup {
 
 /// How the search was made.
 fn about_forces(found: &SearchDocument, forces: &SearchedForces) -> Markup {
-    let windows =
-        found.window_s.map_or("whole recordings".to_owned(), |s| format!("windows of {} s", exact(s)));
+    let windows = windows_of(found.window_s);
     html! {
         p {
             "The ship is fitted, every product that her forces lack is tested by its score, and the likeliest is added where the cost \
@@ -271,21 +242,21 @@ fn about_forces(found: &SearchDocument, forces: &SearchedForces) -> Markup {
     }
 }
 
-/// What was found.
-fn found(forces: &SearchedForces) -> Markup {
+/// The forces that were found.
+fn found_forces(forces: &SearchedForces) -> Markup {
     let folds = forces.without.len();
     let rows: Vec<(usize, &FoundForce)> = (1..).zip(&forces.found).collect();
     let table = Table::of(&rows)
         .compact()
         .mark("main", |_| forces.delivered)
         .number("Order", |(order, _)| order)
-        .name("Found", |(_, own)| html! { code { (own.term) } })
-        .text("Degree", |(_, own)| own.degree.as_str())
-        .name("Parameter", |(_, own)| html! { code { (own.parameter) } })
-        .number("Value", |(_, own)| three(own.value))
-        .number("Standard error", |(_, own)| three_or_dash(own.standard_error))
-        .text("Unit", |(_, own)| unit(&own.unit))
-        .number("Found without a fold", |(_, own)| format!("{} of {folds}", own.found_by_folds));
+        .name("Found", |(_, force)| html! { code { (force.term) } })
+        .text("Degree", |(_, force)| force.degree.as_str())
+        .name("Parameter", |(_, force)| html! { code { (force.parameter) } })
+        .number("Value", |(_, force)| three(force.value))
+        .number("Standard error", |(_, force)| three_or_dash(force.standard_error))
+        .text("Unit", |(_, force)| unit(&force.unit))
+        .number("Found without a fold", |(_, force)| format!("{} of {folds}", force.found_by_folds));
     html! {
         @if !rows.is_empty() {
             h3 { "Forces that were found" }
@@ -302,12 +273,13 @@ fn found(forces: &SearchedForces) -> Markup {
 /// The searches without each fold.
 fn without(forces: &SearchedForces) -> Markup {
     let most = "as many were added as may be";
-    let ended = |own: &ForcesWithoutFold| own.failed.clone().or(own.ended.clone()).unwrap_or(most.to_owned());
+    let ended =
+        |fold: &ForcesWithoutFold| fold.failed.clone().or(fold.ended.clone()).unwrap_or(most.to_owned());
     let table = Table::of(&forces.without)
         .compact()
-        .number("Fold", |own: &ForcesWithoutFold| own.fold + 1)
-        .name("Tried", |own| coded(&tried(&own.tried)))
-        .text("Ended", |own| coded(&ended(own)));
+        .number("Fold", |fold: &ForcesWithoutFold| fold.fold + 1)
+        .name("Tried", |fold| coded(&tried(&fold.tried)))
+        .text("Ended", |fold| coded(&ended(fold)));
     html! {
         h3 { "The searches without a fold" }
         (table)
@@ -319,15 +291,13 @@ fn without(forces: &SearchedForces) -> Markup {
 }
 
 fn tried(all: &[TriedForce]) -> String {
-    let each = |tried_force: &TriedForce| {
-        let cost = tried_force
-            .share_left_out
-            .zip(tried_force.standard_error)
-            .map_or("no fit".to_owned(), |(share, error)| {
-                format!("cost {} ± {}", percent(-share), percent(error))
-            });
-        let said = format!("`{}` in {}, {cost}", tried_force.term, tried_force.degree);
-        if tried_force.added { said } else { format!("({said})") }
+    let each = |force: &TriedForce| {
+        let cost = force.share_left_out.zip(force.standard_error);
+        let cost = cost.map_or("no fit".to_owned(), |(share, error)| {
+            format!("cost {} ± {}", percent(-share), percent(error))
+        });
+        let said = format!("`{}` in {}, {cost}", force.term, force.degree);
+        if force.added { said } else { format!("({said})") }
     };
     if all.is_empty() { "–".to_owned() } else { all.iter().map(each).collect::<Vec<_>>().join("; ") }
 }

@@ -4,11 +4,10 @@ use refusal::listed;
 use study::documents::{Quantiles, SelectionDocument, SelectionScores};
 use study::selection::{self, Row};
 
-use super::loader::{Loader, existing};
-use super::number::{median, percent_within, q90};
-use super::parts::{Figures, INTERVALS, Section, Table, statements};
 use crate::figures::{Histogram, HistogramAxis, HistogramPanel, histogram_pair};
-use crate::number::exact;
+use crate::loader::{Loader, existing};
+use crate::number::{exact, median, percent_within, q90};
+use crate::parts::{Figures, INTERVALS, Section, Table, statements};
 
 /// The results of a selection study.
 #[derive(Clone, Debug)]
@@ -36,9 +35,9 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<SelectionStudy>, Error>
 }
 
 /// The section: what was picked, quantiles, histograms with the optimized selection above the random one.
-pub(super) fn selection(found: Option<&SelectionStudy>, figures: &mut Figures) -> Option<Section> {
-    let found = found?;
-    let summary = &found.summary;
+pub(super) fn selection(study: Option<&SelectionStudy>, figures: &mut Figures) -> Option<Section> {
+    let study = study?;
+    let summary = &study.summary;
     let norm = ErrorFigure::half("selection-error", "norm of RMSE over standard deviation [1]", LIMIT);
     let limits = [summary.std_u, summary.std_v, summary.std_r].map(round_limit);
     let degrees = ErrorFigure::thirds(["selection-surge", "selection-sway", "selection-yaw"], limits);
@@ -52,9 +51,9 @@ pub(super) fn selection(found: Option<&SelectionStudy>, figures: &mut Figures) -
         (statements(&summary.statements))
         (table(summary))
         p.note { (sample(summary)) ". " (INTERVALS) }
-        div.pair { (norm.place(&found.errors(|r| r.error_norm), figures)) }
+        div.pair { (norm.place(&study.errors(|r| r.error_norm), figures)) }
         div.triple {
-            @for (d, figure) in degrees.iter().enumerate() { (figure.place(&found.rmse(d), figures)) }
+            @for (d, figure) in degrees.iter().enumerate() { (figure.place(&study.rmse(d), figures)) }
         }
     };
     Some(Section::new("selection", "Selection", "Selection of sub-experiments", body))
@@ -63,9 +62,10 @@ pub(super) fn selection(found: Option<&SelectionStudy>, figures: &mut Figures) -
 impl SelectionStudy {
     /// An error of all realizations by design, optimized before random.
     pub(super) fn errors<'a>(&'a self, value: impl Fn(&Row) -> Option<f64>) -> Vec<HistogramPanel<'a>> {
-        let own =
+        let values =
             |d: &SelectionScores| self.rows.iter().filter(|r| r.design == d.design).map(&value).collect();
-        let errors = |d: &'a SelectionScores| HistogramPanel { label: &d.design, values: own(d), note: None };
+        let errors =
+            |d: &'a SelectionScores| HistogramPanel { label: &d.design, values: values(d), note: None };
         self.summary.designs.iter().map(errors).collect()
     }
 

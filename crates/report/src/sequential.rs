@@ -1,9 +1,9 @@
 use maud::{Markup, html};
 use study::documents::{Arm, ArmSummary, RoundGain, SequentialDocument, Source};
 
-use super::number::{exact, interval, percent_within, three, three_or_dash, three_within};
-use super::parts::{Figures, Section, Table, grouped};
 use crate::figures::{AccuracyCurve, accuracy};
+use crate::number::{exact, interval, percent_within, three, three_or_dash, three_within};
+use crate::parts::{Figures, Section, Table, grouped};
 
 /// Trials designed in rounds compared with trials designed once: at equal time, and when they stop.
 pub(super) fn sequential(found: &SequentialDocument, figures: &mut Figures) -> Vec<Section> {

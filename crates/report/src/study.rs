@@ -11,9 +11,8 @@ use study::files::{Variable, Vessel};
 use study::scores;
 use study::trajectories::{Layout, REACHED, TrajectoryReader};
 
-use super::planned_trial::PlannedTrial;
 use crate::loader::{Loader, Sources, document_at};
-use crate::planned_trial::map;
+use crate::planned_trial::{PlannedTrial, map};
 
 /// Everything that the page can show. Absent results are reported as missing.
 #[derive(Clone, Debug, Default)]
@@ -137,8 +136,6 @@ impl Study {
     }
 }
 
-// Collects a study for the page from the folder that the stages wrote into.
-
 /// Maneuvers beyond this many are not drawn.
 const MOST_TRACES: usize = 400;
 
@@ -159,8 +156,8 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
     let mut dictionary = loader.traces(&vessel, "dictionary.parquet", "maneuvers, undisturbed")?;
     let maneuvers = maneuvers.map(|file| file.expanded().unwrap_or_default()).unwrap_or_default();
     for trace in dictionary.iter_mut().flatten() {
-        let own = maneuvers.iter().find(|maneuver| maneuver.name == trace.name);
-        trace.description = own.map_or(String::new(), |maneuver| maneuver.description.clone());
+        let maneuver = maneuvers.iter().find(|maneuver| maneuver.name == trace.name);
+        trace.description = maneuver.map_or(String::new(), |maneuver| maneuver.description.clone());
     }
     let study = Study {
         name: title(sources, vessel.as_ref().map(|vessel| vessel.name.as_str())),
@@ -212,13 +209,13 @@ const WRITTEN: [&str; 5] = ["vessel.toml", "dictionary.toml", "campaign.toml", "
 
 /// Refuses what is no folder, and a folder without a study.
 fn check_study(folder: &Path) -> Result<(), Error> {
-    let found = match folder.is_dir() {
+    let fault = match folder.is_dir() {
         false => "no such folder",
         true if WRITTEN.iter().all(|name| !folder.join(name).exists()) => "none of a study's files",
         true => return Ok(()),
     };
     let remedy = "name the folder of its hand-written files with --study";
-    Err(study::refuse(folder, "study", found, "the folder of a study", remedy))
+    Err(study::refuse(folder, "study", fault, "the folder of a study", remedy))
 }
 
 /// The title of the page: the study's folder, or that of all scenarios; the vessel's name where the folder's path has none.
@@ -274,7 +271,7 @@ impl Loader<'_> {
         what: &str,
     ) -> Result<Option<Vec<ManeuverTrace>>, Error> {
         let path = self.sources.results.join(name);
-        let (Some(vessel), true) = (vessel, files::is_written(&path)) else { return Ok(None) };
+        let (Some(vessel), true) = (vessel, is_written(&path)) else { return Ok(None) };
         let reader = TrajectoryReader::open(&path, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
         self.made(name, what, reader.digest(), reader.provenance())?;
         let reached = reader.provenance().settings.get(REACHED).cloned().unwrap_or_default();
@@ -284,9 +281,9 @@ impl Loader<'_> {
                 let (mut first, commands) = (0, reader.commands(block)?);
                 for run in reader.runs(block)? {
                     let rows = first..first + run.samples();
-                    let own =
+                    let cut =
                         |(name, values): &(String, Vec<f64>)| (name.clone(), values[rows.clone()].to_vec());
-                    let commands = commands.iter().map(own).collect();
+                    let commands = commands.iter().map(cut).collect();
                     traces.push(ManeuverTrace { commands, ..trace(vessel, &run) });
                     first += run.samples() + 1;
                 }
@@ -323,8 +320,6 @@ fn trace(vessel: &Vessel, run: &Run) -> ManeuverTrace {
         y: poses.iter().take(samples).map(|p| p.y).collect(),
     }
 }
-
-// Collects a planned trajectory: `plan.json`, its variants, their maps, and the simulated trials of it.
 
 /// The files that `plan` writes next to `plan.json`.
 const ADDITIONAL: [(&str, &str); 5] = [
@@ -420,8 +415,8 @@ fn stale(loader: &Loader, name: &str, loaded: &Loaded<PlanDocument>) -> Vec<Stri
         let Some(used) = loaded.provenance.inputs.get(*role) else { return false };
         let noted = loader.files.iter().find(|(known, ..)| known == file).map(|(.., digest)| digest.clone());
         let join = loader.sources.study.join(file);
-        let found = noted.or_else(|| Digest::of_file(join).ok().map(|digest| digest.to_string()));
-        found.is_some_and(|found| found != used.to_string())
+        let digest = noted.or_else(|| Digest::of_file(join).ok().map(|digest| digest.to_string()));
+        digest.is_some_and(|digest| digest != used.to_string())
     };
     roles.iter().filter(|role| differs(role)).map(|(_, file)| (*file).to_owned()).collect()
 }

@@ -4,22 +4,21 @@ use study::documents::{
     ForceCriticism, FoundNoise, LateActuator, SourceErrors, TriedSign, TrustDocument, Verdict,
 };
 
-use super::measured::{Measured, free_runs};
-use super::number::{fit, or_dash, percent, probability, three, three_or_dash, unit};
-use super::parts::{Section, Table, coded, missing, statements};
-use crate::number::{exact, three_within};
+use crate::measured::{Measured, free_runs};
+use crate::number::{exact, fit, or_dash, percent, probability, three, three_or_dash, three_within, unit};
+use crate::parts::{Section, Table, coded, missing, statements};
 
 /// The diagnostics of the pooled estimate.
 pub(super) fn trust(measured: &Measured) -> Section {
-    let forces = measured.model.as_ref().and_then(|own| own.forces.as_ref());
-    let criticism = forces.and_then(|own| own.criticism.as_ref());
+    let forces = measured.model.as_ref().and_then(|model| model.forces.as_ref());
+    let criticism = forces.and_then(|forces| forces.criticism.as_ref());
     let body = match (&measured.trust, criticism) {
-        (None, Some(found)) => wrong(found),
+        (None, Some(found)) => wrong_forces(found),
         (None, None) => missing("Trust is", "trust.json", "estimate pool"),
         (Some(found), _) => html! {
             (about(found))
             (statements(&found.statements))
-            @if let Some(criticism) = &found.criticism { (lacking(criticism)) }
+            @if let Some(criticism) = &found.criticism { (missing_terms(criticism)) }
             (tests(found))
             @for degree in &found.degrees { (parameters(degree)) }
             @if !found.constrained.is_empty() { (constrained(&found.constrained)) }
@@ -44,10 +43,7 @@ fn constrained(all: &[ConstrainedParameter]) -> Markup {
         .text("Fixed or tied", how)
         .number("Value", |p| three_or_dash(p.estimate))
         .number("Standard error", |p| three_or_dash(p.standard_error));
-    html! {
-        h3 { "Parameters fixed or tied" }
-        (table)
-    }
+    html! { h3 { "Parameters fixed or tied" } (table) }
 }
 
 fn about(found: &TrustDocument) -> Markup {
@@ -159,7 +155,7 @@ fn runs(runs: &[SourceErrors]) -> Markup {
 // What is wrong with a fitted ship: signs, inputs that act late, forces that she lacks.
 
 /// Signs first; lags and forces only where these are right.
-fn wrong(found: &ForceCriticism) -> Markup {
+fn wrong_forces(found: &ForceCriticism) -> Markup {
     let parts = if found.whole_windows { "windows" } else { "pieces of windows" };
     html! {
         h3 { "What is wrong with the model" }
@@ -181,24 +177,26 @@ fn wrong(found: &ForceCriticism) -> Markup {
 fn signs(all: &[TriedSign]) -> Table<&TriedSign> {
     Table::of(all)
         .compact()
-        .mark("main", |own| own.wrong)
-        .name("Turned", |own| coded(&own.turned))
-        .number("Cost", |own| own.share.map_or("diverges".to_owned(), |share| percent(-share)))
-        .number("Windows that fit better", |own| format!("{} of {}", own.windows_better, own.windows))
-        .number("p", |own| probability(own.p_value))
+        .mark("main", |sign| sign.wrong)
+        .name("Turned", |sign| coded(&sign.turned))
+        .number("Cost", |sign| sign.share.map_or("diverges".to_owned(), |share| percent(-share)))
+        .number("Windows that fit better", |sign| format!("{} of {}", sign.windows_better, sign.windows))
+        .number("p", |sign| probability(sign.p_value))
 }
 
 fn late(all: &[LateActuator]) -> Table<&LateActuator> {
-    let best = |late_actuator: &LateActuator| match (&late_actuator.kind, late_actuator.time_s) {
+    let best = |actuator: &LateActuator| match (&actuator.kind, actuator.time_s) {
         (Some(kind), Some(time)) => format!("{kind} of {} s", three(time)),
         _ => "–".to_owned(),
     };
     Table::of(all)
         .compact()
-        .name("Input", |own| html! { code { (own.input) } })
-        .number("Acts later by [s]", |own| format!("{} ± {}", three(own.late_s), three(own.standard_error)))
-        .number("Cost", |own| percent(-own.share))
-        .number("p", |own| probability(own.p_value))
+        .name("Input", |actuator| html! { code { (actuator.input) } })
+        .number("Acts later by [s]", |actuator| {
+            format!("{} ± {}", three(actuator.late_s), three(actuator.standard_error))
+        })
+        .number("Cost", |actuator| percent(-actuator.share))
+        .number("p", |actuator| probability(actuator.p_value))
         .text("Fits best as", best)
 }
 
@@ -206,17 +204,17 @@ fn late(all: &[LateActuator]) -> Table<&LateActuator> {
 const SHOWN: usize = 6;
 
 fn absent(found: &ForceCriticism) -> Table<&AbsentForce> {
-    let likely = found.absent.iter().take_while(|own| own.candidate).count();
+    let likely = found.absent.iter().take_while(|force| force.candidate).count();
     let first = &found.absent[..likely.max(SHOWN).min(found.absent.len())];
     Table::of(first)
         .compact()
-        .mark("main", |own| own.candidate)
-        .name("Not in the model", |own| html! { code { (own.term) } })
-        .text("Degree", |own| own.degree.as_str())
-        .number("If added", |own| format!("{} ± {}", three(own.value), three(own.standard_error)))
-        .text("Unit", |own| unit(&own.unit))
-        .number("Cost", |own| percent(-own.share))
-        .number("p", |own| probability(own.p_value))
+        .mark("main", |force| force.candidate)
+        .name("Not in the model", |force| html! { code { (force.term) } })
+        .text("Degree", |force| force.degree.as_str())
+        .number("If added", |force| format!("{} ± {}", three(force.value), three(force.standard_error)))
+        .text("Unit", |force| unit(&force.unit))
+        .number("Cost", |force| percent(-force.share))
+        .number("p", |force| probability(force.p_value))
 }
 
 // What a model lacks, and detection limits.
@@ -225,7 +223,7 @@ fn absent(found: &ForceCriticism) -> Table<&AbsentForce> {
 const SHOWN_FORCES: usize = 5;
 
 /// The candidates, the likeliest first; those without evidence are folded.
-fn lacking(found: &Criticism) -> Markup {
+fn missing_terms(found: &Criticism) -> Markup {
     let likely = found.absent.iter().take_while(|a| found.rejected && a.candidate).count();
     let (first, others) = found.absent.split_at(likely.max(SHOWN_FORCES).min(found.absent.len()));
     html! {
@@ -275,19 +273,19 @@ fn noise(found: &Criticism) -> Markup {
     html! {
         p.note {
             "Noise " (if found.stated_noise { "stated" } else { "found" })
-            @if let Some(own) = &found.noise { ", " (own.kind.words()) }
+            @if let Some(noise) = &found.noise { ", " (noise.kind.words()) }
             ": u " (three(found.noise_u)) " m/s, v "
             (three(found.noise_v)) " m/s, r " (three(found.noise_r)) " rad/s, current " (three(found.current_std)) " m/s"
             @if let Some(time) = found.current_time_s { " changing within " (three(time)) " s" }
-            @for own in found.noise.iter().flat_map(|own| &own.drifts) {
-                ", " (own.of) " " (own.state) " " (three(own.std)) " " (own.unit) " over " (three(own.time_s)) " s"
+            @for drift in found.noise.iter().flat_map(|noise| &noise.drifts) {
+                ", " (drift.of) " " (drift.state) " " (three(drift.std)) " " (drift.unit) " over " (three(drift.time_s)) " s"
             }
             "."
-            @if let Some(own) = &found.noise {
-                " Noise and parameters were found in " (own.turns) " turns"
-                @if !own.at_rest { ", without coming to rest" }
+            @if let Some(noise) = &found.noise {
+                " Noise and parameters were found in " (noise.turns) " turns"
+                @if !noise.at_rest { ", without coming to rest" }
                 "."
-                @if !own.others.is_empty() { " Less likely, in twice the log-likelihood: " (others(own)) "." }
+                @if !noise.others.is_empty() { " Less likely, in twice the log-likelihood: " (others(noise)) "." }
             }
         }
         @if found.verdict == Verdict::None {
@@ -299,7 +297,7 @@ fn noise(found: &Criticism) -> Markup {
 }
 
 fn others(noise: &FoundNoise) -> String {
-    let each = noise.others.iter().map(|own| format!("{} by {}", own.kind.words(), three(own.below)));
+    let each = noise.others.iter().map(|other| format!("{} by {}", other.kind.words(), three(other.below)));
     each.collect::<Vec<_>>().join(", ")
 }
 
@@ -318,8 +316,7 @@ pub(super) fn cross_validation(measured: &Measured) -> Section {
 }
 
 fn about_folds(found: &CrossvalDocument) -> Markup {
-    let windows =
-        found.window_s.map_or("whole recordings".to_owned(), |s| format!("windows of {} s", exact(s)));
+    let windows = windows_of(found.window_s);
     html! {
         p {
             "Each of " (found.folds) " folds leaves recordings out, estimates from the others and simulates over those left \

@@ -1,9 +1,7 @@
-use super::axis::{BASE, COLUMN, LABEL, Rows, note};
-use super::text;
-use crate::figures::axis::{Axis, Tick, extent};
+use crate::figures::axis::{Axis, BASE, COLUMN, LABEL, Rows, Tick, extent, note};
 use crate::figures::palette::{BLUE, series};
 use crate::figures::svg::{Anchor, Lettering, Paint, Sheet};
-use crate::figures::text::percent;
+use crate::figures::text::{self, percent};
 
 /// One maneuver's share of the experiment time.
 #[derive(Clone, Debug)]

@@ -1,5 +1,4 @@
-use super::axis::{BASE, GRID, LABEL, NOTE, note};
-use crate::figures::axis::{Axis, round_step};
+use crate::figures::axis::{Axis, BASE, GRID, LABEL, NOTE, note, round_step};
 use crate::figures::palette::BLUE;
 use crate::figures::svg::{Anchor, Lettering, Look, Paint, Sheet};
 use crate::figures::text;

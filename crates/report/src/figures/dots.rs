@@ -1,8 +1,7 @@
-use super::axis::{COLUMN, PLOT, PLOT_FOOT, PLOT_TOP, frame, note};
-use super::text;
-use crate::figures::axis::{Axis, Tick, extent};
+use crate::figures::axis::{Axis, COLUMN, PLOT, PLOT_FOOT, PLOT_TOP, Tick, extent, frame, note};
 use crate::figures::palette::{BLUE, series};
 use crate::figures::svg::{Anchor, Paint, Point, Sheet};
+use crate::figures::text;
 
 /// A candidate with its score.
 #[derive(Clone, Copy, Debug)]

@@ -1,8 +1,7 @@
-use super::axis::{BASE, GRID, LABEL, note};
-use super::text;
-use crate::figures::axis::Axis;
+use crate::figures::axis::{Axis, BASE, GRID, LABEL, note};
 use crate::figures::palette::series;
 use crate::figures::svg::{Anchor, Lettering, Paint, Sheet};
+use crate::figures::text;
 
 /// Counts of values in equal bins from 0 to a limit, with everything else accounted for.
 ///

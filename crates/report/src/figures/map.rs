@@ -10,13 +10,13 @@ mod legend;
 mod spots;
 mod view;
 
+use legend::Legend;
 use refusal::Invalid;
+use view::{LABEL, NOTE, View, WIDTH};
 
-use super::text;
 use crate::figures::axis::round_step;
 use crate::figures::svg::{self, Anchor, Colours, Lettering, Look, Paint, Path, Point, Sheet};
-use legend::Legend;
-use view::{LABEL, NOTE, View, WIDTH};
+use crate::figures::text;
 
 pub use input::{
     Area, Cells, Class, Contour, Frame, Graticule, Map, Margin, Purpose, Raster, Spot, Symbol, Track,

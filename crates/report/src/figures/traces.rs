@@ -1,8 +1,7 @@
-use super::axis::{BASE, GRID, LABEL, NOTE, note};
-use super::text;
-use crate::figures::axis::{Axis, extent, round_step};
+use crate::figures::axis::{Axis, BASE, GRID, LABEL, NOTE, extent, note, round_step};
 use crate::figures::palette::{INK, Rgb};
 use crate::figures::svg::{Anchor, Lettering, Paint, Point, Sheet};
+use crate::figures::text;
 
 /// One column of the small multiples: a quantity whose vertical axis all rows share.
 #[derive(Clone, Debug)]

@@ -7,20 +7,20 @@ pub(crate) mod words;
 use std::collections::BTreeMap;
 
 use maud::{Markup, html};
+use sheet::{facts, information, sheet};
 use study::documents::{
     Check, DroppedMove, FrontPoint, Handling, LeftOut, PlanChart, PlanDocument, PlanHandling, PlanLattice,
     Primitive, Voyage,
 };
+use trials::{passage, trials};
+use words::{cost, cost_title, level, minutes};
 
 use crate::figures::map::parted;
 use crate::figures::{FrontDot, front as drawing};
 use crate::number::{exact, percent, three};
-use crate::parts::{Figures, Section, Table, missing};
+use crate::parts::{Figures, Section, Table, beyond, missing};
 use crate::planned_trial::PlannedTrial;
 use crate::study::Study;
-use sheet::{facts, information, sheet};
-use trials::{passage, trials};
-use words::{cost, cost_title, level, minutes};
 
 /// The style of the section, only on pages with a trajectory.
 pub(super) const STYLE: &str = include_str!("style.css");
@@ -59,7 +59,7 @@ pub(super) fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures)
                 (passage(&voyage.passage))
                 (sheet(study, &main.plan, voyage))
                 (front(&main.plan, voyage, figures))
-                (super::parts::beyond(&main.plan.beyond))
+                (beyond(&main.plan.beyond))
                 (moves(voyage))
                 (charts(&main.plan.charts))
             }
@@ -115,22 +115,18 @@ fn map(main: &PlannedTrial, figures: &mut Figures) -> Markup {
 
 /// Variants of the plan: a smaller map and one line each.
 fn variants(all: &[PlannedTrial], figures: &mut Figures) -> Markup {
-    if all.is_empty() {
-        return html! {};
-    }
-    let mut placed = Vec::new();
-    for variant in all {
-        placed.push(match &variant.map {
-            Some(svg) => {
-                let file = variant.name.replacen("plan", "map", 1);
-                html! { div.map { (figures.place_parted(&file, svg.clone(), parted(svg), &in_one_line(variant))) } }
-            }
-            None => html! { p.note { (in_one_line(variant)) " No map.svg." } },
-        });
-    }
     html! {
-        h3 { "Planned otherwise" }
-        div.variants { @for variant in placed { (variant) } }
+        @if !all.is_empty() {
+            h3 { "Planned otherwise" }
+            div.variants {
+                @for variant in all {
+                    @match &variant.map {
+                        Some(svg) => div.map { (figures.place_parted(&variant.name.replacen("plan", "map", 1), svg.clone(), parted(svg), &in_one_line(variant))) },
+                        None => p.note { (in_one_line(variant)) " No map.svg." },
+                    }
+                }
+            }
+        }
     }
 }
 
@@ -174,9 +170,9 @@ fn table<'a>(
     Table::of(rows)
         .compact()
         .name("Chart", |(chart, _)| &chart.file)
-        .text("Class", |(_, own)| own.class)
-        .number("Objects", |(_, own)| own.objects)
-        .text("Why", |(_, own)| own.why)
+        .text("Class", |(_, left_out)| left_out.class)
+        .number("Objects", |(_, left_out)| left_out.objects)
+        .text("Why", |(_, left_out)| left_out.why)
 }
 
 /// How the maneuvers became moves of the lattice, folded.
@@ -280,12 +276,14 @@ fn moves_table(voyage: &Voyage) -> Table<(bool, &Primitive)> {
 
 /// The Pareto front of counts: fewer uses for less cost.
 fn front(plan: &PlanDocument, voyage: &Voyage, figures: &mut Figures) -> Markup {
-    let body = if voyage.front.is_empty() {
-        html! { p.missing { "Not shown: the search was not exhaustive, so what fewer uses would cost is not known." } }
-    } else {
-        shown(plan, voyage, figures)
-    };
-    html! { h3 { "Information against cost" } (body) }
+    html! {
+        h3 { "Information against cost" }
+        @if voyage.front.is_empty() {
+            p.missing { "Not shown: the search was not exhaustive, so what fewer uses would cost is not known." }
+        } @else {
+            (shown(plan, voyage, figures))
+        }
+    }
 }
 
 fn shown(plan: &PlanDocument, voyage: &Voyage, figures: &mut Figures) -> Markup {
@@ -298,7 +296,7 @@ fn shown(plan: &PlanDocument, voyage: &Voyage, figures: &mut Figures) -> Markup 
             cost: point.cost,
             log_det: point.log_det,
             label,
-            chosen: is_own(plan, point),
+            chosen: is_chosen(plan, point),
         })
         .collect();
     let order: Vec<&str> = plan.counts.keys().map(String::as_str).collect();
@@ -319,14 +317,15 @@ fn uses(counts: &BTreeMap<String, u64>) -> String {
     counts.values().map(u64::to_string).collect::<Vec<_>>().join("·")
 }
 
-fn is_own(plan: &PlanDocument, point: &FrontPoint) -> bool {
+/// Whether `point` is this plan.
+fn is_chosen(plan: &PlanDocument, point: &FrontPoint) -> bool {
     point.counts == plan.counts
 }
 
 fn sweep_table(plan: &PlanDocument, voyage: &Voyage) -> Markup {
     let dimension = voyage.information.dimension as f64;
-    let own = voyage.front.iter().find(|point| is_own(plan, point)).map(|point| point.log_det);
-    let marked = Table::of(&voyage.front).class("compact tight").mark("main", |point| is_own(plan, point));
+    let chosen = voyage.front.iter().find(|point| is_chosen(plan, point)).map(|point| point.log_det);
+    let marked = Table::of(&voyage.front).class("compact tight").mark("main", |point| is_chosen(plan, point));
     let mut table = plan
         .counts
         .keys()
@@ -335,15 +334,15 @@ fn sweep_table(plan: &PlanDocument, voyage: &Voyage) -> Markup {
         .number(cost_title(plan.cost_unit), |point| exact((point.cost * 1e3).round() / 1e3))
         .number("Informative legs", |point| minutes(point.informative_s))
         .number("log|det|", |point| three(point.log_det));
-    if let Some(own) = own {
-        table = table.number("Efficiency", |point| percent(libm::exp((point.log_det - own) / dimension)));
+    if let Some(chosen) = chosen {
+        table = table.number("Efficiency", |point| percent(libm::exp((point.log_det - chosen) / dimension)));
     }
     html! {
         div {
             (table)
             p.note {
                 "Informative legs: with approach and recovery. log|det|: as the counts promise it."
-                @if own.is_some() { " Efficiency: against this plan (bold), the ratio of the determinants to the power 1/" (voyage.information.dimension) "." }
+                @if chosen.is_some() { " Efficiency: against this plan (bold), the ratio of the determinants to the power 1/" (voyage.information.dimension) "." }
             }
         }
     }

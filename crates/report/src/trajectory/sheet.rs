@@ -4,20 +4,20 @@ use study::documents::{
     WorstVessels,
 };
 
-use super::words::{
-    action, clearance, clock, cost, gap, heading, knots, latitude, level, longitude, minutes, part,
-};
 use crate::figures::palette;
 use crate::number::{exact, or_dash, percent, three, three_or_dash, unit};
 use crate::parts::entry;
 use crate::study::Study;
+use crate::trajectory::words::{
+    action, clearance, clock, cost, gap, heading, knots, latitude, level, longitude, minutes, part,
+};
 
 /// An input that never exceeds this counts as zero: rounding, in any unit.
 const RESIDUE: f64 = 1e-9;
 
 /// The plan step by step, to be printed for the crew.
 pub(super) fn sheet(study: &Study, plan: &PlanDocument, voyage: &Voyage) -> Markup {
-    let inputs = Inputs::of(study, voyage);
+    let inputs = InputColumns::of(study, voyage);
     html! {
         div.crew {
             h3 { "Maneuver sheet" }
@@ -43,7 +43,7 @@ pub(super) fn sheet(study: &Study, plan: &PlanDocument, voyage: &Voyage) -> Mark
 }
 
 /// One step with its number in the plan and, for an informative one, on the map.
-struct Row<'a> {
+struct SheetRow<'a> {
     number: Option<usize>,
     /// Index of the maneuver among the counts, for its colour on the map.
     colour: usize,
@@ -51,24 +51,24 @@ struct Row<'a> {
     leg: &'a VoyageLeg,
 }
 
-fn rows<'a>(plan: &'a PlanDocument, voyage: &'a Voyage) -> Vec<Row<'a>> {
+fn rows<'a>(plan: &'a PlanDocument, voyage: &'a Voyage) -> Vec<SheetRow<'a>> {
     let mut informative = 0;
     let row = |(step, leg): (&'a PlanStep, &'a VoyageLeg)| {
         informative += usize::from(leg.informative);
         let colour = plan.counts.keys().position(|name| *name == leg.name).unwrap_or(0);
-        Row { number: leg.informative.then_some(informative), colour, step, leg }
+        SheetRow { number: leg.informative.then_some(informative), colour, step, leg }
     };
     plan.steps.iter().zip(&voyage.legs).map(row).collect()
 }
 
 /// Names of the inputs with their units and decimals.
-struct Inputs {
+struct InputColumns {
     all: Vec<(String, String, usize)>,
     /// Whether units are known.
     known: bool,
 }
 
-impl Inputs {
+impl InputColumns {
     fn of(study: &Study, voyage: &Voyage) -> Self {
         let declared = study.inputs();
         let mut names: Vec<&str> = declared.iter().map(|input| input.name.as_str()).collect();
@@ -78,8 +78,8 @@ impl Inputs {
             }
         }
         let one = |name: &str| {
-            let own = declared.iter().find(|input| input.name == name).map(|input| input.unit.clone());
-            (name.to_owned(), own.unwrap_or_default(), decimals(voyage, name))
+            let unit = declared.iter().find(|input| input.name == name).map(|input| input.unit.clone());
+            (name.to_owned(), unit.unwrap_or_default(), decimals(voyage, name))
         };
         Self { all: names.into_iter().map(one).collect(), known: study.vessel.is_some() }
     }
@@ -92,7 +92,7 @@ fn decimals(voyage: &Voyage, name: &str) -> usize {
     if most > RESIDUE { (2.0 - libm::log10(most).floor()).clamp(0.0, 9.0) as usize } else { 0 }
 }
 
-fn head(inputs: &Inputs) -> Markup {
+fn head(inputs: &InputColumns) -> Markup {
     html! {
         thead {
             tr {
@@ -111,16 +111,16 @@ fn head(inputs: &Inputs) -> Markup {
                 th.number scope="col" { "approach" }
                 th.number scope="col" { "maneuver" }
                 th.number scope="col" { "in all" }
-                @for (name, own, _) in &inputs.all {
-                    th.number scope="col" { (name) @if inputs.known { br; span.unit { (unit(own)) } } }
+                @for (name, of, _) in &inputs.all {
+                    th.number scope="col" { (name) @if inputs.known { br; span.unit { (unit(of)) } } }
                 }
             }
         }
     }
 }
 
-fn line(row: &Row, voyage: &Voyage, inputs: &Inputs) -> Markup {
-    let Row { step, leg, .. } = row;
+fn line(row: &SheetRow, voyage: &Voyage, inputs: &InputColumns) -> Markup {
+    let SheetRow { step, leg, .. } = row;
     html! {
         tr.informative[leg.informative] {
             th scope="row" { (badge(row)) }
@@ -139,7 +139,7 @@ fn line(row: &Row, voyage: &Voyage, inputs: &Inputs) -> Markup {
 }
 
 /// The number as on the map, or a grey dot for a basic move.
-fn badge(row: &Row) -> Markup {
+fn badge(row: &SheetRow) -> Markup {
     match row.number {
         Some(number) => {
             let ring = format!("border-color:{}", palette::hex(palette::series(row.colour)));
@@ -149,7 +149,7 @@ fn badge(row: &Row) -> Markup {
     }
 }
 
-fn end(plan: &PlanDocument, voyage: &Voyage, inputs: &Inputs) -> Markup {
+fn end(plan: &PlanDocument, voyage: &Voyage, inputs: &InputColumns) -> Markup {
     let to = plan.steps.last().map(|step| level(&voyage.lattice, step.to.h));
     html! {
         tr.end {
@@ -225,6 +225,10 @@ fn at_sea(plan: &PlanDocument, voyage: &Voyage) -> Markup {
     let maneuvers: u64 = plan.counts.values().sum();
     let share = voyage.informative_s / voyage.duration_s;
     let clear = clearance(&voyage.check).unwrap_or("none: the hull touches an obstacle".to_owned());
+    let margin = match voyage.check.shortfall_m > 0.0 {
+        true => format!("{}\u{a0}m short of it", three(voyage.check.shortfall_m)),
+        false => "kept".to_owned(),
+    };
     html! {
         h3 { "At sea, simulated by the nominal model" }
         dl.facts {
@@ -234,16 +238,8 @@ fn at_sea(plan: &PlanDocument, voyage: &Voyage) -> Markup {
             (fact("In informative maneuvers", &minutes(voyage.informative_s),
                 &format!("{} of the time, {maneuvers} maneuvers", percent(share))))
             (fact("Clearance", &clear, "of the hull from anything charted as an obstacle"))
-            (fact("Margin", &format!("{}\u{a0}m asked for", exact(voyage.check.margin_m)), &margin(&voyage.check)))
+            (fact("Margin", &format!("{}\u{a0}m asked for", exact(voyage.check.margin_m)), &margin))
         }
-    }
-}
-
-/// The margin of the nominal track, compared with the required one.
-fn margin(check: &Check) -> String {
-    match check.shortfall_m > 0.0 {
-        true => format!("{}\u{a0}m short of it", three(check.shortfall_m)),
-        false => "kept".to_owned(),
     }
 }
 
@@ -253,6 +249,9 @@ fn currents(check: &Check) -> Markup {
     }
     let [least, low, median] = check.clearance_quantiles_m.map(three);
     let [from, to] = check.aground_interval.map(percent);
+    // On the probability if no run is aground, with 95 % confidence.
+    let bound =
+        check.aground_bound.map_or("not bounded".to_owned(), |bound| format!("below {}", percent(bound)));
     let unmoved = check.clearance_quantiles_m.iter().all(|c| *c == check.clearance_m);
     html! {
         h3 { "In unknown current, with parameters that are off" }
@@ -265,7 +264,7 @@ fn currents(check: &Check) -> Markup {
         dl.facts {
             (fact("Aground", &part(check.aground, check.runs), &format!("95\u{a0}% interval {from} to {to}; position corrected between the maneuvers")))
             (fact("Nearer than the margin", &part(check.below_margin, check.runs), &format!("of {}\u{a0}m, those aground among them", exact(check.margin_m))))
-            (fact("Going aground", &bound(check.aground_bound), "for a vessel and a current drawn like these"))
+            (fact("Going aground", &bound, "for a vessel and a current drawn like these"))
             (fact("Ends of moves beyond a tolerance", &part(check.ends_astray, check.ends),
                 &searches(check.rounds)))
             (fact("Outside of the area", &part(check.left_area, check.runs), "its edge is no obstacle"))
@@ -292,7 +291,7 @@ fn errors(check: &Check) -> String {
 
 /// What the search for the worst vessels found, apart from the drawn ones.
 fn searched(worst: &WorstVessels, margin_m: f64) -> Markup {
-    let found = |count: u64, what: &str| match count {
+    let vessels = |count: u64, what: &str| match count {
         0 => format!("none found that {what}"),
         _ => format!("{count} found that {what}"),
     };
@@ -300,8 +299,8 @@ fn searched(worst: &WorstVessels, margin_m: f64) -> Markup {
     html! {
         p.note { (worst.searched) " vessels and currents within the same bounds were searched for what is worst for each leg." }
         dl.facts {
-            (fact("Worst vessels", &found(worst.aground, "run aground"), &format!("of {} searched", worst.searched)))
-            (fact("Nearer than the margin", &found(worst.below_margin, "come nearer"), &format!("of {}\u{a0}m, those aground among them", exact(margin_m))))
+            (fact("Worst vessels", &vessels(worst.aground, "run aground"), &format!("of {} searched", worst.searched)))
+            (fact("Nearer than the margin", &vessels(worst.below_margin, "come nearer"), &format!("of {}\u{a0}m, those aground among them", exact(margin_m))))
             (fact("Least clearance found", &format!("{}\u{a0}m", three(worst.clearance_m)), &at(&worst.nearest)))
             (fact("Largest part of a tolerance found", &percent(worst.tolerance_used), &at(&worst.farthest)))
         }
@@ -316,15 +315,15 @@ fn searches(rounds: u64) -> String {
     }
 }
 
-/// The bound on the probability if no run is aground, with 95 % confidence.
-fn bound(bound: Option<f64>) -> String {
-    bound.map_or("not bounded".to_owned(), |bound| format!("below {}", percent(bound)))
-}
-
 /// The information of the trial compared with that promised by its counts.
 pub(super) fn information(information: &Information, designed: bool) -> Markup {
     let dimension = information.dimension;
-    let whole = efficiency(information.whole_log_det, information);
+    // exp((log det − promised)/p).
+    let gain = information
+        .whole_log_det
+        .zip(information.predicted_log_det)
+        .map(|(whole, promised)| whole - promised);
+    let whole = gain.map(|gain| libm::exp(gain / dimension as f64));
     html! {
         h3 { "Information of the trial, log|det|" }
         dl.facts.information {
@@ -338,12 +337,6 @@ pub(super) fn information(information: &Information, designed: bool) -> Markup {
              the maneuvers of the dictionary on their own, for example because the vessel enters them at other speeds."
         }
     }
-}
-
-/// exp((log det − promised)/p).
-fn efficiency(log_det: Option<f64>, information: &Information) -> Option<f64> {
-    let gain = log_det? - information.predicted_log_det?;
-    Some(libm::exp(gain / information.dimension as f64))
 }
 
 fn against(efficiency: Option<f64>) -> String {

@@ -1,10 +1,10 @@
 use maud::{Markup, html};
 use study::documents::{Bounds, DesignScores, DesignSummary, ParameterSummary, Passage, PassageLeg};
 
-use super::words::{clock, heading, knots, latitude, longitude, miles, minutes};
 use crate::number::{exact, median, or_dash, parameter_share, q90, simulation_share, three, three_or_dash};
 use crate::parts::{Table, missing};
 use crate::study::{Study, Trajectory, optimized_first};
+use crate::trajectory::words::{clock, heading, knots, latitude, longitude, miles, minutes};
 
 /// The planned experiment compared with the others: errors of the models that are estimated from it.
 pub(super) fn trials(study: &Study, trajectory: &Trajectory) -> Markup {
@@ -113,8 +113,8 @@ fn spreads(study: &Study, planned: &[DesignSummary]) -> Markup {
     let named = Table::of(parameters).class("compact few").name("Relative spread", |p| &p.name);
     let table = designs.iter().fold(named, |table, design| {
         table.number(&design.design, |p| {
-            let own = design.parameters.iter().find(|own| own.name == p.name);
-            three_or_dash(own.and_then(|own| own.relative_spread))
+            let same = design.parameters.iter().find(|other| other.name == p.name);
+            three_or_dash(same.and_then(|same| same.relative_spread))
         })
     });
     html! {

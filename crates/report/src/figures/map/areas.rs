@@ -1,9 +1,9 @@
 use std::ops::RangeBounds;
 
-use super::input::{
+use crate::figures::map::input::{
     self, Area, Cells, Class, Contour, Frame, Map, Margin, Purpose, Raster, Track, TrackStyle, Tube,
 };
-use super::view::{self, View, simplified};
+use crate::figures::map::view::{self, View, simplified};
 use crate::figures::svg::{Look, Path, Point, Sheet};
 
 /// Tolerance of a border \[px\].

@@ -1,7 +1,7 @@
-use super::areas::{MOST_REALIZATIONS, band, bands};
-use super::input::{self, Class, Map, Purpose, Symbol, TrackStyle};
-use super::spots;
-use super::view::{self, LABEL};
+use crate::figures::map::areas::{MOST_REALIZATIONS, band, bands};
+use crate::figures::map::input::{self, Class, Map, Purpose, Symbol, TrackStyle};
+use crate::figures::map::spots;
+use crate::figures::map::view::{self, LABEL};
 use crate::figures::svg::{Anchor, Lettering, Look, Paint, Path, Point, Sheet};
 use crate::figures::text;
 

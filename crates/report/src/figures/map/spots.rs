@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::input::{self, Contour, Map, Spot, Symbol, TrackStyle};
-use super::view::{self, View};
+use crate::figures::map::input::{self, Contour, Map, Spot, Symbol, TrackStyle};
+use crate::figures::map::view::{self, View};
 use crate::figures::svg::{Anchor, Lettering, Look, Path, Point, Sheet};
 use crate::figures::text;
 

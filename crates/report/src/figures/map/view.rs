@@ -1,6 +1,6 @@
 use refusal::Invalid;
 
-use super::input::Frame;
+use crate::figures::map::input::Frame;
 use crate::figures::svg::Point;
 
 /// Width of the figure \[px\]: on a phone its text is two thirds as large.
