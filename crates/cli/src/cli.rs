@@ -197,7 +197,7 @@ pub fn only_folder_of(folder: &Path, names: &[String]) -> Result<(), Failure> {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
         Err(error) => return Err(files::Error::io(folder, "list", error).into()),
     };
-    let found = entries.filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()));
+    let names = entries.filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()));
     let mut others: Vec<String> =
         found.filter(|name| !name.starts_with('.') && !names.contains(name)).collect();
     others.sort();

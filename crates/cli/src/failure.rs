@@ -180,9 +180,9 @@ impl Progress {
     #[must_use]
     pub fn foretold(self, seconds: f64) -> Self {
         let threads = rayon::current_num_threads();
-        let own = seconds / threads as f64;
-        if !self.quiet && own > 60.0 {
-            on_stderr(format_args!("{}: about {} on {threads} threads", self.label, order_of(own)));
+        let wall_s = seconds / threads as f64;
+        if !self.quiet && wall_s > 60.0 {
+            on_stderr(format_args!("{}: about {} on {threads} threads", self.label, order_of(wall_s)));
         }
         self
     }

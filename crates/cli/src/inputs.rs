@@ -185,12 +185,12 @@ impl<R: Send + 'static> Made<R> {
         }
         let mut all = Vec::new();
         let work = |i: usize| {
-            let own = rows(i)?;
-            Ok((columns.encode(&own)?, own))
+            let rows_of_block = rows(i)?;
+            Ok((columns.encode(&rows_of_block)?, rows_of_block))
         };
         let mine = provenance.shard.map_or(0..blocks, |shard| shard.range(blocks));
-        ordered(mine, work, |(block, own): (EncodedBlock, Vec<R>)| {
-            all.extend(own);
+        ordered(mine, work, |(block, rows_of_block): (EncodedBlock, Vec<R>)| {
+            all.extend(rows_of_block);
             Ok::<_, Failure>(writer.push(block)?)
         })?;
         Ok(Self { table: writer.finish()?, provenance, rows: all })

@@ -151,8 +151,8 @@ pub struct PoolFlags {
 }
 
 impl PoolFlags {
-    /// Notes a stage's `own` settings, and the pooled runs and their parts; omits empty or absent ones.
-    pub fn note<const N: usize>(&self, own: [(&str, Value); N], provenance: &mut Provenance) {
+    /// Notes a stage's `settings`, and the pooled runs and their parts; omits empty or absent ones.
+    pub fn note<const N: usize>(&self, settings: [(&str, Value); N], provenance: &mut Provenance) {
         let pooled = [
             ("runs", json!(self.of.runs)),
             ("leave_out", json!(self.of.leave_out)),
@@ -162,7 +162,7 @@ impl PoolFlags {
             ("core", json!(Some(true).filter(|_| self.core))),
         ];
         let given = |(_, value): &(&str, Value)| *value != json!([]) && !value.is_null();
-        let all = own.into_iter().chain(pooled).filter(given);
+        let all = settings.into_iter().chain(pooled).filter(given);
         provenance.settings.extend(all.map(|(key, value)| (key.to_owned(), value)));
     }
 
@@ -205,8 +205,10 @@ impl PoolFlags {
         files::Error: From<R::Error>,
     {
         if let Some(Held::Former(path)) = &self.prior {
-            let found = format!("--prior: found {} for a vessel with terms per sample", path.display());
-            return Err(Failure::Usage(format!("{found}, expected a number from 0.0 on; correct it")));
+            return Err(Failure::Usage(format!(
+                "--prior: found {} for a vessel with terms per sample, expected a number from 0.0 on; correct it",
+                path.display()
+            )));
         }
         let strength = not_below("--prior", self.strength(), 0.0)?;
         let nominal = self.nominal().read(vessel, provenance)?;
@@ -222,7 +224,7 @@ impl PoolFlags {
     /// The pull to nominal values.
     fn strength(&self) -> f64 {
         match self.prior {
-            Some(Held::Strength(own)) => own,
+            Some(Held::Strength(strength)) => strength,
             _ => 0.0,
         }
     }

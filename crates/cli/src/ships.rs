@@ -151,23 +151,23 @@ const USUAL: [(&str, [f64; 2]); 3] =
 ///
 /// # Errors
 /// Dimensions that no ship has, or that contradict each other.
-pub fn guessed(own: &MainDimensions) -> Result<Written, Invalid> {
-    let guess = own.guess()?;
+pub fn guessed(ship: &MainDimensions) -> Result<Written, Invalid> {
+    let guess = ship.guess()?;
     let speed = guess.description.ship.speed_m_s;
     let revolutions = guess.revolutions;
-    let mut unusual = unusual(own, speed);
+    let mut unusual = unusual(ship, speed);
     let file = VesselFile {
-        name: Some(format!("Guessed ship of {} m", own.length_m)),
-        sample_rate_hz: Some(rate(speed / own.length_m)),
-        input: inputs(own.length_m, revolutions),
+        name: Some(format!("Guessed ship of {} m", ship.length_m)),
+        sample_rate_hz: Some(rate(speed / ship.length_m)),
+        input: inputs(ship.length_m, revolutions),
         ..VesselFile::of_forces(guess.description)
     };
     // Her dimensions were given: what is unusual of them is said, and passes.
     let (file, found) = file.accepting_unusual()?;
-    unusual.extend(found.map(|own| format!("{}: {}", own.thing, own.found)));
+    unusual.extend(found.map(|ship| format!("{}: {}", ship.thing, ship.found)));
     let vessel = Vessel::from_file(file.clone())?;
     let numbers = guess.sources.into_iter().map(|(name, source)| (name, source.to_owned())).collect();
-    let notes = Notes { head: head(own, revolutions, &unusual), numbers };
+    let notes = Notes { head: head(ship, revolutions, &unusual), numbers };
     let mut said =
         format!("{speed:.4} m/s at {revolutions:.4} 1/s, {} free numbers with priors", vessel.nominal.len());
     if !unusual.is_empty() {

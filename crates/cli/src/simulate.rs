@@ -93,7 +93,7 @@ pub fn check_campaign(
     out: &Path,
 ) -> Result<(), Failure> {
     let rows = runs * (samples as f64 + 1.0);
-    let found = format!("{runs} runs of {samples} samples");
+    let size = format!("{runs} runs of {samples} samples");
     let remedy = "take fewer `realizations` or a shorter `duration_s`";
     let work = Work { file, thing: "`realizations`", found: &found, remedy };
     let block = rows_per_block(samples) as f64 * (samples as f64 + 1.0);
@@ -122,14 +122,14 @@ pub fn write_maneuvers(
     let progress = Progress::new("maneuvers", count.min(mine.len() * BLOCK), quiet);
     let mut tally = Tally::default();
     let work = |block: usize| {
-        let found = maneuvers.simulate(block * BLOCK..count.min((block + 1) * BLOCK));
+        let simulated = maneuvers.simulate(block * BLOCK..count.min((block + 1) * BLOCK));
         let (runs, tally) = found.map_err(|e| files.refused(e))?;
         progress.advance(BLOCK);
         let block = if runs.is_empty() { None } else { Some(encoded(&layout, maneuvers.vessel(), &runs)?) };
         Ok::<_, Failure>((block, tally))
     };
-    ordered(mine, work, |(block, own)| {
-        tally.merge(&own);
+    ordered(mine, work, |(block, counts)| {
+        tally.merge(&counts);
         Ok(block.map_or(Ok(()), |block| writer.push(block))?)
     })?;
     if provenance.shard.is_none() {
@@ -146,11 +146,11 @@ pub fn write_maneuvers(
 pub fn check_maneuvers(maneuvers: &Maneuvers, files: &Files, out: &Path) -> Result<(), Failure> {
     let (mut all, mut written, mut block) = (0, 0, 0);
     for start in (0..maneuvers.count()).step_by(BLOCK) {
-        let rows = maneuvers.rows(start..maneuvers.count().min(start + BLOCK));
-        let [own, own_written] = rows.map_err(|e| files.refused(e))?;
-        (all, written, block) = (all + own, written + own_written, block.max(own));
+        let counted = maneuvers.rows(start..maneuvers.count().min(start + BLOCK));
+        let [rows, rows_written] = counted.map_err(|e| files.refused(e))?;
+        (all, written, block) = (all + rows, written + rows_written, block.max(rows));
     }
-    let found = format!("{} maneuvers of {all} rows", maneuvers.count());
+    let size = format!("{} maneuvers of {all} rows", maneuvers.count());
     let remedy = "shorten maneuvers or take fewer";
     let work = Work { file: files.dictionary, thing: "`duration_s`", found: &found, remedy };
     check_room(work, [all as f64, block as f64, written as f64], maneuvers.vessel(), out)
@@ -264,7 +264,7 @@ impl CampaignFlags {
         let config = read_campaign(files.campaign, noted)?;
         let design: DesignDocument = inputs::document(files.design, "design", noted)?;
         // Estimates of its trials tell nothing of these.
-        let vessel = design.held.iter().fold(vessel, |vessel, own| vessel.with_held(&own.parameter));
+        let vessel = design.held.iter().fold(vessel, |vessel, held| vessel.with_held(&held.parameter));
         Ok(CampaignInputs { files, vessel, dictionary, config, design })
     }
 }
@@ -358,13 +358,13 @@ impl Done<'_> {
                 false => self.study.realize(design, runs, first),
             };
             let realized = realized.map_err(|e| refused(self.files, e))?;
-            let mut own = self.blank();
-            own.add(&realized.scores, self.bounds);
+            let mut tally = self.blank();
+            tally.add(&realized.scores, self.bounds);
             progress.advance(count);
-            Ok::<_, Failure>((own, realized))
+            Ok::<_, Failure>((tally, realized))
         };
-        ordered(0..parts.len(), work, |(own, realized)| {
-            tally.merge(own);
+        ordered(0..parts.len(), work, |(part, realized)| {
+            tally.merge(part);
             Ok(kept.push(realized.scores, realized.estimates, &realized.runs)?)
         })
     }

@@ -33,8 +33,8 @@ impl Summary {
     /// The summary of the output `out`: `said` for people, the entries of `details` for programs.
     pub fn of(out: &Path, said: impl Display, details: Value) -> Self {
         let mut json = json!({"out": out.to_string_lossy()});
-        if let (Value::Object(all), Value::Object(own)) = (&mut json, details) {
-            all.extend(own);
+        if let (Value::Object(all), Value::Object(more)) = (&mut json, details) {
+            all.extend(more);
         }
         Self { line: format!("{}: {said}", out.display()), json }
     }
@@ -116,8 +116,8 @@ impl Stage {
     /// # Errors
     /// A usage error: flags that exclude each other, changes of files that are not named.
     pub fn task(&self, matches: &ArgMatches) -> Result<(Box<dyn Task>, Common), Failure> {
-        if let Some((stage, own)) = self.chosen(matches) {
-            return stage.task(own);
+        if let Some((stage, below)) = self.chosen(matches) {
+            return stage.task(below);
         }
         let parsed = (self.parse)(matches).and_then(|task| Ok((task, Common::from_arg_matches(matches)?)));
         let (task, common) = parsed.map_err(|error| misused(&error))?;
@@ -128,15 +128,15 @@ impl Stage {
     /// Whether the command line of `matches` names the file of `change`.
     pub fn takes(&self, matches: &ArgMatches, change: &Change) -> bool {
         match self.chosen(matches) {
-            Some((stage, own)) => stage.takes(own, change),
+            Some((stage, below)) => stage.takes(below, change),
             None => check_changes(&(self.command)(), matches, std::slice::from_ref(change)).is_ok(),
         }
     }
 
     /// The stage below this one that `matches` name, and its part of them.
     fn chosen<'a>(&self, matches: &'a ArgMatches) -> Option<(&'static Self, &'a ArgMatches)> {
-        let (name, own) = matches.subcommand()?;
-        Some((self.below.iter().find(|stage| stage.bare().get_name() == name)?, own))
+        let (name, below) = matches.subcommand()?;
+        Some((self.below.iter().find(|stage| stage.bare().get_name() == name)?, below))
     }
 }
 
@@ -159,10 +159,10 @@ pub fn dressed(command: Command) -> Command {
 }
 
 fn with_exit_codes(command: Command) -> Command {
-    let own = command.get_after_help().map(ToString::to_string).unwrap_or_default();
-    let own = own.strip_suffix(EXIT_CODES).unwrap_or(&own).trim_end();
-    let gap = if own.is_empty() { "" } else { "\n\n" };
-    let help = format!("{own}{gap}{EXIT_CODES}");
+    let examples = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+    let examples = examples.strip_suffix(EXIT_CODES).unwrap_or(&examples).trim_end();
+    let gap = if examples.is_empty() { "" } else { "\n\n" };
+    let help = format!("{examples}{gap}{EXIT_CODES}");
     // A negative number is a value that the flag's own bounds refuse, no unknown flag.
     let command = command.mut_args(|arg| match arg.get_action().takes_values() {
         true => arg.allow_negative_numbers(true),
@@ -394,6 +394,6 @@ fn named(arg: &Arg, matches: &ArgMatches) -> Vec<String> {
     }
     let json = Path::new(given).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
     let names = arg.get_value_names().unwrap_or_default().iter().flat_map(|name| name.split('|'));
-    let own = names.filter_map(|name| name.strip_suffix(".toml")).map(str::to_owned);
-    if json { Vec::new() } else { own.collect() }
+    let files = names.filter_map(|name| name.strip_suffix(".toml")).map(str::to_owned);
+    if json { Vec::new() } else { files.collect() }
 }

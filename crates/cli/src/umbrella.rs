@@ -27,19 +27,19 @@ pub fn main() -> ExitCode {
         Err(code) => return code,
     };
     let done = match matches.subcommand() {
-        Some(("completions", own)) => completions(own.get_one("shell").copied(), command),
-        Some(("verify", own)) => {
-            Verify::from_arg_matches(own).map_err(|e| Failure::Usage(e.to_string())).and_then(|verify| {
-                set_budget(own.get_one("memory_mib").copied());
+        Some(("completions", matches)) => completions(matches.get_one("shell").copied(), command),
+        Some(("verify", matches)) => {
+            Verify::from_arg_matches(matches).map_err(|e| Failure::Usage(e.to_string())).and_then(|verify| {
+                set_budget(matches.get_one("memory_mib").copied());
                 verify.run()
             })
         }
-        Some(("manual", own)) => {
-            manual(own.get_one("folder").map_or(Path::new("."), PathBuf::as_path), command)
+        Some(("manual", matches)) => {
+            manual(matches.get_one("folder").map_or(Path::new("."), PathBuf::as_path), command)
         }
-        Some((name, own)) => {
+        Some((name, matches)) => {
             let stage = subcommands().find(|stage| stage.command().get_name() == name);
-            return stage.map_or(ExitCode::FAILURE, |stage| stage.run(own));
+            return stage.map_or(ExitCode::FAILURE, |stage| stage.run(matches));
         }
         None => Ok(()),
     };
@@ -138,8 +138,8 @@ fn pages(command: &Command, folder: &Path, staged: &mut Vec<Staged>) -> Result<(
     let mut page = Vec::new();
     man.render(&mut page).map_err(|e| Failure::Failed(format!("{}: {e}", man.get_filename())))?;
     staged.push(Staged::bytes(folder.join(man.get_filename()), &page)?);
-    let mut others = command.get_subcommands().filter(|own| own.get_name() != "help");
-    others.try_for_each(|own| pages(own, folder, staged))
+    let mut others = command.get_subcommands().filter(|below| below.get_name() != "help");
+    others.try_for_each(|below| pages(below, folder, staged))
 }
 
 // `run`: all stages of a study that are not up to date.
@@ -277,12 +277,12 @@ fn shown(pipeline: &Pipeline, words: &[String]) -> String {
 fn run_one(pipeline: &Pipeline, step: &Step, words: &[String], common: &Common) -> Result<Trace, Failure> {
     let main = pipeline.main(step);
     let (stage, matches) = parsed(pipeline, words)?;
-    let (task, mut own) = stage.task(&matches)?;
-    own.quiet = common.quiet;
+    let (task, mut of_stage) = stage.task(&matches)?;
+    of_stage.quiet = common.quiet;
     pipeline.trace()?;
     check_within(folder_of(&main))?;
     std::fs::create_dir_all(folder_of(&main)).map_err(|e| Error::io(&main, "create", e))?;
-    let summary = task.run(&own)?;
+    let summary = task.run(&of_stage)?;
     if !common.quiet {
         on_stderr(summary.line);
     }

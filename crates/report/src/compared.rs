@@ -10,7 +10,7 @@ use crate::figures::{
     traces, tracks,
 };
 use crate::loader::Loader;
-use crate::number::{exact, fit, three, three_or_dash, three_within};
+use crate::number::{exact, fit, three, three_or_dash, three_within, windows_of};
 use crate::parts::{Figures, Section, Table, grouped, statements};
 
 /// Windows, and recordings, beyond this many are not drawn.
@@ -110,13 +110,13 @@ fn over_time(trace: &[Traced], figures: &mut Figures) -> Markup {
             Curve { values: measured, ..Curve::default() },
         ]
     };
-    let row = |(window, t): (&&[Traced], &'_ Vec<f64>)| TraceRow {
+    let rows = drawn.iter().zip(&times).map(|(window, t)| TraceRow {
         name: &window[0].source,
         note: Some(format!("window {}", window[0].window + 1)),
         t,
         cells: [0, 1, 2].map(|d| cell(window, d)).to_vec(),
-    };
-    let rows: Vec<TraceRow> = drawn.iter().zip(&times).map(row).collect();
+    });
+    let rows: Vec<TraceRow> = rows.collect();
     let caption = html! {
         b { "Measured (black) and simulated (blue) over time." }
         " All rows of a column share one axis."

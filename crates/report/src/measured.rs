@@ -10,7 +10,7 @@ use study::documents::{
 use crate::SelectionStudy;
 use crate::loader::Loader;
 use crate::next_trial::NextTrial;
-use crate::number::{fit, or_dash, percent_within, three, three_or_dash};
+use crate::number::{fit, or_dash, percent_within, three, three_or_dash, windows_of};
 use crate::parts::{Section, Table, card, grouped, missing};
 
 /// The results from measured logs.

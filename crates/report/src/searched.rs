@@ -6,7 +6,7 @@ use study::documents::{
 
 use crate::figures::{ScoredDot, scored};
 use crate::measured::free_runs;
-use crate::number::{exact, or_dash, percent, three, three_or_dash, three_within, unit};
+use crate::number::{exact, or_dash, percent, three, three_or_dash, three_within, unit, windows_of};
 use crate::parts::{Figures, Section, Table, coded, statements};
 
 /// Terms beyond this many are not listed: those of the base structure first, then those that were chosen most often.
@@ -55,7 +55,9 @@ fn about(found: &SearchDocument) -> Markup {
 fn nested(found: &SearchDocument) -> Markup {
     let nested = &found.nested;
     let average = nested.average.as_ref();
-    let scores = |windows: &'static str, [search, base], of: fn(&NestedAverage) -> Option<FreeRunErrors>| {
+    let scores = |windows: &'static str,
+                  [search, base]: [Option<FreeRunErrors>; 2],
+                  of: fn(&NestedAverage) -> Option<FreeRunErrors>| {
         let average = average.map(|average| ("average of models", of(average)));
         let single = [("whole search", search), ("base structure", base)].into_iter();
         single.chain(average).map(move |(name, errors)| (name, windows, errors))

@@ -5,7 +5,9 @@ use study::documents::{
 };
 
 use crate::measured::{Measured, free_runs};
-use crate::number::{exact, fit, or_dash, percent, probability, three, three_or_dash, three_within, unit};
+use crate::number::{
+    fit, or_dash, percent, probability, three, three_or_dash, three_within, unit, windows_of,
+};
 use crate::parts::{Section, Table, coded, missing, statements};
 
 /// The diagnostics of the pooled estimate.

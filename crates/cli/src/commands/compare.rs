@@ -70,8 +70,8 @@ impl Task for CompareArguments {
         let out = common.main_output(MAIN, read())?;
         let table = member(&out, MAIN, "compare.parquet", read())?;
         let runs = self.of.read_of_forces(vessel, &mut provenance)?;
-        let found = comparison.over(&runs);
-        let (document, trace) = found.map_err(|e| Failure::invalid(self.of.file(), &e.invalid()))?;
+        let compared = comparison.over(&runs);
+        let (document, trace) = compared.map_err(|e| Failure::invalid(self.of.file(), &e.invalid()))?;
         let settings = [("window_samples", json!(window)), ("runs", json!(self.of.runs))];
         let given = settings.into_iter().chain([("leave_out", json!(self.of.leave_out))]);
         provenance.settings.extend(given.map(|(key, value)| (key.to_owned(), value)));
@@ -90,7 +90,7 @@ impl Task for CompareArguments {
 impl CompareArguments {
     /// The models that are averaged with `model`, which then is a single one, too.
     fn averaged(&self, model: &Tried, provenance: &mut Provenance) -> Result<Vec<Tried>, Failure> {
-        let single = |path: &Path, own: &Tried| match own.standing() {
+        let single = |path: &Path, model: &Tried| match model.standing() {
             Standing::Average => {
                 let expected = "model/1, a single model, where models are averaged";
                 let remedy = "take the `model.json` of the same search";
@@ -102,11 +102,13 @@ impl CompareArguments {
             single(&self.model, model)?;
         }
         let read = |(i, path): (usize, &PathBuf)| {
-            let mut own = Provenance { changes: provenance.changes.clone(), ..Provenance::default() };
-            let tried = Tried::read(path, &mut own)?;
+            let mut of_model = Provenance { changes: provenance.changes.clone(), ..Provenance::default() };
+            let tried = Tried::read(path, &mut of_model)?;
             single(path, &tried)?;
-            provenance.inputs.extend(own.inputs.remove("model").map(|it| (format!("average:{}", i + 1), it)));
-            provenance.read.extend(own.read);
+            provenance
+                .inputs
+                .extend(of_model.inputs.remove("model").map(|it| (format!("average:{}", i + 1), it)));
+            provenance.read.extend(of_model.read);
             Ok(tried)
         };
         self.average.iter().enumerate().map(read).collect()
@@ -185,8 +187,8 @@ impl Task for CrossArguments {
         let options = CrossOptions { estimators, window, folds: self.left_out() };
         let folds = number(runs.sources()) * options.estimators.len();
         let progress = Progress::new("folds", folds, common.quiet);
-        let found = cross_validate(&pool, &runs, &options, &|count| progress.advance(count));
-        let found = found.map_err(|e| Failure::invalid(self.flags.of.file(), &e.invalid()))?;
+        let folds = cross_validate(&pool, &runs, &options, &|count| progress.advance(count));
+        let folds = folds.map_err(|e| Failure::invalid(self.flags.of.file(), &e.invalid()))?;
         let settings = [
             ("estimators", json!(options.estimators)),
             ("intercepts", json!(true)),
@@ -196,7 +198,7 @@ impl Task for CrossArguments {
         ];
         self.flags.note(settings, &mut provenance);
         let window_s = window.map(|samples| samples as f64 / vessel.sample_rate_hz);
-        let document = CrossvalDocument::new(&pool, self.flags.nominal().source(), window_s, &found);
+        let document = CrossvalDocument::new(&pool, self.flags.nominal().source(), window_s, &folds);
         written(&out, &provenance, &document)
     }
 }
@@ -253,7 +255,7 @@ impl Task for SelectionArguments {
         let mut provenance = common.provenance("validate");
         let vessel = self.flags.cored(StageOfTerms::Selection.read(&self.flags.vessel, &mut provenance)?)?;
         if !ESTIMATORS.contains(&self.estimator) {
-            let found = format!("--estimator: found {}, expected ls, iv or auto", self.estimator);
+            let fault = format!("--estimator: found {}, expected ls, iv or auto", self.estimator);
             return Err(Failure::Usage(format!(
                 "{found}; a selection study adds up sums per sub-experiment"
             )));

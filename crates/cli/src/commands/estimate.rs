@@ -164,11 +164,13 @@ impl EstimateArguments {
         let progress = Progress::new("blocks of runs", reader.blocks(), quiet).foretold(seconds);
         let block = |i: usize| {
             let runs = reader.runs(i)?;
-            let found = match kept {
+            let estimates = match kept {
                 None => estimators.estimates(&runs),
-                Some(kept) => estimators.estimates_with_covariances(&runs).map(|found| kept.keep(i, found)),
+                Some(kept) => {
+                    estimators.estimates_with_covariances(&runs).map(|estimates| kept.keep(i, estimates))
+                }
             };
-            let mut rows = found.map_err(|e| Failure::of_run(&e, &self.vessel, file))?;
+            let mut rows = estimates.map_err(|e| Failure::of_run(&e, &self.vessel, file))?;
             if asks {
                 estimators.criticise(&runs, &mut rows);
             }
@@ -196,7 +198,7 @@ impl EstimateArguments {
         if estimators.vessel.model.forces.is_none() {
             return Ok(());
         }
-        let taken = estimators.estimators.iter().try_for_each(|own| own.check(estimators.vessel));
+        let taken = estimators.estimators.iter().try_for_each(|estimator| estimator.check(estimators.vessel));
         taken.map_err(|e| Failure::invalid(&self.vessel, &e))?;
         let flags =
             [("--model-of", self.model_of.is_some()), ("--criticise", self.criticise == Asked::Always)];
@@ -221,10 +223,10 @@ impl EstimateArguments {
         };
         let wanted = name(&rows[place]);
         let run = run_at(reader, place)?;
-        let found = run.as_ref().map(|run| estimators.delivered(run, &wanted)).transpose();
-        match found.map_err(|e| Failure::of_run(&e, &self.vessel, file))?.flatten() {
-            Some((found, delivered)) => {
-                Ok(Some(ModelDocument::of_run(estimators.vessel, self.mean_removal, &found, &delivered)))
+        let delivered = run.as_ref().map(|run| estimators.delivered(run, &wanted)).transpose();
+        match delivered.map_err(|e| Failure::of_run(&e, &self.vessel, file))?.flatten() {
+            Some((estimate, delivered)) => {
+                Ok(Some(ModelDocument::of_run(estimators.vessel, self.mean_removal, &estimate, &delivered)))
             }
             None => Err(Failure::NoAnswer(format!(
                 "{}: run `{wanted}`: found no estimate ({}), expected one, for its model; name another run, or another \
@@ -263,10 +265,10 @@ fn place_of(wanted: &str, rows: &[Row], name: impl Fn(&Row) -> String) -> Result
     }
     let names: Vec<String> = rows.iter().map(name).collect();
     let near = nearest(wanted, names.iter().map(String::as_str)).unwrap_or_default().to_owned();
-    let found =
+    let fault =
         if places.is_empty() { "no such run".to_owned() } else { format!("{} of that number", places.len()) };
     let (expected, remedy) = (format!("one of {} runs", rows.len()), format!("did you mean `{near}`?"));
-    Err(Invalid::new(format!("run `{wanted}`"), found, expected, remedy))
+    Err(Invalid::new(format!("run `{wanted}`"), fault, expected, remedy))
 }
 
 /// The run at this index.
@@ -369,9 +371,10 @@ fn turned(vessel: &Vessel, rows: &[Row]) -> Option<String> {
     let known = || with_errors().filter_map(|row| row.estimate.as_ref());
     let count = known().count() as f64;
     let parameter = |i: usize| {
-        let [estimate, error] = known().fold([0.0, 0.0], |sum, own| [sum[0] + own.0[i], sum[1] + own.1[i]]);
+        let [estimate, error] =
+            known().fold([0.0, 0.0], |sum, pair| [sum[0] + pair.0[i], sum[1] + pair.1[i]]);
         Some([estimate / count, error / count])
     };
-    let found: Vec<_> = (0..vessel.model.parameters()).map(parameter).collect();
-    against_nominal(&vessel.model, &vessel.nominal, &found)
+    let means: Vec<_> = (0..vessel.model.parameters()).map(parameter).collect();
+    against_nominal(&vessel.model, &vessel.nominal, &means)
 }

@@ -11,11 +11,10 @@ use regression::pooled::{PooledRuns, Recorded};
 use seatrial::Pooling;
 use serde_json::json;
 use ship::model::Vessel;
-use study::LoggedHelm;
 use study::files::read_any_vessel;
 use study::pooled_set::MAIN;
-use study::resamples;
 use study::trajectories::{Layout, TrajectoryReader};
+use study::{LoggedHelm, resamples};
 
 use crate::cli::{AdditionalFlags, Common, Sharding, choice, member, none_given};
 use crate::failure::{Failure, Progress};
@@ -85,13 +84,13 @@ impl Task for PoolArguments {
         let most = usize::from(self.add_terms);
         let grown = grown(&pool, &runs, estimator, &judgement, most)
             .map_err(|e| Failure::of_pool(e, self.flags.of.file()))?;
-        let own = pool.of(&grown.vessel, grown.nominal.clone());
+        let pool_of_grown = pool.of(&grown.vessel, grown.nominal.clone());
         if let Some(shard) = self.sharding.shard {
             provenance.shard = Some(shard);
             return self.shard(
                 shard,
                 &out,
-                (&own, &runs),
+                (&pool_of_grown, &runs),
                 (estimator, &judgement),
                 (provenance, common.quiet),
             );
@@ -184,7 +183,8 @@ impl PoolArguments {
     ) -> Result<Option<Vec<Resample>>, Failure> {
         let Some(first) = self.sharding.gather.first() else { return Ok(None) };
         let rows = |reader: &TableReader| resamples::rows(reader, vessel);
-        let found = rows_of_shards(&self.sharding.gather, &resamples::columns(vessel), provenance, rows)?;
+        let replicates =
+            rows_of_shards(&self.sharding.gather, &resamples::columns(vessel), provenance, rows)?;
         resamples::check(&found, replicates, first)?;
         Ok(Some(found))
     }

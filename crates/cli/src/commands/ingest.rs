@@ -4,10 +4,6 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::cli::{Common, beside, budget, folder_of};
-use crate::failure::{Failure, Progress};
-use crate::inputs::ordered;
-use crate::stage::{Summary, Task};
 use clap::Parser;
 use files::{Digest, Scratch, TableWriter, commit_with_document, free_bytes};
 use logs::{BLOCK, Plan, Recorded, RowSummary, Source, Totals};
@@ -18,6 +14,11 @@ use study::documents::{IngestDocument, RecordingSummary};
 use study::files::{read_any_vessel, read_ingest};
 use study::ingest_file::read::recorded;
 use study::trajectories::{Layout, MeasuredBlock};
+
+use crate::cli::{Common, beside, budget, folder_of};
+use crate::failure::{Failure, Progress};
+use crate::inputs::ordered;
+use crate::stage::{Summary, Task};
 
 /// Turns a ship's logs into trajectories, and says how good they are: one clock, SI units, body axes, sub-experiments
 #[derive(Parser)]
@@ -119,12 +120,12 @@ fn size(folder: &Path, source: &Source) -> u64 {
 fn groups(folder: &Path, sources: &[Source]) -> Vec<Range<usize>> {
     let (mut groups, mut bytes): (Vec<Range<usize>>, u64) = (Vec::new(), 0);
     for (i, source) in sources.iter().enumerate() {
-        let own = size(folder, source);
-        match groups.last_mut().filter(|_| bytes + own <= SIDE_BY_SIDE) {
-            Some(group) => (group.end, bytes) = (i + 1, bytes + own),
+        let more = size(folder, source);
+        match groups.last_mut().filter(|_| bytes + more <= SIDE_BY_SIDE) {
+            Some(group) => (group.end, bytes) = (i + 1, bytes + more),
             None => {
                 groups.push(i..i + 1);
-                bytes = own;
+                bytes = more;
             }
         }
     }

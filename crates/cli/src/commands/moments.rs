@@ -127,9 +127,9 @@ impl Task for MomentsArguments {
             let moments = head(reading.maneuvers()?);
             match self.unexcited(&moments)? {
                 None => break MomentsDocument(moments),
-                Some(own) => {
-                    vessel = vessel.with_held(&own.parameter);
-                    held.push(own);
+                Some(parameter) => {
+                    vessel = vessel.with_held(&parameter.parameter);
+                    held.push(parameter);
                 }
             }
         };
@@ -144,7 +144,8 @@ fn published(out: &Path, provenance: &Provenance, document: &MomentsDocument) ->
     let part = provenance.shard.map_or(String::new(), |shard| format!(", shard {shard}"));
     let held = &document.0.held;
     let said = if held.is_empty() { String::new() } else { format!("; {}", HeldParameter::words(held)) };
-    let is_left_out = document.0.disturbances.as_ref().is_some_and(|own| own.lasting_current_left_out);
+    let is_left_out =
+        document.0.disturbances.as_ref().is_some_and(|expected| expected.lasting_current_left_out);
     let current =
         if is_left_out { "; of measurement errors alone, not of the current that lasts" } else { "" };
     let details = json!({"maneuvers": count, "held": held});
@@ -300,14 +301,14 @@ impl Reading<'_> {
         let progress = Progress::new("blocks", blocks.len(), *quiet).foretold(seconds);
         let work = |block: usize| {
             if let Some(forces) = forces {
-                let own = reader.runs(block)?.into_iter().map(|run| Ok((false, forces.moments(&run)?)));
+                let moments = reader.runs(block)?.into_iter().map(|run| Ok((false, forces.moments(&run)?)));
                 progress.advance(1);
-                return own
+                return moments
                     .collect::<Result<_, Invalid>>()
                     .map_err(|e| Failure::invalid(&a.trajectories, &e));
             }
             let runs: Vec<Run> = prediction.runs(&reader.runs(block)?);
-            let mut found = Vec::with_capacity(runs.len());
+            let mut pooled_runs = Vec::with_capacity(runs.len());
             for batch in instruments.batches(&runs) {
                 let (prepared, members) = batch.map_err(|e| Failure::invalid(&a.vessel, &e.invalid()))?;
                 let moments = prediction.moments(&prepared.batch(), members);
@@ -366,9 +367,9 @@ fn expected(
     campaign: &CampaignFile,
     noise: Noise,
 ) -> Result<Expected, Failure> {
-    let own =
+    let expected =
         Expected::new(vessel, noise, campaign.duration_s).map_err(|e| Failure::invalid(&a.vessel, &e))?;
-    Ok(Expected { lasting_current_left_out: campaign.noise().is_none(), ..own })
+    Ok(Expected { lasting_current_left_out: campaign.noise().is_none(), ..expected })
 }
 
 /// The nominal parameters of `--nominal`, without intercepts.

@@ -87,7 +87,7 @@ impl MonteCarloArguments {
         self.additional.check(&self.estimator)?;
         let mut provenance = common.provenance("monte-carlo");
         let of = self.of.read(read_any_simulated, &mut provenance)?;
-        let taken = self.estimator.iter().try_for_each(|own| own.check(&of.vessel));
+        let taken = self.estimator.iter().try_for_each(|estimator| estimator.check(&of.vessel));
         taken.map_err(|e| Failure::invalid(of.files.vessel, &e))?;
         let (files, config) = (of.files, &of.config);
         of.logged_helm().check(files.dictionary, &self.estimator)?;
@@ -195,7 +195,7 @@ impl MonteCarloArguments {
             Keep::Trajectories => self.keep_first.map_or(runs, |first| f64::from(first) * designs).min(runs),
             _ => 0.0,
         };
-        let found = format!("{runs} runs of {} samples", study.campaign.samples());
+        let size = format!("{runs} runs of {} samples", study.campaign.samples());
         let remedy = "keep less, or take fewer `realizations`";
         let work = Work { file, thing: "`realizations`", found: &found, remedy };
         let simulated = at_once.min(runs.max(each)) * rows * layout.run_bytes();
@@ -224,8 +224,8 @@ fn validation<'a>(
     config: &CampaignFile,
     file: &Path,
 ) -> Result<ValidationRuns<'a>, Failure> {
-    let own = generator(file, vessel, &config.validation_dictionary(), &mut Provenance::default())?;
-    let runs = undisturbed(vessel, &own, Source::Value, "validation");
+    let maneuvers = generator(file, vessel, &config.validation_dictionary(), &mut Provenance::default())?;
+    let runs = undisturbed(vessel, &maneuvers, Source::Value, "validation");
     let runs = runs.map_err(|e| refused(&Files::all(file), e))?;
     ValidationRuns::new(vessel, runs).ok_or_else(|| {
         let (expected, remedy) = ("at least one maneuver", "state what estimates are validated on");
@@ -246,11 +246,11 @@ fn published(
     let part = provenance.shard.map_or(String::new(), |shard| format!(", shard {shard}"));
     let runs = |c: &validation::tally::Counted| c.runs;
     let first = document.tally.counted.first().map(|counted| counted.estimator);
-    let own = document.tally.counted.iter().filter(|counted| Some(counted.estimator) == first);
+    let of_first = document.tally.counted.iter().filter(|counted| Some(counted.estimator) == first);
     let plays = provenance.settings.get("plays").and_then(Value::as_array).into_iter().flatten();
     let statements = plays.filter_map(Value::as_str).chain(document.statements.iter().map(String::as_str));
     let said: Vec<String> = statements.map(|said| format!("; {}", said.trim_end_matches('.'))).collect();
-    let runs: u64 = own.map(runs).sum();
+    let runs: u64 = of_first.map(runs).sum();
     Ok(Summary::of(
         out,
         format!("{runs} runs{part}{}", said.concat()),
@@ -347,7 +347,7 @@ impl SequentialArguments {
     fn check_room(&self, config: &SequentialFile) -> Result<(), Failure> {
         let (realizations, rounds) = (config.realizations, config.rounds);
         let rows = f64::from(realizations) * Arm::ALL.len() as f64 * f64::from(rounds);
-        let found = format!("{realizations} realizations of {rounds} rounds");
+        let size = format!("{realizations} realizations of {rounds} rounds");
         let remedy = "take fewer `realizations`, or --shard";
         let work = Work { file: &self.config, thing: "`realizations`", found: &found, remedy };
         let part = f64::from(self.sharding.shard.map_or(1, |shard| shard.count));

@@ -170,7 +170,7 @@ pub struct ExportArguments {
     #[arg(long, value_parser = choice(&Target::ALL, Target::name, Target::description))]
     to: Target,
     /// Which values of a vessel.toml (default: the true ones where all are known, else the nominal ones)
-    #[arg(long, value_parser = choice(&Source::ALL, Source::name, |own| ["The true ones", "The nominal ones"][own as usize]))]
+    #[arg(long, value_parser = choice(&Source::ALL, Source::name, |source| ["The true ones", "The nominal ones"][source as usize]))]
     parameters: Option<Source>,
     /// The rate of its steps [Hz]: terms per sample take whole multiples of their own rate, or parts of it (default: their own)
     #[arg(long, visible_alias = "rate-hz", value_name = "HZ")]
@@ -195,7 +195,7 @@ impl Task for ExportArguments {
         let each = in_folder(out, || {
             all.iter()
                 .zip(&names)
-                .map(|(own, name)| self.written(own, &out.join(name)))
+                .map(|(model, name)| self.written(model, &out.join(name)))
                 .collect::<Result<Vec<_>, _>>()
         })?;
         let (said, details): (Vec<String>, Vec<Value>) = each.into_iter().unzip();

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser};
 use files::{Provenance, Staged, commit, read_json, stage_document, stage_set_document};
+use plan::lattice::{self, ProblemFile};
+use plan::voyage::{Brief, Place, Search, Shares};
 use report::plan_map;
 use seatrial::{ChartedTrial, PlanError, Planned};
 use serde_json::json;
@@ -20,8 +22,6 @@ use crate::cli::{Common, LimitFlags, beside, budget, check_positive, given};
 use crate::failure::{Failure, on_stderr};
 use crate::inputs;
 use crate::stage::{Summary, Task};
-use plan::lattice::{self, ProblemFile};
-use plan::voyage::{Brief, Place, Search, Shares};
 
 pub use crate::cli::Limits;
 
@@ -304,8 +304,8 @@ impl<'a> VoyageFiles<'a> {
     fn check_inputs(&self, config: &PlanFile, out: &Path, problem: Option<&Path>) -> Result<(), Failure> {
         let folder = self.config.parent().unwrap_or(Path::new(""));
         let charts = config.chart.iter().map(|spec| folder.join(&spec.file));
-        let own = self.inputs().chain(self.begun.iter().flat_map(Begun::files));
-        let inputs: Vec<PathBuf> = charts.chain(own.map(Path::to_path_buf)).collect();
+        let files = self.inputs().chain(self.begun.iter().flat_map(Begun::files));
+        let inputs: Vec<PathBuf> = charts.chain(files.map(Path::to_path_buf)).collect();
         let outputs: Vec<PathBuf> =
             ADDITIONAL.iter().map(|name| beside(out, MAIN, name)).chain([out.to_path_buf()]).collect();
         if let Some(problem) = problem {
@@ -335,7 +335,7 @@ impl<'a> VoyageFiles<'a> {
 
 /// Refuses a main output with the name of an additional one.
 fn check_names(out: &Path) -> Result<(), Failure> {
-    let name = ADDITIONAL.iter().find(|name| out.file_name().is_some_and(|own| own == **name));
+    let name = ADDITIONAL.iter().find(|name| out.file_name().is_some_and(|last| last == **name));
     name.map_or(Ok(()), |name| {
         let message =
             format!("--out: found {name}, which is written beside it, expected another name; take plan.json");
@@ -397,17 +397,23 @@ pub fn plan_voyage(
     files.check_inputs(&config, out, wanted.problem)?;
     let mut said = String::new();
     let mut staged = Vec::new();
-    if let (Some(own), Some(Begun { so_far: SoFar::Positions(own_files), .. })) = (&followed, &files.begun) {
-        trial.check_afloat(own_files, own, &|| limits.keep_going()).map_err(refuse)?;
-        staged.push(stage_document(beside(out, MAIN, FOLLOWED), &provenance, &own.document)?);
-        let doubts = own.document.doubts.iter().filter(|_| !limits.quiet);
+    if let (Some(followed), Some(Begun { so_far: SoFar::Positions(positions), .. })) =
+        (&followed, &files.begun)
+    {
+        trial.check_afloat(positions, followed, &|| limits.keep_going()).map_err(refuse)?;
+        staged.push(stage_document(beside(out, MAIN, FOLLOWED), &provenance, &followed.document)?);
+        let doubts = followed.document.doubts.iter().filter(|_| !limits.quiet);
         doubts.for_each(|doubt| on_stderr(format_args!("plan follow: {doubt}")));
-        if own.document.status != FollowStatus::UnderWay {
+        if followed.document.status != FollowStatus::UnderWay {
             commit(staged)?;
-            let details = json!({"status": own.document.status, "step": own.document.step});
-            return Ok(Summary::of(&beside(out, MAIN, FOLLOWED), own.document.statement.clone(), details));
+            let details = json!({"status": followed.document.status, "step": followed.document.step});
+            return Ok(Summary::of(
+                &beside(out, MAIN, FOLLOWED),
+                followed.document.statement.clone(),
+                details,
+            ));
         }
-        said = format!("{}; ", own.document.summary());
+        said = format!("{}; ", followed.document.summary());
     }
     let searched = limits.before_check();
     let search = Search {

@@ -126,7 +126,7 @@ impl Task for SearchArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
         let given = read_any_vessel(&self.vessel, &mut provenance)?;
-        let of_forces = Some(&given).filter(|own| own.model.forces.is_some()).cloned();
+        let of_forces = Some(&given).filter(|vessel| vessel.model.forces.is_some()).cloned();
         match &of_forces {
             Some(ship) if !self.core => return self.forces(ship, (common, provenance)),
             Some(_) => self.check_averaged()?,
@@ -221,7 +221,7 @@ impl SearchArguments {
         let single = member(&out, MAIN, "model.json", read())?;
         let terms: Option<TermLists> =
             self.terms.as_ref().map(|path| inputs::toml(path, "terms", &mut provenance)).transpose()?;
-        let listed = terms.map(|own| [own.surge, own.sway, own.yaw]);
+        let listed = terms.map(|term| [term.surge, term.sway, term.yaw]);
         let rate_hz = vessel.sample_rate_hz;
         let window = ("--fitted-window-s", self.fitted_window_s);
         let search = ForceSearch {
@@ -289,8 +289,8 @@ impl SearchArguments {
             ("--bootstrap", self.bootstrap.is_some()),
             ("--average", self.average.is_some()),
         ];
-        let found = "a ship with forces, which is searched for missing products one by one";
-        none_given(flags.into_iter().chain(self.roles.given()), found, "terms per sample")
+        let ship = "a ship with forces, which is searched for missing products one by one";
+        none_given(flags.into_iter().chain(self.roles.given()), ship, "terms per sample")
     }
 
     /// Why nothing was found.

@@ -18,8 +18,8 @@ use study::track::read_planned;
 use study::trajectories::{DataLabel, ID, VERSION};
 use trial::campaign::{self, Maneuvers, Refusal, Settings};
 
-use super::plan::MAIN;
 use crate::cli::{Common, Sharding, beside, budget, check_positive, folder_of, given, in_folder};
+use crate::commands::plan::MAIN;
 use crate::failure::Failure;
 use crate::inputs;
 use crate::simulate::{
@@ -140,8 +140,8 @@ pub struct Logs {
 
 impl Task for Dictionary {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let own = [&self.vessel, &self.dictionary].into_iter().flatten();
-        let out = common.main_output("dictionary.parquet", own.chain(&self.sharding.gather))?;
+        let files = [&self.vessel, &self.dictionary].into_iter().flatten();
+        let out = common.main_output("dictionary.parquet", files.chain(&self.sharding.gather))?;
         if self.sharding.gathers() {
             return gathered(&self.sharding, &out);
         }
@@ -228,8 +228,8 @@ impl Task for Campaign {
 impl Task for Plan {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let track = self.plan.as_deref().map(|plan| beside(plan, MAIN, "track.parquet"));
-        let own = [&self.vessel, &self.campaign, &self.plan, &track].into_iter().flatten();
-        let out = common.main_output("planned.parquet", own.chain(&self.sharding.gather))?;
+        let files = [&self.vessel, &self.campaign, &self.plan, &track].into_iter().flatten();
+        let out = common.main_output("planned.parquet", files.chain(&self.sharding.gather))?;
         if self.sharding.gathers() {
             return gathered(&self.sharding, &out);
         }

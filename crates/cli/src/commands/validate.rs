@@ -188,10 +188,11 @@ impl Task for MeritArguments {
         let out = common.main_output(MERIT, read())?;
         let table = member(&out, MERIT, "merit.parquet", read())?;
         let vessel = read_any_simulated(&self.vessel, &mut provenance)?;
-        let of_forces = || vessel.model.forces.as_ref().map(|own| own.forces.description().ship.length_m);
+        let of_forces =
+            || vessel.model.forces.as_ref().map(|forces| forces.forces.description().ship.length_m);
         let length_m = self.length_m.or_else(of_forces);
         let Some(length_m) = length_m.filter(|length_m| *length_m > 0.0 && *length_m <= 1e3) else {
-            let found = length_m.map_or("none".to_owned(), |own| own.to_string());
+            let found = length_m.map_or("none".to_owned(), |length| length.to_string());
             let expected = "more than 0, at most 1000 m";
             return Err(Failure::Usage(format!(
                 "--length-m: found {found}, expected {expected}; correct it"

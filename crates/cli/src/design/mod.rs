@@ -373,8 +373,8 @@ impl<'a> Problem<'a> {
         let a = self.a;
         let Some(wanted) = a.wanted() else { return Ok(None) };
         let how = (wanted, a.per_parameter && a.criterion.is_none());
-        let found = self.of.shortest(how, (a.mean_removal, self.seed), options);
-        found.map_err(|e| no_criterion(a, e))
+        let shortest = self.of.shortest(how, (a.mean_removal, self.seed), options);
+        shortest.map_err(|e| no_criterion(a, e))
     }
 
     /// A design with few maneuvers, or long ones, if requested. `duration_s`: of the experiment, if known.
@@ -449,8 +449,8 @@ impl<'a> Problem<'a> {
             minimal_s: a.minimal_s,
             seed: self.seed,
         };
-        let found = arranging.search(&design.shares, &design.sensitivities, samples.round() as usize);
-        found.map(Some).map_err(|e| Failure::invalid(dictionary, &e))
+        let sequence = arranging.search(&design.shares, &design.sensitivities, samples.round() as usize);
+        sequence.map(Some).map_err(|e| Failure::invalid(dictionary, &e))
     }
 }
 

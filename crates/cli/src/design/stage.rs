@@ -1,6 +1,10 @@
 use std::path::PathBuf;
 
 use clap::Parser;
+use design::{Bounds, CountOptions, Design, Length, Options, Segments, Streamed, counted, solve_streamed};
+use files::{
+    Digest, Provenance, Staged, commit, is_written, read_document, stage_document, stage_set_document,
+};
 use maneuver::Generator;
 use numerics::Watch;
 use seatrial::{UpdateError, Updating};
@@ -16,16 +20,12 @@ use trial::campaign::Plan;
 use trial::moments::{Moments, check_constants};
 use trial::refining::{Limits, Refinement, Refusal, Start, StatedLimits};
 
-use super::{DesignArguments, Problem, no_design, scarce};
 use crate::cli::{Common, beside};
+use crate::design::{DesignArguments, Problem, no_design, scarce};
 use crate::failure::{Failure, Progress};
 use crate::inputs;
 use crate::simulate::Files;
 use crate::stage::{Summary, Task};
-use design::{Bounds, CountOptions, Design, Length, Options, Segments, Streamed, counted, solve_streamed};
-use files::{
-    Digest, Provenance, Staged, commit, is_written, read_document, stage_document, stage_set_document,
-};
 
 impl Task for DesignArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
@@ -42,7 +42,7 @@ impl Task for DesignArguments {
         provenance.settings.extend(label.map(|(k, v)| (k.clone(), v.clone())));
         let seed = common.seed.unwrap_or(1);
         let (moments, streamed) = match moments.maneuvers.is_empty() && is_written(table_of(&self.moments)) {
-            true => self.streamed(moments, seed).map(|(own, found)| (own, Some(found)))?,
+            true => self.streamed(moments, seed).map(|(moments, streamed)| (moments, Some(streamed)))?,
             false => (moments, None),
         };
         let document = design(self, (seed, streamed), &moments, &mut provenance)?;
@@ -74,7 +74,7 @@ impl DesignArguments {
             )));
         }
         let table = MomentsTable::open(&self.moments, head, self.estimated())?;
-        let found = solve_streamed(&table, &self.options(seed)).map_err(|e| match e {
+        let streamed = solve_streamed(&table, &self.options(seed)).map_err(|e| match e {
             TableError::Table(error) => error.into(),
             TableError::Design(error) => {
                 let dictionary = table.with(&[(0, 0)]).map_err(Failure::from).and_then(|moments| {
@@ -87,7 +87,7 @@ impl DesignArguments {
                 }
             }
         })?;
-        Ok((table.with(&found.members)?, found))
+        Ok((table.with(&streamed.members)?, streamed))
     }
 }
 

@@ -17,12 +17,11 @@ use files::{
 };
 use refusal::{Invalid, foreign};
 use ship::model::VesselFile;
+use steps::{Shape, measured, simulated, simulated_logs};
 use study::documents::{RunDocument, RunStage};
 use study::files::read_ingest;
 use study::ingest_file::recordings::find;
 use study::refuse;
-
-use steps::{Shape, measured, simulated, simulated_logs};
 
 pub use steps::{Settings, Step};
 
@@ -68,11 +67,11 @@ impl Pipeline {
         let mut pipeline =
             Self { folders, dictionary: PathBuf::new(), logs: PathBuf::new(), steps: Vec::new() };
         pipeline.dictionary = pipeline.resolved(settings.or("DICTIONARY", "\0study/dictionary.toml")).into();
-        let own = || pipeline.resolved(settings.or("LOGS", "\0study/logs")).into();
+        let usual = || pipeline.resolved(settings.or("LOGS", "\0study/logs")).into();
         pipeline.logs = match logs {
             _ if from_instruments => out.join("logs"),
             Some(logs) => logs.to_owned(),
-            None => own(),
+            None => usual(),
         };
         if !from_instruments && has("ingest.toml") {
             shape.recordings = recordings(study, &pipeline.logs);
@@ -96,7 +95,7 @@ impl Pipeline {
     /// No such stage.
     pub fn until(&mut self, name: &str) -> Result<(), Invalid> {
         let names = || self.steps.iter().map(|step| step.name.as_str());
-        let Some(last) = names().position(|own| own == name) else {
+        let Some(last) = names().position(|other| other == name) else {
             return Err(Invalid::unknown("stage", name, names()));
         };
         self.steps.truncate(last + 1);
@@ -155,9 +154,13 @@ impl Pipeline {
     fn check(&self) -> Result<(), Error> {
         let written: Vec<&String> = self.steps.iter().flat_map(|step| &step.outputs).collect();
         let read = self.steps.iter().flat_map(Step::inputs);
-        for word in read.filter(|word| !word.starts_with("\0out") && !written.iter().any(|own| own == word)) {
+        for word in
+            read.filter(|word| !word.starts_with("\0out") && !written.iter().any(|output| output == word))
+        {
             let path = PathBuf::from(self.resolved(word));
-            if word == "\0logs" && !path.is_dir() && !written.iter().any(|own| own.starts_with("\0out/logs/"))
+            if word == "\0logs"
+                && !path.is_dir()
+                && !written.iter().any(|output| output.starts_with("\0out/logs/"))
             {
                 let remedy = "name it with --logs, or write LOGS = <folder> into study.mk";
                 return Err(refuse(&path, "--logs", "no such folder", "the folder of the logs", remedy));
@@ -174,7 +177,7 @@ impl Pipeline {
 fn reads(later: &Step, step: &Step) -> bool {
     let is_page = later.words.first().is_some_and(|word| word == "report");
     let logs = later.inputs().any(|word| word == "\0logs") && step.name == "logs";
-    is_page || logs || later.inputs().any(|word| step.outputs.iter().any(|own| own == word))
+    is_page || logs || later.inputs().any(|word| step.outputs.iter().any(|output| output == word))
 }
 
 /// Refuses what is no folder, and a folder without any file of a study.
@@ -193,7 +196,7 @@ fn check_study(study: &Path) -> Result<(), Error> {
 /// A refusal of a study without the hand-written file at `path`.
 fn lacking(path: &Path) -> Error {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let (expected, remedy) = match WRITTEN.iter().find(|(own, ..)| *own == name) {
+    let (expected, remedy) = match WRITTEN.iter().find(|(file, ..)| *file == name) {
         Some((_, what, flags)) => {
             (*what, format!("write it; `seatrial new <folder> {flags}` writes one to begin with"))
         }
@@ -356,7 +359,9 @@ impl Record {
         };
         let stages = self.document.stages.iter();
         stages
-            .flat_map(|(name, stage)| changed(stage, folders).map(move |(what, own)| fault(name, own, &what)))
+            .flat_map(|(name, stage)| {
+                changed(stage, folders).map(move |(what, outputs)| fault(name, outputs, &what))
+            })
             .collect()
     }
 
@@ -408,7 +413,7 @@ impl Record {
         let before = self.document.stages.remove(&step.name).map(|known| known.outputs).unwrap_or_default();
         let recorded = before.keys().map(|key| pipeline.folders.observed(key).path().to_owned());
         let stated = step.outputs.iter().map(|output| PathBuf::from(pipeline.resolved(output)));
-        for file in recorded.chain(stated).filter(|own| own.is_file()) {
+        for file in recorded.chain(stated).filter(|file| file.is_file()) {
             std::fs::remove_file(&file).map_err(|e| Error::io(&file, "remove", e))?;
         }
         self.write()

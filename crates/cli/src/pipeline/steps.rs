@@ -32,7 +32,7 @@ impl Step {
     /// The paths that it reads.
     pub fn inputs(&self) -> impl Iterator<Item = &str> {
         let words = self.words.iter().map(String::as_str);
-        words.filter(|word| word.starts_with('\0') && !self.outputs.iter().any(|own| own == word))
+        words.filter(|word| word.starts_with('\0') && !self.outputs.iter().any(|output| output == word))
     }
 }
 
@@ -103,16 +103,16 @@ pub fn simulated(settings: &Settings, shape: &Shape) -> Vec<Step> {
 /// Flags of the design: those of the study beside the usual ones, unless it says what moments or design are for. What the search for
 /// an order does not keep takes its place.
 fn design_flags(settings: &Settings) -> String {
-    let own = settings.get("DESIGN_FLAGS");
-    let has = |flags: &[&str]| own.split([' ', '=']).any(|word| flags.contains(&word));
+    let given = settings.get("DESIGN_FLAGS");
+    let has = |flags: &[&str]| given.split([' ', '=']).any(|word| flags.contains(&word));
     if !settings.get("MOMENTS_FLAGS").is_empty() || has(&["--for", "--criterion", "--figures"]) {
-        return own.to_owned();
+        return given.to_owned();
     }
     let order = match has(&["--segments", "--available", "--most-maneuvers", "--mean-removal", "--arrange"]) {
         true => String::new(),
         false => format!("--arrange {SHIP} {HELM} "),
     };
-    format!("--for output-error --criterion d {order}{own}")
+    format!("--for output-error --criterion d {order}{given}")
 }
 
 /// Estimates of the runs in `table` by `usual`, below the results' folder `below`, and their scores.
@@ -193,7 +193,7 @@ fn searched(settings: &Settings, shape: &Shape) -> Vec<Step> {
         false => ("", "model.json"),
     };
     let model = |name: &str, below: &str, more: &str| {
-        let file = |own: &str| format!("measured/{below}{own}");
+        let file = |name: &str| format!("measured/{below}{name}");
         let files = ["search.json", "model.json", "average.json"].map(file);
         let outputs: Vec<&str> =
             files.iter().take(if shape.is_of_forces { 3 } else { 2 }).map(String::as_str).collect();
@@ -259,8 +259,8 @@ impl Fit {
                 let in_turns = format!("{flags} --estimators {FEW}");
                 Self { estimator: FEW.to_owned(), flags, in_turns, bootstrap, is_model_alone: false }
             }
-            own => Self {
-                estimator: own.to_owned(),
+            estimator => Self {
+                estimator: estimator.to_owned(),
                 in_turns: flags.clone(),
                 flags,
                 bootstrap,
@@ -271,7 +271,8 @@ impl Fit {
 
     /// The fit with `more` flags, whose results are below the folder `below` of the measured ones.
     fn step(&self, name: &str, below: &str, more: &str) -> Step {
-        let [table, model] = ["estimates.parquet", "model.json"].map(|own| format!("measured/{below}{own}"));
+        let [table, model] =
+            ["estimates.parquet", "model.json"].map(|name| format!("measured/{below}{name}"));
         let outputs: &[&str] = if self.is_model_alone { &[&model] } else { &[&table, &model] };
         let line = format!("estimate pool {LOGGED} {RECORDED} --estimator {} {}", self.estimator, self.flags);
         Step::new(name, &line, more, outputs)
@@ -335,7 +336,7 @@ fn next_trial(settings: &Settings, shape: &Shape) -> Vec<Step> {
         false => &arranged,
     };
     let promised = format!("monte-carlo {model} {HELM} {SEA} {DESIGN} --estimator output-error");
-    let found = ["measured/next/search.json", "measured/next/model.json"];
+    let outputs = ["measured/next/search.json", "measured/next/model.json"];
     let mut steps = vec![
         Step::new("next-dictionary", &dictionary, "", &["measured/next/dictionary.parquet"]),
         Step::new("next-moments", &moments, "", &["measured/next/moments.json"]),

@@ -150,7 +150,7 @@ pub(crate) fn frame(sheet: &mut Sheet, across: (&Axis, &[Tick], &str), up: (&Axi
 }
 
 /// Rows one below the other with names at the left and a common horizontal axis below.
-pub(crate) struct Rows {
+pub(crate) struct NamedRows {
     names: Vec<String>,
     left: f64,
     right: f64,
@@ -161,7 +161,7 @@ const TOP: f64 = 26.0;
 const FOOT: f64 = 46.0;
 const LONGEST_NAME: usize = 26;
 
-impl Rows {
+impl NamedRows {
     /// Rows `row` pixels high, of which the last `margin` pixels at the right stay free for notes.
     pub(crate) fn new<'a>(names: impl Iterator<Item = &'a str>, row: f64, margin: f64) -> Self {
         let names: Vec<String> = names.map(|name| text::shortened(name, LONGEST_NAME)).collect();

@@ -1,4 +1,4 @@
-use crate::figures::axis::{Axis, BASE, COLUMN, LABEL, Rows, Tick, extent, note};
+use crate::figures::axis::{Axis, BASE, COLUMN, LABEL, NamedRows, Tick, extent, note, round_step};
 use crate::figures::palette::{BLUE, series};
 use crate::figures::svg::{Anchor, Lettering, Paint, Sheet};
 use crate::figures::text::{self, percent};
@@ -14,13 +14,14 @@ pub struct ShareRow<'a> {
     pub published: Option<f64>,
 }
 
+/// Height of a row of shares or sensitivities, of a bar of ours, and of a published one [px].
 const ROW: f64 = 32.0;
 const OURS: f64 = 13.0;
 const PUBLISHED: f64 = 9.0;
 
 /// Horizontal bars of the shares; published shares as outlined bars below ours.
 pub fn shares(rows: &[ShareRow<'_>]) -> String {
-    let layout = Rows::new(rows.iter().map(|row| row.name), ROW, 58.0);
+    let layout = NamedRows::new(rows.iter().map(|row| row.name), ROW, 58.0);
     let published = rows.iter().any(|row| row.published.is_some());
     Sheet::figure(COLUMN, layout.height(), "Optimal share of the experiment time per maneuver", |sheet| {
         let (left, right) = layout.span();
@@ -92,7 +93,7 @@ const SPACING: f64 = 11.0;
 /// Mean ± standard deviation of the relative error per parameter, one colour per design. The axis is linear within
 /// ±10 % and logarithmic beyond.
 pub fn relative_errors(designs: &[&str], rows: &[ErrorRow<'_>]) -> String {
-    let layout = Rows::new(rows.iter().map(|row| row.name), 14.0 + SPACING * designs.len() as f64, 18.0);
+    let layout = NamedRows::new(rows.iter().map(|row| row.name), 14.0 + SPACING * designs.len() as f64, 18.0);
     Sheet::figure(COLUMN, layout.height(), "Relative error per parameter, mean and spread", |sheet| {
         let (left, right) = layout.span();
         let axis = Axis::symmetric(most(rows), LINEAR, left, right);
@@ -111,7 +112,7 @@ fn most(rows: &[ErrorRow<'_>]) -> f64 {
     let errors = rows.iter().flat_map(|row| row.errors.iter().flatten());
     let ends = errors.map(|(mean, spread)| mean.abs() + spread.abs());
     let farthest = ends.filter(|end| end.is_finite()).fold(LINEAR, f64::max);
-    crate::figures::axis::round_step(farthest.min(1e9))
+    round_step(farthest.min(1e9))
 }
 
 fn ticks(axis: &Axis) -> Vec<Tick> {
@@ -168,15 +169,13 @@ pub struct SensitivityRow<'a> {
     pub used: bool,
 }
 
-const SENSITIVITY_ROW: f64 = 32.0;
-
 /// What a label beside a dot takes of the width.
 const LABEL_WIDTH: f64 = 40.0;
 
 /// Dots of the sensitivities against the line at `dimension` that a maneuver in use touches. The rows are as high as
 /// those of [`super::shares`], so that the two figures match side by side.
 pub fn sensitivities(rows: &[SensitivityRow<'_>], dimension: f64) -> String {
-    let layout = Rows::new(rows.iter().map(|row| row.name), SENSITIVITY_ROW, 24.0);
+    let layout = NamedRows::new(rows.iter().map(|row| row.name), ROW, 24.0);
     Sheet::figure(COLUMN, layout.height(), "Sensitivity per maneuver", |sheet| {
         let axis = axis(rows, dimension, layout.span());
         layout.draw(sheet, &axis, &axis.ticks(6), "sensitivity g [1]");
@@ -194,7 +193,7 @@ fn axis(rows: &[SensitivityRow<'_>], dimension: f64, (left, right): (f64, f64)) 
     Axis::linear(if low < 0.0 { low - air } else { 0.0 }, high + air, left, right)
 }
 
-fn threshold(sheet: &mut Sheet, layout: &Rows, x: f64, dimension: f64) {
+fn threshold(sheet: &mut Sheet, layout: &NamedRows, x: f64, dimension: f64) {
     sheet.line((x, layout.top() - 5.0), (x, layout.bottom()), (Paint::ink(0.8), 1.4));
     let label = format!("worth its time: g = p = {}", text::number(dimension, 1.0));
     sheet.text(&label, (x + 2.0, 11.0), note(Anchor::End));

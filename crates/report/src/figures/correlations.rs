@@ -37,7 +37,7 @@ const LETTER: f64 = 8.0;
 /// by chance. The first column, of the error with itself, goes from −1 to 1; the others share another axis.
 pub fn correlations(columns: &[&str], rows: &[CorrelationRow<'_>]) -> String {
     let height = HEAD + rows.len() as f64 * ROW + FOOT;
-    let grid = Grid::new(columns.len(), rows);
+    let grid = CorrelationGrid::new(columns.len(), rows);
     Sheet::figure(WIDTH, height, "Correlations of errors over lags", |sheet| {
         for (i, title) in columns.iter().enumerate() {
             let title = text::shortened(title, grid.letters());
@@ -54,12 +54,12 @@ pub fn correlations(columns: &[&str], rows: &[CorrelationRow<'_>]) -> String {
 }
 
 /// The positions of the columns, and the vertical range of those after the first.
-struct Grid {
+struct CorrelationGrid {
     width: f64,
     most: f64,
 }
 
-impl Grid {
+impl CorrelationGrid {
     fn new(columns: usize, rows: &[CorrelationRow<'_>]) -> Self {
         let beyond = rows.iter().flat_map(|row| row.cells.iter().skip(1).flat_map(|cell| cell.values));
         let bounds = rows.iter().map(|row| 2.0 * row.bound);

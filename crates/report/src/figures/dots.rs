@@ -29,8 +29,8 @@ pub fn scored(dots: &[ScoredDot], decades: bool, (across_title, up_title): (&str
         let error = dot.standard_error.unwrap_or(0.0);
         [dot.score - error, dot.score + error]
     });
-    let across = ranged(known.iter().map(|dot| place(dot.at)), PLOT);
-    let up = ranged(ends, (HEIGHT - PLOT_FOOT, PLOT_TOP));
+    let across = ranged(known.iter().map(|dot| place(dot.at)), 0.06, PLOT);
+    let up = ranged(ends, 0.06, (HEIGHT - PLOT_FOOT, PLOT_TOP));
     Sheet::figure(COLUMN, HEIGHT, "Scores of the candidates", |sheet| {
         let ticks = if decades { powers(&across) } else { across.ticks(4) };
         frame(sheet, (&across, &ticks, across_title), (&up, &up.ticks(4), up_title));
@@ -41,19 +41,23 @@ pub fn scored(dots: &[ScoredDot], decades: bool, (across_title, up_title): (&str
                 let (low, high) = (up.at(dot.score - error), up.at(dot.score + error));
                 sheet.line((*x, low), (*x, high), (Paint::solid(BLUE).faded(0.55), 1.4));
             }
-            if dot.chosen {
-                sheet.disc((*x, *y), 6.0, Paint::solid(BLUE));
-            } else {
-                sheet.disc((*x, *y), 3.2, (Paint::solid(BLUE), 1.4));
-            }
+            mark(sheet, (*x, *y), dot.chosen, (3.2, 1.4));
         }
     })
 }
 
-/// The range of `values` with a margin on both sides.
-fn ranged(values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Axis {
+/// A disc that is filled if it was `chosen`; else a smaller ring of this radius and width.
+fn mark(sheet: &mut Sheet, at: Point, chosen: bool, (radius, width): (f64, f64)) {
+    match chosen {
+        true => sheet.disc(at, 6.0, Paint::solid(BLUE)),
+        false => sheet.disc(at, radius, (Paint::solid(BLUE), width)),
+    }
+}
+
+/// The range of `values`, and `margin` of it on both sides.
+fn ranged(values: impl Iterator<Item = f64>, margin: f64, (from, to): (f64, f64)) -> Axis {
     let (low, high) = extent(values).unwrap_or((0.0, 1.0));
-    let air = if high > low { 0.06 * (high - low) } else { 0.5 };
+    let air = if high > low { margin * (high - low) } else { 0.5 };
     Axis::linear(low - air, high + air, from, to)
 }
 
@@ -82,8 +86,8 @@ pub fn accuracy(curves: &[AccuracyCurve<'_>], wanted: (f64, f64), title: &str) -
     let known: Vec<(&str, Vec<(f64, f64)>)> =
         curves.iter().map(|c| (c.label, c.points.iter().copied().filter(drawn).collect())).collect();
     let all = || known.iter().flat_map(|(_, points)| points).chain([&wanted]);
-    let across = Scale::new(all().map(|p| p.0), PLOT);
-    let up = Scale::new(all().map(|p| p.1), (CURVES_HEIGHT - PLOT_FOOT, PLOT_TOP));
+    let across = LogAxis::new(all().map(|p| p.0), PLOT);
+    let up = LogAxis::new(all().map(|p| p.1), (CURVES_HEIGHT - PLOT_FOOT, PLOT_TOP));
     let ((left, right), (bottom, top)) = (across.0.ends(), up.0.ends());
     Sheet::figure(COLUMN, CURVES_HEIGHT, "Standard error against duration", |sheet| {
         let durations = (&across.0, &*across.ticks(), "duration of the experiment [s]");
@@ -103,9 +107,9 @@ pub fn accuracy(curves: &[AccuracyCurve<'_>], wanted: (f64, f64), title: &str) -
 }
 
 /// A logarithmic axis: an axis of logarithms to base 10.
-struct Scale(Axis);
+struct LogAxis(Axis);
 
-impl Scale {
+impl LogAxis {
     fn new(values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Self {
         let (low, high) = extent(values.map(libm::log10)).unwrap_or((0.0, 1.0));
         Self(Axis::linear(low - 0.05, high + 0.05, from, to))
@@ -143,7 +147,7 @@ pub struct FrontDot<'a> {
     pub chosen: bool,
 }
 
-const FRONT_HEIGHT: f64 = 300.0;
+const HEIGHT: f64 = 300.0;
 const RIGHT: f64 = PLOT.1;
 /// With more dots than this only the chosen one is named.
 const MOST_NAMED: usize = 12;
@@ -154,9 +158,9 @@ pub fn front(dots: &[FrontDot<'_>], cost_title: &str) -> String {
     let mut known: Vec<&FrontDot<'_>> =
         dots.iter().filter(|dot| dot.cost.is_finite() && dot.log_det.is_finite()).collect();
     known.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.log_det.total_cmp(&b.log_det)));
-    Sheet::figure(COLUMN, FRONT_HEIGHT, "Information against cost", |sheet| {
-        let across = axis(known.iter().map(|dot| dot.cost), PLOT);
-        let up = axis(known.iter().map(|dot| dot.log_det), (FRONT_HEIGHT - PLOT_FOOT, PLOT_TOP));
+    Sheet::figure(COLUMN, HEIGHT, "Information against cost", |sheet| {
+        let across = ranged(known.iter().map(|dot| dot.cost), 0.14, PLOT);
+        let up = ranged(known.iter().map(|dot| dot.log_det), 0.14, (HEIGHT - PLOT_FOOT, PLOT_TOP));
         let whole = known.iter().all(|dot| dot.cost.fract() == 0.0);
         let costs = (&across, &*cost_ticks(&across, whole), cost_title);
         frame(sheet, costs, (&up, &up.ticks(4), "log|det| of the moments [1]"));
@@ -165,13 +169,6 @@ pub fn front(dots: &[FrontDot<'_>], cost_title: &str) -> String {
             draw_dot(sheet, (across.at(dot.cost), up.at(dot.log_det)), dot, known.len());
         }
     })
-}
-
-/// The range of `values` with a margin on both sides.
-fn axis(values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Axis {
-    let (low, high) = extent(values).unwrap_or((0.0, 1.0));
-    let air = if high > low { 0.14 * (high - low) } else { 0.5 };
-    Axis::linear(low - air, high + air, from, to)
 }
 
 /// Round costs; whole numbers only for a cost in moves.
@@ -188,7 +185,7 @@ fn cost_ticks(across: &Axis, whole: bool) -> Vec<Tick> {
 fn steps(known: &[&FrontDot<'_>], across: &Axis, up: &Axis) -> Vec<Point> {
     let mut corners: Vec<Point> = Vec::new();
     let mut best = f64::NEG_INFINITY;
-    for dot in known.iter().filter(|dot| dot.log_det.is_finite()) {
+    for dot in known {
         if dot.log_det > best {
             let x = across.at(dot.cost);
             corners.extend((best > f64::NEG_INFINITY).then(|| (x, up.at(best))));
@@ -201,11 +198,7 @@ fn steps(known: &[&FrontDot<'_>], across: &Axis, up: &Axis) -> Vec<Point> {
 }
 
 fn draw_dot(sheet: &mut Sheet, (x, y): Point, dot: &FrontDot<'_>, dots: usize) {
-    if dot.chosen {
-        sheet.disc((x, y), 6.0, Paint::solid(BLUE));
-    } else {
-        sheet.disc((x, y), 4.8, (Paint::solid(BLUE), 1.6));
-    }
+    mark(sheet, (x, y), dot.chosen, (4.8, 1.6));
     if dot.chosen || dots <= MOST_NAMED {
         let (anchor, aside) = if x > 0.7 * RIGHT { (Anchor::End, -9.0) } else { (Anchor::Start, 9.0) };
         let lettering = note(anchor);

@@ -228,11 +228,8 @@ fn is_five(round: f64) -> bool {
 
 /// A round length in metres or kilometres.
 fn length(metres: f64) -> String {
-    if metres < 1000.0 {
-        return format!("{} m", text::number(metres, metres));
-    }
-    let kilometres = metres / 1000.0;
-    format!("{} km", text::number(kilometres, kilometres))
+    let (length, unit) = if metres < 1000.0 { (metres, "m") } else { (metres / 1000.0, "km") };
+    format!("{} {unit}", text::number(length, length))
 }
 
 /// An arrow around `at`, with its letter.
@@ -244,10 +241,7 @@ fn north_arrow(sheet: &mut Sheet, (x, y): Point) {
         light.ring(&[(x, y - 9.0), (x + 6.0, y + 11.0), (x, y + 6.0)]);
         sheet.path(&dark, Look::filled(Paint::ink(1.0)).outlined(Paint::ink(1.0), 1.0));
         sheet.path(&light, Look::drawn(Paint::ink(1.0), 1.0));
-        sheet.text(
-            "N",
-            (x - 18.0, y + 2.0),
-            Lettering::new(NOTE, Anchor::Middle).painted(Paint::ink(0.85)).bold(),
-        );
+        let letter = Lettering::new(NOTE, Anchor::Middle).painted(Paint::ink(0.85)).bold();
+        sheet.text("N", (x - 18.0, y + 2.0), letter);
     });
 }

@@ -54,7 +54,7 @@ pub fn traces(columns: &[TraceColumn<'_>], rows: &[TraceRow<'_>]) -> String {
     let head = head(columns);
     let height = head + rows.len() as f64 * ROW + FOOT;
     Sheet::figure(WIDTH, height, "Inputs and states over time per maneuver", |sheet| {
-        let grid = Grid::new(columns, rows, head);
+        let grid = TraceGrid::new(columns, rows, head);
         for (index, column) in columns.iter().enumerate() {
             legend(sheet, column, grid.across[index].ends().0);
         }
@@ -81,13 +81,13 @@ fn legend(sheet: &mut Sheet, column: &TraceColumn<'_>, left: f64) {
     }
 }
 
-struct Grid {
+struct TraceGrid {
     across: Vec<Axis>,
     ranges: Vec<(f64, f64)>,
     head: f64,
 }
 
-impl Grid {
+impl TraceGrid {
     fn new(columns: &[TraceColumn<'_>], rows: &[TraceRow<'_>], head: f64) -> Self {
         let end = extent(rows.iter().flat_map(|row| row.t.iter().copied())).map_or(1.0, |(_, end)| end);
         let width = (WIDTH - MARGIN - 12.0 + GAP) / columns.len().max(1) as f64;
@@ -109,9 +109,8 @@ impl Grid {
         }
         for ((across, &range), curves) in self.across.iter().zip(&self.ranges).zip(&row.cells) {
             let up = Axis::linear(range.0, range.1, top + ROW - 6.0, top + ROW - 6.0 - CELL);
-            let cell = Cell { across, up };
-            cell.axes(sheet);
-            curves.iter().for_each(|curve| cell.curve(sheet, row.t, curve));
+            draw_axes(sheet, across, &up);
+            curves.iter().for_each(|curve| draw_curve(sheet, (across, &up), row.t, curve));
         }
     }
 
@@ -141,42 +140,31 @@ fn range(rows: &[TraceRow<'_>], column: usize) -> (f64, f64) {
     (low - air, high + air)
 }
 
-struct Cell<'a> {
-    across: &'a Axis,
-    up: Axis,
+fn draw_axes(sheet: &mut Sheet, across: &Axis, up: &Axis) {
+    let (left, right) = across.ends();
+    let lettering = Lettering::new(11.0, Anchor::End).painted(Paint::ink(0.7));
+    for tick in up.ticks(2) {
+        let y = up.at(tick.value);
+        let paint = if tick.value == 0.0 { BASE } else { GRID };
+        sheet.line((left, y), (right, y), (paint, 1.0));
+        sheet.text(&tick.label, (left - 5.0, y), lettering);
+    }
 }
 
-impl Cell<'_> {
-    fn axes(&self, sheet: &mut Sheet) {
-        let (left, right) = self.across.ends();
-        for tick in self.up.ticks(2) {
-            let y = self.up.at(tick.value);
-            let paint = if tick.value == 0.0 { BASE } else { GRID };
-            sheet.line((left, y), (right, y), (paint, 1.0));
-            sheet.text(
-                &tick.label,
-                (left - 5.0, y),
-                Lettering::new(11.0, Anchor::End).painted(Paint::ink(0.7)),
-            );
-        }
+fn draw_curve(sheet: &mut Sheet, (across, up): (&Axis, &Axis), t: &[f64], curve: &Curve) {
+    let points = t.iter().zip(&curve.values).map(|(t, value)| (across.at(*t), up.at(*value)));
+    let paint = Paint::solid(curve.colour.unwrap_or(INK));
+    if !curve.band.is_empty() {
+        let side = |sign: f64| {
+            let ends = t.iter().zip(&curve.values).zip(&curve.band);
+            let points = ends.map(|((t, x), half)| (across.at(*t), up.at(x + sign * half)));
+            thinned(points, MOST_POINTS)
+        };
+        let around: Vec<_> = side(1.0).into_iter().chain(side(-1.0).into_iter().rev()).collect();
+        sheet.polyline(&around, paint.faded(0.2));
     }
-
-    fn curve(&self, sheet: &mut Sheet, t: &[f64], curve: &Curve) {
-        let points = t.iter().zip(&curve.values).map(|(t, value)| (self.across.at(*t), self.up.at(*value)));
-        let colour = curve.colour.unwrap_or(INK);
-        if !curve.band.is_empty() {
-            let side = |sign: f64| {
-                let ends = t.iter().zip(&curve.values).zip(&curve.band);
-                let points = ends.map(|((t, x), half)| (self.across.at(*t), self.up.at(x + sign * half)));
-                thinned(points, MOST_POINTS)
-            };
-            let around: Vec<_> = side(1.0).into_iter().chain(side(-1.0).into_iter().rev()).collect();
-            sheet.polyline(&around, Paint::solid(colour).faded(0.2));
-        }
-        let paint = Paint::solid(colour);
-        let width = if curve.is_thin { 0.6 } else { 1.5 };
-        sheet.polyline(&thinned(points, MOST_POINTS), (paint, width));
-    }
+    let width = if curve.is_thin { 0.6 } else { 1.5 };
+    sheet.polyline(&thinned(points, MOST_POINTS), (paint, width));
 }
 
 /// At most about `most` points of a curve that keep its peaks: of each section the first, lowest and highest point.
@@ -223,7 +211,7 @@ pub struct TrackLine<'a> {
     pub colour: Option<Rgb>,
 }
 
-const TRACKS_WIDTH: f64 = 960.0;
+const WIDTH: f64 = 960.0;
 const NARROWEST: f64 = 150.0;
 const TALLEST: f64 = 230.0;
 const HEAD: f64 = 26.0;
@@ -233,10 +221,10 @@ const LETTER: f64 = 6.6;
 
 /// Plan views, all at the same scale: x upwards, y to the right, a dot at the start.
 pub fn tracks(tracks: &[Track<'_>]) -> String {
-    let cells = Cells::new(tracks);
+    let cells = TrackCells::new(tracks);
     let rows = tracks.len().div_ceil(cells.columns);
     let height = rows as f64 * cells.cell.1 + 34.0;
-    Sheet::figure(TRACKS_WIDTH, height, "Plan view of every maneuver", |sheet| {
+    Sheet::figure(WIDTH, height, "Plan view of every maneuver", |sheet| {
         for (index, track) in tracks.iter().enumerate() {
             cells.draw(sheet, index, track);
         }
@@ -245,26 +233,26 @@ pub fn tracks(tracks: &[Track<'_>]) -> String {
 }
 
 /// Number of columns, size of the cells [px], and pixels per metre.
-struct Cells {
+struct TrackCells {
     columns: usize,
     cell: (f64, f64),
     scale: f64,
 }
 
-impl Cells {
+impl TrackCells {
     fn new(tracks: &[Track<'_>]) -> Self {
         let length = |(low, high): (f64, f64)| high - low;
         let widest = tracks.iter().map(|track| length(track.across())).fold(1e-3, f64::max);
         let longest = tracks.iter().map(|track| length(track.along())).fold(1e-3, f64::max);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful")]
-        let most = (TRACKS_WIDTH / NARROWEST) as usize;
+        let most = (WIDTH / NARROWEST) as usize;
         let candidates = (1..=most.min(tracks.len().max(1))).map(|columns| {
-            let room = TRACKS_WIDTH / columns as f64 - 2.0 * PAD;
+            let room = WIDTH / columns as f64 - 2.0 * PAD;
             (columns, (room / widest).min(TALLEST / longest))
         });
         let best = candidates.max_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
         let (columns, scale) = best.unwrap_or((1, 1.0));
-        let cell = (TRACKS_WIDTH / columns as f64, HEAD + longest * scale + 3.0 * PAD);
+        let cell = (WIDTH / columns as f64, HEAD + longest * scale + 3.0 * PAD);
         Self { columns, cell, scale }
     }
 
@@ -277,7 +265,7 @@ impl Cells {
         for (i, line) in track.lines.iter().enumerate() {
             let points = self.placed(track, line, centre);
             let paint = Paint::solid(line.colour.unwrap_or(INK));
-            sheet.polyline(&thinned(points.iter().copied(), 600), (paint, 1.8));
+            sheet.polyline(&thinned(points.iter().copied(), MOST_POINTS), (paint, 1.8));
             let start = points.iter().find(|p| p.0.is_finite() && p.1.is_finite());
             if let Some(start) = start.filter(|_| i == 0) {
                 sheet.disc(*start, 3.5, Paint::ink(0.9));
@@ -294,7 +282,7 @@ impl Cells {
 
     /// Pixels of a line with the centre of the extent of all of `track` at `centre`.
     fn placed(&self, track: &Track<'_>, line: &TrackLine<'_>, centre: Point) -> Vec<Point> {
-        let (north, east) = (middle(track.along()), middle(track.across()));
+        let [north, east] = [track.along(), track.across()].map(|(low, high)| 0.5 * (low + high));
         let pairs = line.x.iter().zip(line.y);
         pairs
             .map(|(x, y)| (centre.0 + self.scale * (y - east), centre.1 - self.scale * (x - north)))
@@ -333,8 +321,4 @@ fn abridged(name: &str, most: usize) -> String {
     }
     let (head, tail) = (most / 2, most.saturating_sub(most / 2 + 1));
     letters[..head].iter().chain(&['…']).chain(&letters[letters.len() - tail..]).collect()
-}
-
-fn middle((low, high): (f64, f64)) -> f64 {
-    0.5 * (low + high)
 }

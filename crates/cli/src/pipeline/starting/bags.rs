@@ -24,19 +24,19 @@ pub(super) const BAGS: [&str; 8] =
 pub(super) fn guessed(folder: &Path, files: &[String], needed: &[Needed]) -> Result<BagGuess, Error> {
     let (first, format) = (&files[0], Format::of(&files[0]));
     if let Some(other) = files.iter().find(|file| Format::of(file) != format) {
-        let found = format!("`{}` beside `{}`", foreign(other), foreign(first));
+        let formats = format!("`{}` beside `{}`", foreign(other), foreign(first));
         let remedy =
             "name a folder with those of one format, or write ingest.toml yourself (docs/own-logs.md)";
-        return Err(refuse(folder, "logs", &found, "bags of one format", remedy));
+        return Err(refuse(folder, "logs", &formats, "bags of one format", remedy));
     }
     let path = folder.join(first);
     let topics = topics(&path, format)?;
     let guess = BagGuess::of(format, &topics, needed);
     if guess.topics.is_empty() {
-        let found = format!("none among {} topics", topics.len());
+        let none = format!("none among {} topics", topics.len());
         let expected = "a topic with a motion, such as one of nav_msgs/Odometry or vehicle_odometry";
         let remedy = "write ingest.toml yourself (docs/own-logs.md)";
-        return Err(refuse(&path, "topic", &found, expected, remedy));
+        return Err(refuse(&path, "topic", &none, expected, remedy));
     }
     Ok(guess)
 }
@@ -104,7 +104,8 @@ fn clock(topic_guess: &TopicGuess) -> String {
 
 /// The channels of a topic, on one line where they are few and have one mark.
 fn channels(placed: &[Placed]) -> String {
-    let is_short = placed.len() == 1 || placed.len() == 2 && placed.iter().all(|own| mark(own).is_empty());
+    let is_short =
+        placed.len() == 1 || placed.len() == 2 && placed.iter().all(|channel| mark(channel).is_empty());
     match placed {
         [] => String::new(),
         [.., last] if is_short => {
@@ -253,15 +254,15 @@ pub(super) fn guessed_sentences(path: &Path, needed: &[Needed]) -> Result<Senten
     match guess.placed.is_empty() {
         false => Ok(guess),
         true => {
-            let found = format!("none among {}", listed(&guess.unused));
-            Err(refuse(path, "field", &found, "one of a motion, such as GGA.latitude or HDT.heading", remedy))
+            let none = format!("none among {}", listed(&guess.unused));
+            Err(refuse(path, "field", &none, "one of a motion, such as GGA.latitude or HDT.heading", remedy))
         }
     }
 }
 
 /// The group of files of `ingest.toml`.
 pub(super) fn group(guess: &SentenceGuess, patterns: &[String]) -> String {
-    let listed = |all: &[String]| all.iter().map(|own| quoted(own)).collect::<Vec<_>>().join(", ");
+    let listed = |all: &[String]| all.iter().map(|text| quoted(text)).collect::<Vec<_>>().join(", ");
     let mut text = format!("\n[[file]]\npattern = [{}]\n", listed(patterns));
     if !patterns.iter().all(|pattern| SENTENCES.iter().any(|end| pattern.to_lowercase().ends_with(end))) {
         text += "format = \"nmea\"\n";

@@ -5,9 +5,9 @@ use std::fmt::Write;
 use logs::guess::{BagGuess, Guess, Head, Needed, Placed, SentenceGuess};
 use logs::{Format, TimeUnit};
 
-use super::bags::{self, MARK, PARQUET, quoted};
-use super::looking::{Found, Looked};
-use super::presets::Preset;
+use crate::pipeline::starting::bags::{self, MARK, PARQUET, quoted};
+use crate::pipeline::starting::looking::{Found, Looked};
+use crate::pipeline::starting::presets::Preset;
 use crate::pipeline::steps::SEARCHED;
 
 /// Rows that a gap may be as long as.
@@ -19,7 +19,7 @@ pub(super) fn written(looked: &Looked, preset: &Preset) -> String {
     let mut text = match &looked.found {
         Found::Table(head, guess) => {
             let lacks = looked.half_a_wind();
-            let placed: String = guess.placed.iter().map(|own| channel(own, lacks)).collect();
+            let placed: String = guess.placed.iter().map(|placed| channel(placed, lacks)).collect();
             let step_s = guess.clock.as_ref().map_or(1.0, |clock| clock.step_s);
             general(looked, rate_hz, step_s) + &files(looked, head, guess) + &placed
         }
@@ -30,7 +30,7 @@ pub(super) fn written(looked: &Looked, preset: &Preset) -> String {
             general_of_sentences(looked, guess, rate_hz) + &bags::group(guess, &looked.patterns)
         }
     };
-    looked.missing().iter().for_each(|own| text += &missing(own, &looked.found));
+    looked.missing().iter().for_each(|need| text += &missing(need, &looked.found));
     text += &unplaced(looked);
     text += preset.thrusters();
     text

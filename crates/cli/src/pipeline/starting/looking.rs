@@ -9,11 +9,10 @@ use flate2::read::MultiGzDecoder;
 use logs::Format;
 use logs::guess::{BagGuess, Guess, Head, Named, Needed, Placed, SentenceGuess};
 use refusal::{foreign, listed};
-
 use study::ingest_file::read::check_format;
 use study::{invalid, refuse};
 
-use super::bags::{self, BAGS, PARQUET, PERHAPS, SENTENCES, is_of_sentences};
+use crate::pipeline::starting::bags::{self, BAGS, PARQUET, PERHAPS, SENTENCES, is_of_sentences};
 
 /// Bytes of a log that are looked at.
 const LOOKED: u64 = 1 << 17;
@@ -104,18 +103,18 @@ impl Looked {
         let first = &files[0];
         let seen: Vec<Seen> =
             files.iter().map(|file| Seen::of(&folder.join(file))).collect::<Result<_, _>>()?;
-        for (file, own) in files.iter().zip(&seen) {
-            check_columns(folder, (first, &seen[0].head), (file, &own.head))?;
+        for (file, log) in files.iter().zip(&seen) {
+            check_columns(folder, (first, &seen[0].head), (file, &log.head))?;
         }
         check_ships(folder, files.iter().zip(&seen))?;
-        let mut rows: Vec<f64> = seen.iter().map(|own| own.rows).collect();
+        let mut rows: Vec<f64> = seen.iter().map(|log| log.rows).collect();
         rows.sort_by(f64::total_cmp);
         let (usual_rows, head) = (rows[rows.len() / 2], seen[0].head.clone());
         let guess = Guess::of(&head, needed);
         let Some(clock) = &guess.clock else {
-            let found = format!("none that is called a time or increases among {}", listed(&head.columns));
+            let lacking = format!("none that is called a time or increases among {}", listed(&head.columns));
             let remedy = "write ingest.toml yourself, with its `time` (docs/own-logs.md)";
-            return Err(refuse(&folder.join(first), "time", &found, "a column with the time", remedy));
+            return Err(refuse(&folder.join(first), "time", &lacking, "a column with the time", remedy));
         };
         let usual_s = usual_rows * clock.step_s;
         let (folder, patterns) = (folder.to_owned(), patterns(&files, &[CSV.as_slice(), &PARQUET].concat()));
@@ -155,14 +154,15 @@ impl Looked {
             let end = known.filter(|end| lower.ends_with(*end)).map(|end| end.len()).max().unwrap_or(0);
             file.rfind('/').map_or(0, |slash| slash + 1)..file.len() - end
         };
-        let size = |file: &String| std::fs::metadata(self.folder.join(file)).map_or(0, |own| own.len());
+        let size =
+            |file: &String| std::fs::metadata(self.folder.join(file)).map_or(0, |metadata| metadata.len());
         let mut sizes: Vec<u64> = self.files.iter().map(size).collect();
         sizes.sort_unstable();
         let usual = sizes[sizes.len() / 2] as f64;
         let is_long = |file: &&String| size(file) as f64 > LONG * usual;
-        let five = self.files.chunks(5).filter(|own| own.len() > 2);
-        let one = five.filter_map(|own| {
-            let (before, after) = own.split_at(2);
+        let five = self.files.chunks(5).filter(|files| files.len() > 2);
+        let one = five.filter_map(|files| {
+            let (before, after) = files.split_at(2);
             let all = after.iter().chain(before).filter(is_long);
             all.map(|file| &file[name(file)]).find(is_plain)
         });
@@ -172,9 +172,9 @@ impl Looked {
     /// How many lines of `ingest.toml` are guessed.
     pub fn guessed(&self) -> usize {
         let marks = |placed: &[Placed]| -> usize {
-            let marks = placed
-                .iter()
-                .map(|own| usize::from(own.is_channel_guessed) + usize::from(own.is_unit_guessed));
+            let marks = placed.iter().map(|channel| {
+                usize::from(channel.is_channel_guessed) + usize::from(channel.is_unit_guessed)
+            });
             marks.sum()
         };
         match &self.found {
@@ -194,21 +194,23 @@ impl Looked {
 
     /// Whether the relative wind's speed and direction are logged: then the model takes both.
     pub(super) fn take_wind(&mut self) -> bool {
-        let is_whole = WIND.iter().all(|channel| self.placed().any(|own| own.channel == *channel));
+        let is_whole = WIND.iter().all(|channel| self.placed().any(|placed| placed.channel == *channel));
         let placed: Vec<&mut Placed> = match &mut self.found {
             Found::Table(_, guess) => guess.placed.iter_mut().collect(),
             Found::Bag(guess) => guess.topics.iter_mut().flat_map(|topic| &mut topic.placed).collect(),
             Found::Sentences(guess) => guess.placed.iter_mut().collect(),
         };
-        for own in placed.into_iter().filter(|own| is_whole && WIND.contains(&own.channel.as_str())) {
-            own.is_optional = false;
+        for channel in
+            placed.into_iter().filter(|channel| is_whole && WIND.contains(&channel.channel.as_str()))
+        {
+            channel.is_optional = false;
         }
         is_whole
     }
 
     /// The channel of the wind that is not used, for the other is not logged, and what it lacks.
     pub fn half_a_wind(&self) -> Option<[&'static str; 2]> {
-        let has = |channel: &str| self.placed().any(|own| own.channel == channel);
+        let has = |channel: &str| self.placed().any(|placed| placed.channel == channel);
         match WIND.map(has) {
             [true, false] => Some([WIND[0], "direction"]),
             [false, true] => Some([WIND[1], "speed"]),
@@ -292,14 +294,14 @@ impl Seen {
 fn no_log(folder: &Path, all: &[String]) -> Error {
     let foreign_log = all.iter().find_map(|name| check_format(&folder.join(name), Format::Csv, true).err());
     foreign_log.unwrap_or_else(|| {
-        let found = match all {
+        let logs = match all {
             [] => "none".to_owned(),
             [first, more @ ..] => {
                 format!("`{}` and {} more files, of formats that are not known", foreign(first), more.len())
             }
         };
         let expected = "files that end with .csv, .csv.gz, .tsv, .parquet, .mcap, .bag, .db3, .ulg or .nmea";
-        refuse(folder, "logs", &found, expected, "name the folder of the logs, or their files so")
+        refuse(folder, "logs", &logs, expected, "name the folder of the logs, or their files so")
     })
 }
 
@@ -307,16 +309,16 @@ fn no_log(folder: &Path, all: &[String]) -> Error {
 fn check_columns(
     folder: &Path,
     (first, known): (&str, &Head),
-    (file, own): (&str, &Head),
+    (file, head): (&str, &Head),
 ) -> Result<(), Error> {
-    if own.columns == known.columns && own.separator == known.separator {
+    if head.columns == known.columns && head.separator == known.separator {
         return Ok(());
     }
     let lacks = |these: &Head, those: &Head| {
         let lacking = those.columns.iter().find(|column| !these.columns.contains(column));
         lacking.map(|column| format!("`{}`", foreign(column)))
     };
-    let found = match (lacks(known, own), lacks(own, known)) {
+    let difference = match (lacks(known, head), lacks(head, known)) {
         (Some(more), _) => format!("a column {more} that {} has not", foreign(first)),
         (None, Some(less)) => format!("no column {less}, which {} has", foreign(first)),
         (None, None) => {
@@ -326,7 +328,7 @@ fn check_columns(
     let expected = "logs of one ship with the same columns";
     let remedy =
         "name a folder with those of one ship, or write a [[file]] for each kind yourself (docs/own-logs.md)";
-    Err(refuse(&folder.join(file), "columns", &found, expected, remedy))
+    Err(refuse(&folder.join(file), "columns", &difference, expected, remedy))
 }
 
 /// Refuses logs that name several ships.

@@ -7,13 +7,11 @@ mod presets;
 
 use std::path::Path;
 
+use chart::{Bounds, Chart, Class, Distances, Layer, Plane, Raster};
 use files::{Error, Provenance, budget};
+use presets::with_schema;
 use study::hand_written;
 use study::plan::{ChartsError, Means, PlanFile, read_charts};
-
-use chart::{Bounds, Chart, Class, Distances, Layer, Plane, Raster};
-
-use presets::with_schema;
 
 pub use looking::{Found, Looked};
 pub use presets::{NewFile, PRESETS, Preset, of_ship};
@@ -23,8 +21,8 @@ pub use presets::{NewFile, PRESETS, Preset, of_ship};
 /// # Errors
 /// A ship that sails on no chart; a chart that cannot be read, or has no water for the trial.
 pub fn simulated(preset: &Preset, name: &str, charted: Option<&Charted>) -> Result<Vec<NewFile>, Error> {
-    let own = |(name, text): (&str, &str)| (name.to_owned(), text.to_owned());
-    let mut files: Vec<NewFile> = preset.files().map(own).collect();
+    let owned = |(name, text): (&str, &str)| (name.to_owned(), text.to_owned());
+    let mut files: Vec<NewFile> = preset.files().map(owned).collect();
     if let Some(charted) = charted {
         let template = preset.plan().map_err(|why| Error::invalid(charted.file, why))?;
         files.push(("plan.toml".to_owned(), planned(charted, name, template)?));
@@ -86,7 +84,7 @@ fn trial(preset: &Preset, charted: Option<&Charted>) -> Result<Vec<(String, Stri
 /// `template` with maneuvers by the design's shares, for a trial as long as that of `campaign`.
 fn without_maneuvers(template: &str, campaign: &str) -> String {
     let length = campaign.lines().find_map(|line| line.strip_prefix("duration_s = "));
-    let length = length.and_then(|own| own.split_whitespace().next()).unwrap_or("600.0");
+    let length = length.and_then(|value| value.split_whitespace().next()).unwrap_or("600.0");
     let Some((before, (_, after))) = template
         .split_once("maneuver = [\n")
         .and_then(|(before, rest)| Some((before, rest.split_once("]\n")?)))
@@ -106,8 +104,8 @@ fn drawn(dictionary: &str, plan: &str) -> String {
     };
     let largest = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
     let modes = numbers(plan.split_once("[[speed_mode]]").map_or("", |(_, modes)| modes), "speed_m_s");
-    let own = ["speed_m_s", "from_m_s", "to_m_s"].into_iter().flat_map(|key| numbers(dictionary, key));
-    let speeds: Vec<f64> = own.chain(modes.iter().copied()).collect();
+    let speeds = ["speed_m_s", "from_m_s", "to_m_s"].into_iter().flat_map(|key| numbers(dictionary, key));
+    let speeds: Vec<f64> = speeds.chain(modes.iter().copied()).collect();
     let (speed, duration_s) = (largest(&speeds), largest(&numbers(dictionary, "duration_s")).max(1.0));
     let slow = speeds.into_iter().filter(|speed| *speed > 0.0).fold(speed, f64::min).min(0.8 * speed);
     let start = if modes.is_empty() { String::new() } else { format!("start_m_s = {modes:?}\n") };
@@ -212,13 +210,13 @@ fn planned(charted: &Charted, name: &str, (template, side_m): (&str, f64)) -> Re
              {clear_m:.0} m are"
         )));
     }
-    let found = format!("The place in the area that is farthest from dangers and the edge: {clear_m:.0} m.");
-    Ok(filled(&bounds, start, &found))
+    let about = format!("The place in the area that is farthest from dangers and the edge: {clear_m:.0} m.");
+    Ok(filled(&bounds, start, &about))
 }
 
 /// The keys of an area.
 fn area(plane: &Plane, bounds: &Bounds) -> String {
-    let [(west, south), (east, north)] = [bounds.min, bounds.max].map(|own| plane.to_geographic(own));
+    let [(west, south), (east, north)] = [bounds.min, bounds.max].map(|corner| plane.to_geographic(corner));
     format!("west_deg = {west:.4}\nsouth_deg = {south:.4}\neast_deg = {east:.4}\nnorth_deg = {north:.4}")
 }
 
@@ -252,8 +250,9 @@ fn roomiest(
         let edge = [x - bounds.min[0], bounds.max[0] - x, y - bounds.min[1], bounds.max[1] - y];
         edge.into_iter().fold(distances.distance_m(x, y), f64::min)
     };
-    let best =
-        nodes.map(|node| (room(node), node)).reduce(|best, own| if own.0 > best.0 { own } else { best });
+    let best = nodes
+        .map(|node| (room(node), node))
+        .reduce(|best, other| if other.0 > best.0 { other } else { best });
     let (clear_m, node) = best.unwrap_or((0.0, [0.0; 2]));
     let (longitude, latitude) = plane.to_geographic(node);
     Ok((bounds, [longitude, latitude], clear_m, extent))
@@ -265,19 +264,19 @@ type Extent = [f64; 4];
 /// The extent of all that is charted; `None` of nothing, or across the antimeridian.
 fn extent(layers: &[Layer]) -> Option<Extent> {
     let places = layers.iter().flat_map(|layer| match layer {
-        Layer::Polygons(own) => {
-            own.areas.iter().flat_map(|area| area.rings.iter().flatten().copied()).collect()
+        Layer::Polygons(polygons) => {
+            polygons.areas.iter().flat_map(|area| area.rings.iter().flatten().copied()).collect()
         }
-        Layer::Grid(own) => {
-            let [x, y] = [own.columns, own.rows].map(|count| count as f64 * own.cell);
+        Layer::Grid(grid) => {
+            let [x, y] = [grid.columns, grid.rows].map(|count| count as f64 * grid.cell);
             let corners = [[0.0, 0.0], [x, 0.0], [0.0, y], [x, y]];
             let corners =
-                corners.map(|[x, y]| own.crs.to_geographic([own.corner[0] + x, own.corner[1] + y]).ok());
+                corners.map(|[x, y]| grid.crs.to_geographic([grid.corner[0] + x, grid.corner[1] + y]).ok());
             corners.into_iter().flatten().map(<[f64; 2]>::from).collect::<Vec<_>>()
         }
     });
     let wider = |[w, s, e, n]: Extent, [x, y]: [f64; 2]| [w.min(x), s.min(y), e.max(x), n.max(y)];
-    let extent = places.map(|[x, y]| [x, y, x, y]).reduce(|own, [x, y, ..]| wider(own, [x, y]))?;
+    let extent = places.map(|[x, y]| [x, y, x, y]).reduce(|extent, [x, y, ..]| wider(extent, [x, y]))?;
     (extent[2] - extent[0] < 180.0).then_some(extent)
 }
 
@@ -285,7 +284,7 @@ fn extent(layers: &[Layer]) -> Option<Extent> {
 /// water. Grids, and charts with depths, know how far they go.
 fn on_chart(plane: &Plane, bounds: &Bounds, layers: &[Layer]) -> Option<Bounds> {
     let areas = layers.iter().filter_map(|layer| match layer {
-        Layer::Polygons(own) => Some(&own.areas),
+        Layer::Polygons(polygons) => Some(&polygons.areas),
         Layer::Grid(_) => None,
     });
     let areas: Vec<_> = areas.flatten().collect();
@@ -294,7 +293,7 @@ fn on_chart(plane: &Plane, bounds: &Bounds, layers: &[Layer]) -> Option<Bounds> 
     }
     let corners: Vec<[f64; 2]> = areas
         .iter()
-        .flat_map(|own| own.rings.iter().flatten())
+        .flat_map(|area| area.rings.iter().flatten())
         .map(|[longitude, latitude]| plane.to_plane(*longitude, *latitude))
         .collect();
     let extent = Bounds::enclosing(&corners)?;

@@ -16,8 +16,8 @@ pub type NewFile = (String, String);
 
 /// A file with the line that editors find its schema by.
 pub(super) fn with_schema((name, text): NewFile) -> NewFile {
-    let (up, own) = name.rsplit_once('/').map_or(("", name.as_str()), |(_, own)| ("../", own));
-    match hand_written::kind_of(own) {
+    let (up, last) = name.rsplit_once('/').map_or(("", name.as_str()), |(_, last)| ("../", last));
+    match hand_written::kind_of(last) {
         None => (name, text),
         Some(kind) => {
             let text = format!("#:schema {up}schemas/{}\n{text}", hand_written::file_name(kind));
@@ -128,19 +128,19 @@ impl Preset {
     /// # Errors
     /// No such preset: names them and the nearest.
     pub fn named(name: &str) -> Result<&'static Self, Invalid> {
-        let unknown = || Invalid::unknown("preset", name, PRESETS.iter().map(|own| own.name));
-        PRESETS.iter().find(|own| own.name == name).ok_or_else(unknown)
+        let unknown = || Invalid::unknown("preset", name, PRESETS.iter().map(|preset| preset.name));
+        PRESETS.iter().find(|preset| preset.name == name).ok_or_else(unknown)
     }
 
     /// The files of a study of it that is simulated.
     pub(super) fn files(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
-        let own = [
+        let files = [
             ("vessel.toml", self.vessel),
             ("dictionary.toml", self.dictionary),
             ("campaign.toml", self.campaign),
             ("study.mk", self.flags),
         ];
-        own.into_iter().chain(self.table)
+        files.into_iter().chain(self.table)
     }
 
     /// Its maneuvers.
@@ -164,11 +164,11 @@ impl Preset {
     /// A ship whose speed nothing commands: names those that have one.
     pub(super) fn plan(&self) -> Result<(&'static str, f64), Invalid> {
         self.plan.ok_or_else(|| {
-            let others = PRESETS.iter().filter(|own| own.plan.is_some()).map(|own| own.name);
+            let others = PRESETS.iter().filter(|preset| preset.plan.is_some()).map(|preset| preset.name);
             let expected =
                 format!("a ship whose speed can be commanded: {}", others.collect::<Vec<_>>().join(", "));
-            let found = format!("{}, {}", self.name, self.about);
-            Invalid::new("--chart", found, expected, "begin with one of them")
+            let preset = format!("{}, {}", self.name, self.about);
+            Invalid::new("--chart", preset, expected, "begin with one of them")
         })
     }
 
@@ -193,10 +193,10 @@ impl Preset {
 
     /// The channels that logs of it must have: speeds and angles of its thrusters, or else its inputs.
     pub(super) fn needed(&self) -> Vec<Needed> {
-        let own = |channel: &str, unit: &str| Needed { channel: channel.to_owned(), unit: unit.to_owned() };
+        let need = |channel: &str, unit: &str| Needed { channel: channel.to_owned(), unit: unit.to_owned() };
         let named = |key: &str, unit: &str| {
             let quoted = |line: &str| Some(line.strip_prefix(key)?.split('"').nth(1)?.to_owned());
-            self.thrusters().lines().filter_map(quoted).map(|name| own(&name, unit)).collect::<Vec<_>>()
+            self.thrusters().lines().filter_map(quoted).map(|name| need(&name, unit)).collect::<Vec<_>>()
         };
         let thrusters = [named("speed = ", "1/s"), named("angle = ", "rad")].concat();
         if !thrusters.is_empty() {
@@ -205,7 +205,7 @@ impl Preset {
         // A preset that cannot be parsed needs nothing; a test parses all.
         let vessel = self.vessel.parse::<VesselFile>();
         vessel.map_or(Vec::new(), |vessel| {
-            vessel.input.iter().map(|input| own(&input.name, &input.unit)).collect()
+            vessel.input.iter().map(|input| need(&input.name, &input.unit)).collect()
         })
     }
 
@@ -290,7 +290,7 @@ pub fn of_ship(file: &Path, seed: Option<u64>) -> Result<Vec<NewFile>, Error> {
     let Some(ship) = written.ship.as_ref().filter(|_| vessel.model.forces.is_some()) else {
         return Err(none("[ship]", "none in this file"));
     };
-    let Some(rudder) = written.rudder.first().map(|own| own.input.as_str()) else {
+    let Some(rudder) = written.rudder.first().map(|rudder| rudder.input.as_str()) else {
         return Err(none("[[rudder]]", "none"));
     };
     let (length_m, speed_m_s) = (ship.length_m, ship.speed_m_s);
@@ -349,9 +349,9 @@ fn with_truth(text: &str, file: &VesselFile, vessel: &Vessel, seed: Option<u64>)
     if !file.value.is_empty() || vessel.value.iter().all(Option::is_some) {
         return Ok(text.to_owned());
     }
-    let priors = vessel.model.forces.iter().flat_map(|own| own.forces.parameters());
-    let priors: Vec<f64> = priors.map(|own| own.prior.unwrap_or(0.0)).collect();
-    let own = |draws: &[f64]| {
+    let priors = vessel.model.forces.iter().flat_map(|forces| forces.forces.parameters());
+    let priors: Vec<f64> = priors.map(|parameter| parameter.prior.unwrap_or(0.0)).collect();
+    let with_numbers = |draws: &[f64]| {
         let origin = match seed {
             None => "the nominal ones".to_owned(),
             Some(seed) => format!("drawn from the priors with seed {seed}"),
@@ -369,12 +369,12 @@ fn with_truth(text: &str, file: &VesselFile, vessel: &Vessel, seed: Option<u64>)
         }
         text
     };
-    let Some(seed) = seed else { return Ok(own(&vec![0.0; names.len()])) };
+    let Some(seed) = seed else { return Ok(with_numbers(&vec![0.0; names.len()])) };
     let mut last = Invalid::new("--seed", "no ship", "one that can be", "take another");
     for draw in 0..DRAWS {
         let mut draws = vec![0.0; names.len()];
         Streams::new(seed, "truth").normals(draw as u32, 0, &mut draws);
-        let text = own(&draws);
+        let text = with_numbers(&draws);
         match parsed(&text).and_then(Vessel::from_file) {
             Ok(_) => return Ok(text),
             Err(why) => last = why,

@@ -24,8 +24,8 @@ pub(crate) fn water(sheet: &mut Sheet, view: &View, map: &Map) {
     let limits = &map.depth_limits_m;
     let bands = bands(limits);
     for shade in (0..bands).rev() {
-        let own = |class| matches!(class, Class::Depth { least_m } if band(least_m, limits) == shade);
-        class(sheet, view, map, own, input::depth(shade, bands));
+        let shaded = |class| matches!(class, Class::Depth { least_m } if band(least_m, limits) == shade);
+        class(sheet, view, map, shaded, input::depth(shade, bands));
     }
 }
 
@@ -35,9 +35,9 @@ pub(crate) fn obstacles(sheet: &mut Sheet, view: &View, map: &Map) {
     class(sheet, view, map, |class| class == Class::Land, input::LAND);
 }
 
-fn class(sheet: &mut Sheet, view: &View, map: &Map, own: impl Fn(Class) -> bool, look: Look) {
+fn class(sheet: &mut Sheet, view: &View, map: &Map, is_shown: impl Fn(Class) -> bool, look: Look) {
     let mut path = Path::default();
-    map.areas.iter().filter(|area| own(area.class)).for_each(|area| add(&mut path, view, area));
+    map.areas.iter().filter(|area| is_shown(area.class)).for_each(|area| add(&mut path, view, area));
     sheet.path(&path, look);
 }
 
@@ -86,11 +86,7 @@ impl Ranks {
         let origin = [x + first_i as f64 * grid.cell_m, y + first_j as f64 * grid.cell_m];
         let (nx, ny) = (end_i - first_i, end_j - first_j);
         let finest = (FINEST / (grid.cell_m * view.scale)).ceil().max(1.0);
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "at least one, and cast saturates"
-        )]
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "`as` saturates")]
         let block = (finest as usize).min(nx.max(ny));
         let mut whole = Self { origin, cell_m: grid.cell_m, nx, ny, ranks: Vec::with_capacity(nx * ny) };
         for j in first_j..end_j {
@@ -312,36 +308,28 @@ fn bordered(view: &View, grid: &Raster, set: &[bool]) -> Option<(Ranks, Path)> {
 fn hatching(view: &View, cells: &Ranks) -> Path {
     let (nx, ny) = cells.size();
     let pitch = cells.pitch(view) * std::f64::consts::FRAC_1_SQRT_2;
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "positive, and the cast saturates"
-    )]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "`as` saturates")]
     let every = (APART / pitch).ceil().max(1.0) as usize;
     let mut path = Path::default();
     for diagonal in (0..nx + ny).step_by(every) {
         let (i, j) = (diagonal.saturating_sub(ny), ny.saturating_sub(diagonal));
-        runs(cells, (i, j)).into_iter().for_each(|(from, to)| {
-            let ends = (cells.vertex(view, from), cells.vertex(view, to));
-            if let Some((from, to)) = view::segment(view, ends.0, ends.1) {
-                path.line(&[from, to]);
-            }
-        });
+        for ends in runs(cells, (i, j)) {
+            let [from, to] = ends.map(|vertex| cells.vertex(view, vertex));
+            view::segment(view, from, to).into_iter().for_each(|(from, to)| path.line(&[from, to]));
+        }
     }
     path
 }
 
-type Run = ((usize, usize), (usize, usize));
-
 /// First and end vertex of every run of blocked cells on the diagonal from vertex `start` to the north-east.
-fn runs(cells: &Ranks, start: (usize, usize)) -> Vec<Run> {
+fn runs(cells: &Ranks, start: Vertex) -> Vec<[Vertex; 2]> {
     let (nx, ny) = cells.size();
     let length = (nx - start.0.min(nx)).min(ny - start.1.min(ny));
     let vertex = |step: usize| (start.0 + step, start.1 + step);
     let blocked = |step: usize| step < length && cells.at(start.0 + step, start.1 + step) > 0;
     let starts = (0..length).filter(|&step| blocked(step) && (step == 0 || !blocked(step - 1)));
     let end = |from: usize| (from..=length).find(|&step| !blocked(step)).unwrap_or(length);
-    starts.map(|from| (vertex(from), vertex(end(from)))).collect()
+    starts.map(|from| [from, end(from)].map(vertex)).collect()
 }
 
 /// Tolerance of a line [px].

@@ -17,7 +17,7 @@ const CHIP: (f64, f64) = (17.0, 7.5);
 
 /// The legend, in sections, next to the map.
 pub(crate) struct Legend {
-    sections: Vec<(&'static str, Vec<Entry>)>,
+    sections: Vec<(&'static str, Vec<LegendEntry>)>,
 }
 
 impl Legend {
@@ -46,7 +46,7 @@ impl Legend {
     }
 }
 
-fn height(entries: &[Entry]) -> f64 {
+fn height(entries: &[LegendEntry]) -> f64 {
     HEADING + entries.len() as f64 * LINE + GAP
 }
 
@@ -72,9 +72,7 @@ fn draw_sample(sheet: &mut Sheet, sample: Sample, at: Point) {
         Sample::Tube => sheet.bar(within.0, within.1, input::TUBE),
         Sample::Corridor => sheet.bar(within.0, within.1, input::CORRIDOR),
         Sample::Edge => sheet.bar(within.0, within.1, input::EDGE),
-        Sample::SpeedLimit => {
-            sheet.bar(within.0, within.1, input::SPEED_LIMIT);
-        }
+        Sample::SpeedLimit => sheet.bar(within.0, within.1, input::SPEED_LIMIT),
         Sample::Contour => sheet.line((within.0.0, at.1), (within.1.0, at.1), input::CONTOUR),
         Sample::Sounding => {
             let letters = Lettering::new(9.0, Anchor::Middle).painted(input::DEPTH_DIGITS);
@@ -155,10 +153,15 @@ enum Sample {
 }
 
 /// A line of a legend.
-type Entry = (Sample, String);
+type LegendEntry = (Sample, String);
+
+/// The samples that the map has, with their labels.
+fn present<const N: usize>(all: [(bool, Sample, &str); N]) -> impl Iterator<Item = LegendEntry> {
+    all.into_iter().filter(|(is, ..)| *is).map(|(_, sample, label)| (sample, label.to_owned()))
+}
 
 /// Every maneuver, with its number of uses.
-fn maneuvers(map: &Map) -> Vec<Entry> {
+fn maneuvers(map: &Map) -> Vec<LegendEntry> {
     let entries = map.maneuvers.iter().enumerate();
     entries
         .map(|(k, (name, count))| {
@@ -170,7 +173,7 @@ fn maneuvers(map: &Map) -> Vec<Entry> {
 }
 
 /// Every other kind of line, and the marks.
-fn tracks(map: &Map) -> Vec<Entry> {
+fn tracks(map: &Map) -> Vec<LegendEntry> {
     let count = |style| map.tracks.iter().filter(|track| track.style == style).count();
     let realizations = match count(TrackStyle::Realization) {
         many if many > MOST_REALIZATIONS => format!("Monte Carlo, {MOST_REALIZATIONS} of {many}"),
@@ -181,8 +184,8 @@ fn tracks(map: &Map) -> Vec<Entry> {
         (TrackStyle::RunIn, "run-in".to_owned()),
         (TrackStyle::Realization, realizations),
     ];
-    let present = lines.into_iter().filter(|(style, _)| count(*style) > 0);
-    let mut entries: Vec<Entry> = present.map(|(style, label)| (Sample::Track(style), label)).collect();
+    let lines = lines.into_iter().filter(|(style, _)| count(*style) > 0);
+    let mut entries: Vec<LegendEntry> = lines.map(|(style, label)| (Sample::Track(style), label)).collect();
     let swept = map.tube.iter().map(|tube| (Sample::Tube, format!("swept by {} vessels", tube.vessels)));
     entries.extend(swept);
     let marks = [
@@ -191,13 +194,12 @@ fn tracks(map: &Map) -> Vec<Entry> {
         (map.start.is_some(), Sample::Start, "start"),
         (map.goal.is_some(), Sample::Goal, "goal"),
     ];
-    let present = marks.into_iter().filter(|mark| mark.0);
-    entries.extend(present.map(|(_, sample, label)| (sample, label.to_owned())));
+    entries.extend(present(marks));
     entries
 }
 
 /// Every class of the chart on the map.
-fn chart(map: &Map) -> Vec<Entry> {
+fn chart(map: &Map) -> Vec<LegendEntry> {
     let limits = &map.depth_limits_m;
     let bands = bands(limits);
     let classes = || {
@@ -219,8 +221,7 @@ fn chart(map: &Map) -> Vec<Entry> {
         (margin(Purpose::Transit), Sample::Margin(Purpose::Transit), "safety margin, transit"),
         (margin(Purpose::Trial), Sample::Margin(Purpose::Trial), "safety margin, trial"),
     ];
-    let dangers = dangers.into_iter().filter(|danger| danger.0);
-    let mut entries: Vec<Entry> = dangers.map(|(_, sample, label)| (sample, label.to_owned())).collect();
+    let mut entries: Vec<LegendEntry> = present(dangers).collect();
     let charted = (0..bands).filter(|band| classes().any(|class| shade(class) == Some(*band)));
     entries.extend(charted.map(|band| (Sample::Depth { band, bands }, depth(band, limits))));
     let background = if map.uncharted { "not charted" } else { "water, no depth charted" };
@@ -228,8 +229,7 @@ fn chart(map: &Map) -> Vec<Entry> {
         (!map.edge.is_empty(), Sample::Edge, "edge of the area"),
         (!map.speed_limits.is_empty(), Sample::SpeedLimit, "speed limit"),
     ];
-    let outlines = outlines.into_iter().filter(|outline| outline.0);
-    entries.extend(outlines.map(|(_, sample, label)| (sample, label.to_owned())));
+    entries.extend(present(outlines));
     entries.push((Sample::Background { uncharted: map.uncharted }, background.to_owned()));
     entries
 }

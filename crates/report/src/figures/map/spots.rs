@@ -213,7 +213,7 @@ impl Taken {
 
     /// Marks the squares that a line runs through.
     fn cover(&mut self, view: &View, points: &[Point]) {
-        for part in super::view::line(view, points) {
+        for part in view::line(view, points) {
             for pair in part.windows(2) {
                 let (from, to) = (pair[0], pair[1]);
                 let steps = square(libm::hypot(to.0 - from.0, to.1 - from.1)) + 1;
