@@ -70,9 +70,6 @@ impl Sharding {
 }
 
 /// The value of a flag that clap requires unless files are gathered.
-///
-/// # Errors
-/// A usage error that names the flag.
 pub fn given<'a>(path: &'a Option<PathBuf>, flag: &str) -> Result<&'a Path, Failure> {
     path.as_deref()
         .ok_or_else(|| Failure::Usage(format!("--{flag}: found none, expected a path; name the file")))
@@ -96,9 +93,6 @@ impl Common {
 
     /// The main output: `--out`, or `name` in it if it is a folder. It must not be one of `inputs`, and its folder
     /// must exist, so that a missing folder is reported before the work.
-    ///
-    /// # Errors
-    /// A usage error: an input that would be overwritten, the name of another kind of file; no such folder.
     pub fn main_output<I: AsRef<Path>>(
         &self,
         name: &str,
@@ -114,9 +108,6 @@ impl Common {
     }
 
     /// [`Common::main_output`] for stages that create the folder.
-    ///
-    /// # Errors
-    /// A usage error: an input that would be overwritten, the name of another kind of file.
     pub fn output_in_any_folder<I: AsRef<Path>>(
         &self,
         name: &str,
@@ -138,9 +129,6 @@ impl Common {
 
 /// The path of `name` in the set with the main file `out`, usually called `usual`. It must not be one of `inputs`: a
 /// model that is made from another would overwrite it.
-///
-/// # Errors
-/// A usage error that names the input that would be overwritten.
 pub fn member<I: AsRef<Path>>(
     out: &Path,
     usual: &str,
@@ -171,9 +159,6 @@ pub fn folder_of(main: &Path) -> &Path {
 }
 
 /// Calls `write` with an existing `folder`: created if missing, and removed again if nothing was written.
-///
-/// # Errors
-/// A folder that cannot be created; those of `write`.
 pub fn in_folder<T>(folder: &Path, write: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     if folder.as_os_str().is_empty() || folder.is_dir() {
         return write();
@@ -188,18 +173,15 @@ pub fn in_folder<T>(folder: &Path, write: impl FnOnce() -> Result<T, Failure>) -
 
 /// Refuses a folder that contains anything but files of these `names`, since its contents are used as a whole. Names
 /// that begin with a dot are ignored.
-///
-/// # Errors
-/// A folder that contains other files, or a file in its place.
 pub fn only_folder_of(folder: &Path, names: &[String]) -> Result<(), Failure> {
     let entries = match std::fs::read_dir(folder) {
         Ok(entries) => entries,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
         Err(error) => return Err(files::Error::io(folder, "list", error).into()),
     };
-    let names = entries.filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()));
+    let there = entries.filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()));
     let mut others: Vec<String> =
-        found.filter(|name| !name.starts_with('.') && !names.contains(name)).collect();
+        there.filter(|name| !name.starts_with('.') && !names.contains(name)).collect();
     others.sort();
     match others.first() {
         None => Ok(()),
@@ -220,9 +202,6 @@ pub fn only_folder_of(folder: &Path, names: &[String]) -> Result<(), Failure> {
 const LARGEST: f64 = 1e12;
 
 /// Refuses a number that is not positive, or unreasonably large.
-///
-/// # Errors
-/// A usage error that names the flag.
 pub fn check_positive(flag: &str, value: Option<f64>) -> Result<(), Failure> {
     let refuse = |value: f64, expected: &str| {
         Err(Failure::Usage(format!("{flag}: found {value:?}, expected {expected}; correct it")))
@@ -237,9 +216,6 @@ pub fn check_positive(flag: &str, value: Option<f64>) -> Result<(), Failure> {
 }
 
 /// Refuses the first of `flags` that is given where there is `found`.
-///
-/// # Errors
-/// A usage error that names the flag.
 pub fn none_given<'a>(
     flags: impl IntoIterator<Item = (&'a str, bool)>,
     found: &str,
@@ -254,9 +230,6 @@ pub fn none_given<'a>(
 }
 
 /// `value`, which must not be below `least`.
-///
-/// # Errors
-/// A usage error that names the flag.
 pub fn not_below(flag: &str, value: f64, least: f64) -> Result<f64, Failure> {
     if value.is_finite() && value >= least && value <= LARGEST {
         return Ok(value);
@@ -266,9 +239,6 @@ pub fn not_below(flag: &str, value: f64, least: f64) -> Result<f64, Failure> {
 }
 
 /// Seconds in samples.
-///
-/// # Errors
-/// A usage error: less than a sample.
 pub fn samples(flag: &str, seconds: f64, rate_hz: f64) -> Result<usize, Failure> {
     let samples = (seconds * rate_hz).round();
     if (1.0..1e9).contains(&samples) {
@@ -310,9 +280,6 @@ pub struct LimitFlags {
 
 impl LimitFlags {
     /// The limits of the flags, starting now.
-    ///
-    /// # Errors
-    /// An invalid time.
     pub fn limits(&self, common: &Common) -> Result<Limits, Failure> {
         let time = match self.time_limit_s {
             Some(s) if !(s.is_finite() && s > 0.0 && s < 1e9) => {
@@ -402,9 +369,6 @@ impl AdditionalFlags {
     }
 
     /// Refuses flags that none of the `estimators` uses.
-    ///
-    /// # Errors
-    /// A flag for estimators that are not requested.
     pub fn check(self, estimators: &[Estimator]) -> Result<(), Failure> {
         let simulated = estimators.contains(&Estimator::OutputError);
         let searched = estimators.iter().any(|estimator| estimator.searches());

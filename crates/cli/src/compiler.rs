@@ -12,9 +12,6 @@ use crate::failure::Failure;
 
 /// The library that `compiler` builds from the sources `files` (name and text) with `flags`; `None` if there is no
 /// such program. It works in a private folder whose name leaves no trace in the output.
-///
-/// # Errors
-/// A folder that cannot be written, sources that do not compile.
 pub fn compiled(
     compiler: &str,
     flags: &[&str],

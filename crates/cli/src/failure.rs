@@ -124,17 +124,11 @@ impl From<Infallible> for Failure {
 // Output of programs.
 
 /// A line on stdout.
-///
-/// # Errors
-/// See [`printed`].
 pub fn on_stdout(line: impl Display) -> Result<(), Failure> {
     printed(writeln!(io::stdout().lock(), "{line}"))
 }
 
 /// What became of something printed on stdout. A closed pipe has a reader that wants no more, which is no failure.
-///
-/// # Errors
-/// A full disk or a device that takes nothing.
 pub fn printed(done: io::Result<()>) -> Result<(), Failure> {
     match done.and_then(|()| io::stdout().flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::Failed(format!(
@@ -153,7 +147,7 @@ pub fn on_stderr(line: impl Display) {
 
 /// Counts finished units of work: a bar on a terminal, an occasional plain line elsewhere, nothing within the first
 /// second or when quiet.
-pub struct Progress {
+pub struct WorkProgress {
     bar: ProgressBar,
     label: &'static str,
     quiet: bool,
@@ -164,7 +158,7 @@ pub struct Progress {
 const PATIENCE: Duration = Duration::from_secs(1);
 const BETWEEN_LINES: Duration = Duration::from_secs(10);
 
-impl Progress {
+impl WorkProgress {
     /// Progress over `total` units.
     pub fn new(label: &'static str, total: usize, quiet: bool) -> Self {
         let bar = ProgressBar::with_draw_target(Some(total as u64), ProgressDrawTarget::hidden());
@@ -219,7 +213,7 @@ fn order_of(seconds: f64) -> String {
     format!("{:.0} {name}", (seconds / unit).ceil())
 }
 
-impl Drop for Progress {
+impl Drop for WorkProgress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }

@@ -22,9 +22,6 @@ use crate::failure::Failure;
 use crate::stage::Summary;
 
 /// Reads a document as the input `key`.
-///
-/// # Errors
-/// A file that is refused.
 pub fn document<D: Document>(path: &Path, key: &str, provenance: &mut Provenance) -> Result<D, Failure> {
     let loaded = read_document::<D>(path)?;
     provenance.made(key, path, loaded.digest, &loaded.provenance)?;
@@ -32,17 +29,11 @@ pub fn document<D: Document>(path: &Path, key: &str, provenance: &mut Provenance
 }
 
 /// Reads the hand-written file usually called `<key>.toml` as the input `key`.
-///
-/// # Errors
-/// A file that is refused.
 pub fn toml<T: DeserializeOwned>(path: &Path, key: &str, provenance: &mut Provenance) -> Result<T, Failure> {
     Ok(provenance.read_toml(key, key, path)?)
 }
 
 /// Opens trajectories of `vessel` as the input `key`.
-///
-/// # Errors
-/// A file that is refused, is a shard or has no runs, or does not fit into memory.
 pub fn trajectories(
     path: &Path,
     key: &str,
@@ -77,34 +68,22 @@ fn opened(
 }
 
 /// Refuses trajectories if their `found` needs too many `bytes` of memory.
-///
-/// # Errors
-/// Not enough memory; names the limit.
 pub fn fits(file: &Path, found: &str, bytes: f64) -> Result<(), Failure> {
     let remedy = "cut it into smaller files, or raise --memory-mib";
     Ok(budget().memory(Work { file, thing: "rows", found, remedy }, bytes)?)
 }
 
 /// All runs of the input `trajectories`.
-///
-/// # Errors
-/// See [`trajectories`]; a block that is damaged.
 pub fn runs(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<Vec<Run>, Failure> {
     all(path, &trajectories(path, "trajectories", vessel, provenance)?, vessel)
 }
 
 /// Whether trajectories were simulated: they have true states, and their inputs are held during samples.
-///
-/// # Errors
-/// A file that is refused.
 pub fn are_simulated(path: &Path, vessel: &Vessel) -> Result<bool, Failure> {
     Ok(TrajectoryReader::open(path, &Layout::new(&vessel.model), vessel.sample_rate_hz)?.true_states())
 }
 
 /// All runs of `reader`, which reads `path`.
-///
-/// # Errors
-/// They do not fit into memory; a block that is damaged.
 pub fn all(path: &Path, reader: &TrajectoryReader, vessel: &Vessel) -> Result<Vec<Run>, Failure> {
     let (rows, _) = reader.rows();
     // The runs, their parts, and the segments of these.
@@ -114,9 +93,6 @@ pub fn all(path: &Path, reader: &TrajectoryReader, vessel: &Vessel) -> Result<Ve
 }
 
 /// Runs to be pooled, kept in their file.
-///
-/// # Errors
-/// See [`trajectories`].
 pub fn kept_runs(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> Result<KeptRuns, Failure> {
     let reader = trajectories(path, "trajectories", vessel, provenance)?;
     Ok(KeptRuns::new(reader, &Layout::new(&vessel.model), 0.25 * budget().bytes())?)
@@ -136,9 +112,6 @@ pub struct Made<R> {
 
 impl<R: Send + 'static> Made<R> {
     /// Joins the files of all `shards` and reads their rows. `given`: the inputs and settings of the whole.
-    ///
-    /// # Errors
-    /// Files that are not shards of one table, or not all of them; shards of other inputs or settings.
     pub fn gathered(
         shards: &[PathBuf],
         [out, document]: [&Path; 2],
@@ -158,9 +131,6 @@ impl<R: Send + 'static> Made<R> {
     }
 
     /// Publishes the table of a shard, and reports the number of its rows, which are `things`.
-    ///
-    /// # Errors
-    /// Output that fails.
     pub fn publish_shard(self, shard: Shard, things: &str) -> Result<Summary, Failure> {
         let (out, count) = (self.table.path().to_owned(), self.rows.len());
         commit(vec![self.table])?;
@@ -169,9 +139,6 @@ impl<R: Send + 'static> Made<R> {
 
     /// Computes the rows of every block of this shard in parallel. The whole table names the document that
     /// [`publish`] writes next to it.
-    ///
-    /// # Errors
-    /// The first failure of `rows`, in the order of blocks; output that fails.
     pub fn computed(
         [out, document]: [&Path; 2],
         columns: &Columns<R>,
@@ -199,9 +166,6 @@ impl<R: Send + 'static> Made<R> {
 
 /// The rows of the files of all `shards` of a table, for work with the provenance `given`, which must have the same
 /// settings.
-///
-/// # Errors
-/// Files that are not shards of one table, or not all of them; shards of other inputs or settings.
 pub fn rows_of_shards<R: 'static>(
     shards: &[PathBuf],
     columns: &Columns<R>,
@@ -228,9 +192,6 @@ fn of_shards<R: 'static>(
 }
 
 /// Publishes `table` and, if it is whole, `document` next to it.
-///
-/// # Errors
-/// Output that fails.
 pub fn publish<D: Document>(
     table: Staged,
     document: &Path,
@@ -273,9 +234,6 @@ pub fn joined_blocks(blocks: usize) -> usize {
 }
 
 /// Calls `work` in parallel on the blocks of joined block `i` and concatenates their rows.
-///
-/// # Errors
-/// The first failure in order.
 pub fn joined<T: Send, E: Send>(
     i: usize,
     blocks: usize,
@@ -291,9 +249,6 @@ pub fn joined<T: Send, E: Send>(
 
 /// The number of sub-experiments of each maneuver to pick: from `--counts label=n`, or from `design.json`, and no
 /// more than available.
-///
-/// # Errors
-/// Usage: an invalid count, or one for an unknown maneuver. Refused: a design without counts; more than available.
 pub fn counts(
     design: Option<&Path>,
     written: &[String],

@@ -3,18 +3,18 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-pub mod cli;
+mod cli;
 pub mod commands;
-pub mod compiler;
-pub mod design;
-pub mod failure;
+mod compiler;
+mod design;
+mod failure;
 pub mod inputs;
-pub mod physical;
+mod physical;
 pub mod pipeline;
-pub mod pool;
-pub mod ships;
-pub mod simulate;
-pub mod stage;
+mod pool;
+mod ships;
+mod simulate;
+mod stage;
 pub mod umbrella;
 
 #[doc(hidden)]

@@ -14,7 +14,7 @@ use study::documents::{CrossvalDocument, ModelDocument};
 use study::files::read_reference;
 
 use crate::cli::{Common, none_given, not_below, samples};
-use crate::failure::{Failure, Progress};
+use crate::failure::{Failure, WorkProgress};
 use crate::pool::{Held, PoolFlags};
 use crate::stage::Summary;
 
@@ -68,9 +68,6 @@ pub fn absent<const N: usize>(flags: [(&str, bool); N]) -> Result<(), Failure> {
 
 impl PhysicalFlags {
     /// Refuses these flags for terms per sample.
-    ///
-    /// # Errors
-    /// A usage error that names the first of them.
     pub fn check_absent(&self) -> Result<(), Failure> {
         absent([
             ("--window-s", self.window_s.is_some()),
@@ -83,9 +80,6 @@ impl PhysicalFlags {
 
 impl FittingFlags {
     /// Refuses these flags for terms per sample.
-    ///
-    /// # Errors
-    /// A usage error that names the first of them.
     pub fn check_absent(&self) -> Result<(), Failure> {
         absent([("--fitted-window-s", self.fitted_window_s.is_some())])?;
         self.weights.check_absent()
@@ -94,17 +88,11 @@ impl FittingFlags {
 
 impl WeightFlags {
     /// Refuses these flags for terms per sample.
-    ///
-    /// # Errors
-    /// A usage error that names the first of them.
     pub fn check_absent(&self) -> Result<(), Failure> {
         absent([("--prior-weight", self.prior_weight.is_some()), ("--measured-starts", self.measured_starts)])
     }
 
     /// With the length of windows, by its flag.
-    ///
-    /// # Errors
-    /// A number out of range; two weights.
     pub fn settings(
         &self,
         sample_s: f64,
@@ -131,9 +119,6 @@ impl WeightFlags {
 }
 
 /// Fits `vessel`, which has forces, to the runs of `flags`, and writes model.json.
-///
-/// # Errors
-/// Flags or an estimator that need terms per sample; files that are refused; no fit.
 pub fn fit(
     (flags, fitting): (&PoolFlags, &PhysicalFlags),
     (estimator, most_added): (Option<Estimator>, usize),
@@ -195,9 +180,6 @@ pub struct Scored<'a> {
 }
 
 /// Leaves runs of `flags` out of fits of `vessel`, which has forces, and writes crossval.json.
-///
-/// # Errors
-/// Flags or an estimator that need terms per sample; files that are refused; nothing to leave out.
 pub fn cross(
     (flags, fitting, estimators): (&PoolFlags, &FittingFlags, &[Estimator]),
     vessel: &Vessel,
@@ -209,7 +191,7 @@ pub fn cross(
     let settings = fitting.weights.settings(1.0 / rate_hz, window, flags.prior.as_ref())?;
     let former = read_former(flags, vessel, &mut provenance)?;
     let runs = flags.of.read_of_forces(vessel, &mut provenance)?;
-    let progress = Progress::new("folds", (scored.number)(runs.sources()), common.quiet);
+    let progress = WorkProgress::new("folds", (scored.number)(runs.sources()), common.quiet);
     let (former, reference) = (former.as_deref(), None);
     let physical = Physical { vessel, settings, former, reference, criticise: false, most_added: 0 };
     let folds = physical.cross(&runs, (scored.window, scored.folds), &|count| progress.advance(count));
@@ -266,9 +248,6 @@ pub fn unfit(error: PhysicalError, vessel: &Path, runs: &Path) -> Failure {
 // The result of a cross-validation.
 
 /// Writes the result, and says it in short.
-///
-/// # Errors
-/// Output that fails.
 pub fn written(out: &Path, provenance: &Provenance, document: &CrossvalDocument) -> Result<Summary, Failure> {
     commit(vec![stage_document(out, provenance, document)?])?;
     let (windows, folds, said) = (document.windows, document.folds, document.statements.join("; "));

@@ -72,9 +72,6 @@ pub struct RunFlags {
 impl RunFlags {
     /// Reads the runs with `recorded`, and finds their constant logged channels. Results from simulated logs are
     /// labelled so.
-    ///
-    /// # Errors
-    /// Files that are refused; names that no run has.
     pub fn read<R: Recorded>(
         &self,
         vessel: &Vessel,
@@ -99,9 +96,6 @@ impl RunFlags {
     }
 
     /// As [`Self::read`], for forces: inputs of simulated runs are held during samples.
-    ///
-    /// # Errors
-    /// As [`Self::read`].
     pub fn read_of_forces(
         &self,
         vessel: &Vessel,
@@ -167,9 +161,6 @@ impl PoolFlags {
     }
 
     /// `vessel`, or her core of terms per sample where that is asked for.
-    ///
-    /// # Errors
-    /// A core of a ship with forces, which are fitted themselves.
     pub fn cored(&self, vessel: Vessel) -> Result<Vessel, Failure> {
         if !self.core {
             return Ok(vessel);
@@ -192,9 +183,6 @@ impl PoolFlags {
     }
 
     /// Reads the runs with `recorded`, and the model for instruments. Results from simulated logs are labelled so.
-    ///
-    /// # Errors
-    /// Invalid values; files that are refused; names that no run has.
     pub fn read<'a, R: Recorded>(
         &self,
         vessel: &'a Vessel,
@@ -230,9 +218,6 @@ impl PoolFlags {
     }
 
     /// Refuses flags of regressions for a ship with forces.
-    ///
-    /// # Errors
-    /// A usage error that names the first of them.
     pub fn check_forces(&self) -> Result<(), Failure> {
         let flags = [
             ("--nominal", self.nominal.is_some()),
@@ -259,9 +244,6 @@ impl Nominal {
     }
 
     /// The model that it names.
-    ///
-    /// # Errors
-    /// A file that is refused, of several designs, or of other parameters.
     pub fn read(&self, vessel: &Vessel, provenance: &mut Provenance) -> Result<NominalModel, Failure> {
         provenance.settings.insert("nominal".into(), json!(self.source()));
         match self {

@@ -35,7 +35,7 @@ const MAIN: &str = "vessel.toml";
     name = "scale",
     after_help = "Example:\n  scale --vessel kvlcc2-l7 --length 320 --density 1025 --out vessel.toml"
 )]
-pub struct Scale {
+pub struct ScaleArguments {
     /// The ship with forces: a file, the model of a fit, or a preset
     #[arg(long, value_name = "vessel.toml|model.json|PRESET")]
     vessel: PathBuf,
@@ -56,7 +56,7 @@ pub struct Scale {
     block: Option<f64>,
 }
 
-impl Task for Scale {
+impl Task for ScaleArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let form = [("--beam", self.beam.is_some()), ("--block", self.block.is_some())];
         let expected = "the hull form of --vessel; write a ship of other proportions by `seatrial guess`";
@@ -74,7 +74,7 @@ impl Task for Scale {
     name = "guess",
     after_help = "Example:\n  guess --length 320 --beam 58 --draught 20.8 --block 0.81 --speed 7.97 --out vessel.toml"
 )]
-pub struct Guess {
+pub struct GuessArguments {
     /// Length between perpendiculars [m]
     #[arg(long, value_name = "M")]
     length: f64,
@@ -107,9 +107,9 @@ pub struct Guess {
     rudder_height: Option<f64>,
 }
 
-impl Task for Guess {
+impl Task for GuessArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let main_dimensions = MainDimensions {
+        let ship = MainDimensions {
             length_m: self.length,
             beam_m: self.beam,
             draught_m: self.draught,
@@ -121,7 +121,7 @@ impl Task for Guess {
             rudder_area_m2: self.rudder_area,
             rudder_height_m: self.rudder_height,
         };
-        let written = guessed(&main_dimensions).map_err(|e| Failure::Usage(format!("guess: {e}")))?;
+        let written = guessed(&ship).map_err(|e| Failure::Usage(format!("guess: {e}")))?;
         write(common, &written, None)
     }
 }
@@ -148,9 +148,6 @@ const USUAL: [(&str, [f64; 2]); 3] =
     [("length over beam", [5.0, 8.5]), ("beam over draught", [2.0, 4.5]), ("block coefficient", [0.5, 0.87])];
 
 /// A ship of these dimensions, with a prior for every free number and the source of each number as a comment.
-///
-/// # Errors
-/// Dimensions that no ship has, or that contradict each other.
 pub fn guessed(ship: &MainDimensions) -> Result<Written, Invalid> {
     let guess = ship.guess()?;
     let speed = guess.description.ship.speed_m_s;
@@ -163,8 +160,8 @@ pub fn guessed(ship: &MainDimensions) -> Result<Written, Invalid> {
         ..VesselFile::of_forces(guess.description)
     };
     // Her dimensions were given: what is unusual of them is said, and passes.
-    let (file, found) = file.accepting_unusual()?;
-    unusual.extend(found.map(|ship| format!("{}: {}", ship.thing, ship.found)));
+    let (file, other) = file.accepting_unusual()?;
+    unusual.extend(other.map(|proportion| format!("{}: {}", proportion.thing, proportion.found)));
     let vessel = Vessel::from_file(file.clone())?;
     let numbers = guess.sources.into_iter().map(|(name, source)| (name, source.to_owned())).collect();
     let notes = Notes { head: head(ship, revolutions, &unusual), numbers };
@@ -178,8 +175,8 @@ pub fn guessed(ship: &MainDimensions) -> Result<Written, Invalid> {
 
 /// The lowest usual rate \[Hz\] with enough samples per length, where a second has `lengths` of them.
 fn rate(lengths: f64) -> f64 {
-    let decades = [0.1, 1.0, 10.0, 100.0].into_iter().flat_map(|own| [own, 2.0 * own, 5.0 * own]);
-    decades.clone().find(|decade| *decade >= SAMPLES * lengths).unwrap_or(500.0)
+    let decades = [0.1, 1.0, 10.0, 100.0].into_iter().flat_map(|decade| [decade, 2.0 * decade, 5.0 * decade]);
+    decades.clone().find(|rate| *rate >= SAMPLES * lengths).unwrap_or(500.0)
 }
 
 fn inputs(length_m: f64, revolutions: f64) -> Vec<InputSpec> {
@@ -201,32 +198,26 @@ fn inputs(length_m: f64, revolutions: f64) -> Vec<InputSpec> {
 }
 
 /// With four digits.
-fn digits(own: f64) -> f64 {
-    format!("{own:.3e}").parse().unwrap_or(own)
+fn digits(number: f64) -> f64 {
+    format!("{number:.3e}").parse().unwrap_or(number)
 }
 
 /// Proportions that are none of the usual ships, with their values.
-fn unusual(main_dimensions: &MainDimensions, speed: f64) -> Vec<String> {
-    let froude = speed / (GRAVITY * main_dimensions.length_m).sqrt();
-    let most = usual_froude(main_dimensions.block);
+fn unusual(ship: &MainDimensions, speed: f64) -> Vec<String> {
+    let froude = speed / (GRAVITY * ship.length_m).sqrt();
+    let most = usual_froude(ship.block);
     let fast = (froude > most)
         .then(|| format!("Froude number {froude:.2} (at most {most:.2} at this block coefficient)"));
-    let found = [
-        main_dimensions.length_m / main_dimensions.beam_m,
-        main_dimensions.beam_m / main_dimensions.draught_m,
-        main_dimensions.block,
-    ];
-    let all = USUAL.into_iter().zip(found);
-    all.filter(|((_, [low, high]), main_dimensions)| !(*low..=*high).contains(main_dimensions))
-        .map(|((name, [low, high]), main_dimensions)| {
-            format!("{name} {main_dimensions:.3} ({low} to {high})")
-        })
+    let values = [ship.length_m / ship.beam_m, ship.beam_m / ship.draught_m, ship.block];
+    let all = USUAL.into_iter().zip(values);
+    all.filter(|((_, [low, high]), value)| !(*low..=*high).contains(value))
+        .map(|((name, [low, high]), value)| format!("{name} {value:.3} ({low} to {high})"))
         .chain(fast)
         .collect()
 }
 
-fn head(main_dimensions: &MainDimensions, revolutions: f64, unusual: &[String]) -> Vec<String> {
-    let MainDimensions { length_m, beam_m, draught_m, block, .. } = main_dimensions;
+fn head(ship: &MainDimensions, revolutions: f64, unusual: &[String]) -> Vec<String> {
+    let MainDimensions { length_m, beam_m, draught_m, block, .. } = ship;
     let mut all = vec![
         format!(
             "A ship of {length_m} m, beam {beam_m} m, draught {draught_m} m, block coefficient {block}, from textbook \
@@ -305,26 +296,20 @@ impl Task for NewArguments {
             Preset::named(&self.vessel)
                 .map_err(|e| Failure::Usage(format!("--vessel: {e}, or a vessel.toml")))
         };
-        let own = Some(Path::new(&self.vessel)).filter(|file| file.is_file());
+        let file = Some(Path::new(&self.vessel)).filter(|file| file.is_file());
         let with = |flag: &str| {
             let expected = "a preset with it; name the preset that the ship is most like";
             Failure::Usage(format!("--vessel: found a file together with {flag}, expected {expected}"))
         };
         if out.symlink_metadata().is_ok() {
-            let found = "it there already";
-            return Err(Failure::refuse(
-                out,
-                "folder",
-                found,
-                "a new folder",
-                "name another, or run this one",
-            ));
+            let remedy = "name another, or run this one";
+            return Err(Failure::refuse(out, "folder", "it there already", "a new folder", remedy));
         }
         let slot = self.slot.as_ref();
         let charted =
             self.chart.as_deref().zip(self.place).map(|(file, place)| Charted { file, place, slot });
         let name = out.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
-        let (files, said) = match (own, &self.logs) {
+        let (files, said) = match (file, &self.logs) {
             (Some(_), Some(_)) => return Err(with("--logs")),
             (Some(_), None) if self.chart.is_some() => return Err(with("--chart")),
             (Some(file), None) => (of_ship(file, common.seed)?, String::new()),
@@ -373,14 +358,11 @@ pub struct Size {
 }
 
 /// The ship similar to `ship`, of another size.
-///
-/// # Errors
-/// A ship without forces; a size that no ship has, or another hull form; a number that no rule scales.
 pub fn scaled(ship: &ShipFile, size: &Size) -> Result<Written, Invalid> {
     let fitted = ship.fitted.is_some();
     let file = ship.file.clone().completed()?;
     let file = if fitted { file.without_truth()? } else { file };
-    let own_length = file.ship.as_ref().map_or(0.0, |own| own.length_m);
+    let own_length = file.ship.as_ref().map_or(0.0, |ship| ship.length_m);
     let deviations = deviations(ship, &file)?;
     let (file, usual) = file.with_usual_priors(&deviations)?;
     let mut file = file.similar(size.length_m, size.density_kg_m3)?;
@@ -388,15 +370,15 @@ pub fn scaled(ship: &ShipFile, size: &Size) -> Result<Written, Invalid> {
     let name = named(file.name.as_deref().unwrap_or_default(), size.length_m);
     file.name = Some(name.clone());
     let rate = file.sample_rate_hz.unwrap_or_default();
-    let speed = file.ship.as_ref().map_or(0.0, |own| own.speed_m_s);
+    let speed = file.ship.as_ref().map_or(0.0, |ship| ship.speed_m_s);
     let mut notes = Notes { head: head_of_scaled(&name, own_length, fitted), ..Notes::default() };
     notes.head.extend(usual_priors(&usual));
     file.fitted = false;
     let (file, unusual) = file.accepting_unusual()?;
     let mut said = format!("{name}: {speed:.4} m/s, {rate:.4} Hz, {} usual priors", usual.len());
-    if let Some(own) = unusual {
-        said += &format!("; unusual: {}: {}", own.thing, own.found);
-        notes.head.push(format!("Unusual of ships: {}: {}.", own.thing, own.found));
+    if let Some(unusual) = unusual {
+        said += &format!("; unusual: {}: {}", unusual.thing, unusual.found);
+        notes.head.push(format!("Unusual of ships: {}: {}.", unusual.thing, unusual.found));
     }
     Ok(Written { text: vessel_text(&file, &notes)?, said })
 }
@@ -406,20 +388,19 @@ fn deviations(ship: &ShipFile, file: &VesselFile) -> Result<Vec<(String, f64)>, 
     let Some(fitted) = &ship.fitted else { return Ok(Vec::new()) };
     let (with, _) = file.clone().with_usual_priors(&[])?;
     let vessel = Vessel::from_file(with)?;
-    let Some(moved) = &vessel.model.forces else { return Ok(Vec::new()) };
-    let known = moved.forces.parameters().iter();
-    let one = |fitted_parameter: &study::documents::FittedParameter| {
-        let prior =
-            known.clone().find(|known| known.name == fitted_parameter.name).and_then(|known| known.prior)?;
-        let deviation = fitted_parameter.standard_error.map_or(prior, |error| error.max(FLOOR * prior));
-        Some((fitted_parameter.name.clone(), deviation))
+    let Some(model) = &vessel.model.forces else { return Ok(Vec::new()) };
+    let known = model.forces.parameters().iter();
+    let one = |parameter: &study::documents::FittedParameter| {
+        let prior = known.clone().find(|known| known.name == parameter.name).and_then(|known| known.prior)?;
+        let deviation = parameter.standard_error.map_or(prior, |error| error.max(FLOOR * prior));
+        Some((parameter.name.clone(), deviation))
     };
     Ok(fitted.iter().filter_map(one).collect())
 }
 
 /// Refuses a draught of another hull form.
 fn check_form(file: &VesselFile, size: &Size) -> Result<(), Invalid> {
-    let similar = file.ship.as_ref().map_or(0.0, |own| own.draught_m);
+    let similar = file.ship.as_ref().map_or(0.0, |ship| ship.draught_m);
     match size.draught_m {
         Some(draught) if ((draught - similar) / similar).abs() > ROUNDING || !draught.is_finite() => {
             let expected = format!("{similar:.4} m: a similar ship has the same hull form");
@@ -433,7 +414,9 @@ fn check_form(file: &VesselFile, size: &Size) -> Result<(), Invalid> {
 /// The name of a similar ship.
 fn named(name: &str, length_m: f64) -> String {
     let plain = match name.rsplit_once(" at ") {
-        Some((plain, size)) if size.strip_suffix(" m").is_some_and(|own| own.parse::<f64>().is_ok()) => plain,
+        Some((plain, size)) if size.strip_suffix(" m").is_some_and(|size| size.parse::<f64>().is_ok()) => {
+            plain
+        }
         _ => name,
     };
     format!("{plain} at {length_m} m")

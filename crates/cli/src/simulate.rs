@@ -20,7 +20,7 @@ use trial::campaign::{Campaign, Maneuvers, Refusal, Settings, SimulatedRun, Tall
 use validation::tally::{Bounds, Tally as Counts};
 
 use crate::cli::{budget, folder_of, given};
-use crate::failure::{Failure, Progress};
+use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, ordered};
 
 /// The files of a simulation, for messages.
@@ -95,7 +95,7 @@ pub fn check_campaign(
     let rows = runs * (samples as f64 + 1.0);
     let size = format!("{runs} runs of {samples} samples");
     let remedy = "take fewer `realizations` or a shorter `duration_s`";
-    let work = Work { file, thing: "`realizations`", found: &found, remedy };
+    let work = Work { file, thing: "`realizations`", found: &size, remedy };
     let block = rows_per_block(samples) as f64 * (samples as f64 + 1.0);
     check_room(work, [rows, block, rows], vessel, out)
 }
@@ -104,9 +104,6 @@ pub fn check_campaign(
 const BLOCK: usize = 64;
 
 /// Simulates the maneuvers of `shard` (or all) into `out`, and reports what was left out.
-///
-/// # Errors
-/// See [`Maneuvers::simulate`]; limits that no generated maneuver keeps; output that fails.
 pub fn write_maneuvers(
     maneuvers: &Maneuvers,
     files: &Files,
@@ -119,11 +116,11 @@ pub fn write_maneuvers(
     let mine = provenance.shard.map_or(0..blocks, |shard| shard.range(blocks));
     let (layout, mut writer) =
         writer(out, Layout::new(&maneuvers.vessel().model).reacting(&maneuvers.reacting()), provenance)?;
-    let progress = Progress::new("maneuvers", count.min(mine.len() * BLOCK), quiet);
+    let progress = WorkProgress::new("maneuvers", count.min(mine.len() * BLOCK), quiet);
     let mut tally = Tally::default();
     let work = |block: usize| {
         let simulated = maneuvers.simulate(block * BLOCK..count.min((block + 1) * BLOCK));
-        let (runs, tally) = found.map_err(|e| files.refused(e))?;
+        let (runs, tally) = simulated.map_err(|e| files.refused(e))?;
         progress.advance(BLOCK);
         let block = if runs.is_empty() { None } else { Some(encoded(&layout, maneuvers.vessel(), &runs)?) };
         Ok::<_, Failure>((block, tally))
@@ -140,9 +137,6 @@ pub fn write_maneuvers(
 }
 
 /// Refuses maneuvers whose runs do not fit into memory or on disk.
-///
-/// # Errors
-/// A maneuver of zero samples, or unbounded; too little memory or disk.
 pub fn check_maneuvers(maneuvers: &Maneuvers, files: &Files, out: &Path) -> Result<(), Failure> {
     let (mut all, mut written, mut block) = (0, 0, 0);
     for start in (0..maneuvers.count()).step_by(BLOCK) {
@@ -152,14 +146,11 @@ pub fn check_maneuvers(maneuvers: &Maneuvers, files: &Files, out: &Path) -> Resu
     }
     let size = format!("{} maneuvers of {all} rows", maneuvers.count());
     let remedy = "shorten maneuvers or take fewer";
-    let work = Work { file: files.dictionary, thing: "`duration_s`", found: &found, remedy };
+    let work = Work { file: files.dictionary, thing: "`duration_s`", found: &size, remedy };
     check_room(work, [all as f64, block as f64, written as f64], maneuvers.vessel(), out)
 }
 
 /// Simulates the runs of `shard` (or all) into `out`; returns their number.
-///
-/// # Errors
-/// A simulation that diverges; output that fails.
 pub fn write_campaign(
     campaign: &Campaign,
     files: &Files,
@@ -173,7 +164,7 @@ pub fn write_campaign(
     let mine = provenance.shard.as_ref().map_or(0..blocks.len(), |s: &Shard| s.range(blocks.len()));
     let runs = blocks[mine.clone()].iter().map(|(_, runs)| runs.len()).sum();
     let rows = runs as f64 * campaign.samples() as f64;
-    let progress = Progress::new("runs", runs, quiet).foretold(rows / SIMULATED_PER_SECOND);
+    let progress = WorkProgress::new("runs", runs, quiet).foretold(rows / SIMULATED_PER_SECOND);
     let work = |i: usize| {
         let (design, runs) = blocks[i].clone();
         progress.advance(runs.len());
@@ -239,9 +230,6 @@ impl CampaignFlags {
     }
 
     /// The files, for messages.
-    ///
-    /// # Errors
-    /// A usage error that names the missing one.
     fn files(&self) -> Result<Files<'_>, Failure> {
         let campaign = given(&self.campaign, "campaign")?;
         Ok(Files {
@@ -254,9 +242,6 @@ impl CampaignFlags {
     }
 
     /// Reads them, the vessel by that reader.
-    ///
-    /// # Errors
-    /// A file that is refused.
     pub fn read(&self, vessel: VesselReader, noted: &mut Provenance) -> Result<CampaignInputs<'_>, Failure> {
         let files = self.files()?;
         let vessel = vessel(files.vessel, noted)?;
@@ -276,9 +261,6 @@ impl CampaignInputs<'_> {
     }
 
     /// The runs of `settings`.
-    ///
-    /// # Errors
-    /// A vessel without true parameters; a design of other maneuvers; a maneuver that does not fit the model.
     pub fn campaign(&self, settings: &Settings) -> Result<Campaign<'_>, Failure> {
         let sea = self.config.sea(&self.vessel).map_err(|e| Failure::invalid(self.files.vessel, &e))?;
         let campaign = Campaign::new(sea, &self.dictionary, &self.design.designed(), settings);
@@ -331,12 +313,9 @@ impl Done<'_> {
     }
 
     /// Realizes and counts `parts`; the kept rows of each are added to `kept` in order.
-    ///
-    /// # Errors
-    /// A simulation that diverges; output that fails.
     pub fn tallied(&self, parts: Vec<(usize, Range<usize>)>, kept: &mut Kept) -> Result<Counts, Failure> {
         let runs: usize = parts.iter().map(|(_, runs)| runs.len()).sum();
-        let progress = Progress::new("runs", runs, self.quiet).foretold(self.seconds(runs));
+        let progress = WorkProgress::new("runs", runs, self.quiet).foretold(self.seconds(runs));
         let mut tally = self.blank();
         self.count(parts, kept, &mut tally, &progress)?;
         Ok(tally)
@@ -347,7 +326,7 @@ impl Done<'_> {
         parts: Vec<(usize, Range<usize>)>,
         kept: &mut Kept,
         tally: &mut Counts,
-        progress: &Progress,
+        progress: &WorkProgress,
     ) -> Result<(), Failure> {
         let (first, scores_alone) = (kept.first(), kept.of_scores_alone());
         let work = |i: usize| {
@@ -371,14 +350,12 @@ impl Done<'_> {
 
     /// Continues until no share's interval is wider than twice `width`; checks at fixed numbers of runs, each a tenth
     /// larger.
-    ///
-    /// # Errors
-    /// A simulation that diverges.
     pub fn until(&self, width: f64) -> Result<Counts, Failure> {
         let (mut tally, mut done) = (self.blank(), 0);
         let designs = self.study.campaign.designs();
         let most = needed_for(width).powi(2) * designs as f64;
-        let progress = Progress::new("runs", most as usize, self.quiet).foretold(self.seconds(most as usize));
+        let progress =
+            WorkProgress::new("runs", most as usize, self.quiet).foretold(self.seconds(most as usize));
         while tally.half_width() > width && done < self.study.campaign.realizations() {
             let next =
                 (done + (done / 10).max(LANES * BLOCK_OF_GROUPS)).next_multiple_of(LANES * BLOCK_OF_GROUPS);

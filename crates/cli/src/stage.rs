@@ -49,9 +49,6 @@ impl Summary {
 /// The flags of a stage, parsed.
 pub trait Task {
     /// Reads, calls the other crates, writes.
-    ///
-    /// # Errors
-    /// Any failure that leaves nothing written.
     fn run(&self, common: &Common) -> Result<Summary, Failure>;
 }
 
@@ -112,9 +109,6 @@ impl Stage {
     }
 
     /// The task that `matches` of [`Stage::command`] ask for.
-    ///
-    /// # Errors
-    /// A usage error: flags that exclude each other, changes of files that are not named.
     pub fn task(&self, matches: &ArgMatches) -> Result<(Box<dyn Task>, Common), Failure> {
         if let Some((stage, below)) = self.chosen(matches) {
             return stage.task(below);
@@ -172,9 +166,6 @@ fn with_exit_codes(command: Command) -> Command {
 }
 
 /// Parses `words`, the first of which is the program, or reports what is wrong with them.
-///
-/// # Errors
-/// The exit code of the program: after the requested help or version, or after a refusal.
 pub fn matches(
     command: &mut Command,
     words: impl IntoIterator<Item = OsString>,
@@ -364,9 +355,6 @@ const IN_RUNS: [&str; 7] = ["vessel", "dictionary", "campaign", "reference", "pl
 
 /// Refuses `changes` of a file that `matches` of `command` do not name, and a key that is given twice: a change
 /// without effect would go unnoticed.
-///
-/// # Errors
-/// A usage error that suggests the nearest file.
 fn check_changes(command: &Command, matches: &ArgMatches, changes: &[Change]) -> Result<(), Failure> {
     let usage = |invalid: Invalid| Err(Failure::Usage(format!("--set: {invalid}")));
     let files: Vec<String> = command.get_arguments().flat_map(|arg| named(arg, matches)).collect();

@@ -15,7 +15,7 @@ use study::folder::Folder;
 use crate::cli::{Common, folder_of, set_budget};
 use crate::commands::STAGES;
 use crate::failure::{Failure, on_stderr, on_stdout, printed};
-use crate::pipeline::{Folders, Pipeline, Record, Settings, Step};
+use crate::pipeline::{Folders, Pipeline, RunRecord, StudySettings, StudyStep};
 use crate::ships;
 use crate::stage::{Stage, Summary, Task, dressed, ended, matches, misused};
 
@@ -52,8 +52,8 @@ pub fn main() -> ExitCode {
 /// What begins a study, and what runs all of it.
 const OWN: [Stage; 4] = [
     Stage::of::<ships::NewArguments>(),
-    Stage::of::<ships::Guess>(),
-    Stage::of::<ships::Scale>(),
+    Stage::of::<ships::GuessArguments>(),
+    Stage::of::<ships::ScaleArguments>(),
     Stage::of::<RunArguments>(),
 ];
 
@@ -101,9 +101,6 @@ fn named(command: Command) -> Command {
 // Shell completions and manual pages of a command line.
 
 /// Prints the completions of `command` for `shell`.
-///
-/// # Errors
-/// Output that fails.
 pub fn completions(shell: Option<Shell>, mut command: Command) -> Result<(), Failure> {
     let (mut script, name) = (Vec::new(), command.get_name().to_owned());
     if let Some(shell) = shell {
@@ -113,9 +110,6 @@ pub fn completions(shell: Option<Shell>, mut command: Command) -> Result<(), Fai
 }
 
 /// Writes the manual pages of `command` and its subcommands into `folder`.
-///
-/// # Errors
-/// Output that fails.
 pub fn manual(folder: &Path, command: Command) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|e| files::Error::io(folder, "create", e))?;
     let mut command = without_help(command);
@@ -175,7 +169,7 @@ pub struct RunArguments {
 impl Task for RunArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let out = self.results();
-        let mut settings = Settings::read(&self.whole_study)?;
+        let mut settings = StudySettings::read(&self.whole_study)?;
         for given in &self.setting {
             settings.set(given).map_err(|e| Failure::Usage(format!("--setting: {e}")))?;
         }
@@ -188,7 +182,7 @@ impl Task for RunArguments {
         let Provenance { producer, .. } = common.provenance("seatrial");
         let program = std::env::current_exe().ok().and_then(|file| Digest::of_file(file).ok());
         let (mut record, mut ran, mut without) =
-            (Record::read(&out, producer, program), Vec::new(), Vec::new());
+            (RunRecord::read(&out, producer, program), Vec::new(), Vec::new());
         for (i, (step, words)) in pipeline.steps.iter().zip(&commands).enumerate() {
             if step.is_optional && !without.is_empty() {
                 record.forget(&pipeline, step)?;
@@ -274,7 +268,12 @@ fn shown(pipeline: &Pipeline, words: &[String]) -> String {
 }
 
 /// Runs `step` with these `words`, and returns what it read and wrote.
-fn run_one(pipeline: &Pipeline, step: &Step, words: &[String], common: &Common) -> Result<Trace, Failure> {
+fn run_one(
+    pipeline: &Pipeline,
+    step: &StudyStep,
+    words: &[String],
+    common: &Common,
+) -> Result<Trace, Failure> {
     let main = pipeline.main(step);
     let (stage, matches) = parsed(pipeline, words)?;
     let (task, mut of_stage) = stage.task(&matches)?;
@@ -323,15 +322,12 @@ pub struct Verify {
 
 impl Verify {
     /// Prints the graph and the errors.
-    ///
-    /// # Errors
-    /// A folder that cannot be listed or has nothing to verify; files that are damaged or do not belong together.
     pub fn run(&self) -> Result<(), Failure> {
         for root in &self.folders {
             let mut folder = Folder::read(root, self.study.as_deref())?;
             if let Some(study) = &self.study {
                 let folders = Folders { study: study.clone(), out: root.clone() };
-                folder.faults.extend(Record::read(root, String::new(), None).faults(&folders));
+                folder.faults.extend(RunRecord::read(root, String::new(), None).faults(&folders));
             }
             folder.lines(root).into_iter().try_for_each(on_stdout)?;
             folder.faults.iter().try_for_each(|fault| on_stdout(format_args!("fault: {fault}")))?;

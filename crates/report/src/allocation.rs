@@ -9,7 +9,7 @@ use study::documents::{
 use crate::dictionary::{omission, shown, used};
 use crate::figures::{AccuracyCurve, SensitivityRow, ShareRow, accuracy, sensitivities, shares};
 use crate::number::{exact, or_dash, percent, published, three, three_or_dash};
-use crate::parts::{Figures, Section, Table, coded, entry, missing};
+use crate::parts::{Figures, HtmlTable, Section, coded, entry, missing};
 use crate::study::Study;
 
 /// The time of each maneuver, and the efficiency of the unused ones.
@@ -95,7 +95,7 @@ fn table(
     reference: Option<&Reference>,
     experiment_s: Option<f64>,
 ) -> Markup {
-    let mut table = Table::of(names.iter().copied())
+    let mut table = HtmlTable::of(names.iter().copied())
         .mark("unused", |name| !used(design, name))
         .name("Maneuver", |name| name)
         .number("Share", |name| share_of(design, name));
@@ -248,8 +248,8 @@ fn agreement(starts: &[Start]) -> String {
     }
 }
 
-fn starts(starts: &[Start]) -> Table<&Start> {
-    Table::of(starts)
+fn starts(starts: &[Start]) -> HtmlTable<&Start> {
+    HtmlTable::of(starts)
         .compact()
         .mark("stray", |start| !start.agrees)
         .name("Start", |start| &start.name)
@@ -274,8 +274,8 @@ fn updated(update: Option<&DesignUpdateDocument>) -> Markup {
     }
 }
 
-fn promises_table(parameters: &[UpdatedParameter]) -> Table<&UpdatedParameter> {
-    Table::of(parameters)
+fn promises_table(parameters: &[UpdatedParameter]) -> HtmlTable<&UpdatedParameter> {
+    HtmlTable::of(parameters)
         .compact()
         .name("Parameter", |parameter| parameter.name.as_str())
         .number("Estimate", |parameter| three(parameter.estimate))
@@ -305,12 +305,12 @@ fn figure_errors(design: &DesignDocument) -> Markup {
     }
 }
 
-fn figures_table(found: &DesignFigures, weighted: bool) -> Table<&DesignFigure> {
+fn figures_table(found: &DesignFigures, weighted: bool) -> HtmlTable<&DesignFigure> {
     let with_unit = |value: f64, figure: &DesignFigure| {
         let unit = if figure.unit == "1" { String::new() } else { figure.unit.replace("deg", "°") };
         format!("{} {unit}", three(value)).trim_end().to_owned()
     };
-    let mut table = Table::of(&found.figures)
+    let mut table = HtmlTable::of(&found.figures)
         .mark("unused", |figure| weighted && figure.weight == 0.0)
         .name("Maneuver", |figure| figure.maneuver.as_str())
         .text("Figure", |figure| figure.what.as_str())

@@ -6,12 +6,12 @@ use study::documents::{
 };
 
 use crate::figures::{
-    CorrelationCell, CorrelationRow, Curve, TraceColumn, TraceRow, Track, TrackLine, correlations, palette,
-    traces, tracks,
+    CorrelationCell, CorrelationRow, Curve, TraceColumn, TraceRow, TrackCell, TrackLine, correlations,
+    palette, traces, tracks,
 };
 use crate::loader::Loader;
 use crate::number::{exact, fit, three, three_or_dash, three_within, windows_of};
-use crate::parts::{Figures, Section, Table, grouped, statements};
+use crate::parts::{Figures, HtmlTable, Section, grouped, statements};
 
 /// Windows, and recordings, beyond this many are not drawn.
 const MOST: usize = 24;
@@ -55,12 +55,12 @@ fn about(found: &CompareDocument) -> Markup {
 }
 
 fn models(found: &CompareDocument) -> Markup {
-    let named = Table::of(&found.models).compact().name("Model", |m| m.name.to_string());
+    let named = HtmlTable::of(&found.models).compact().name("Model", |m| m.name.to_string());
     html! { (errors(named, |m| &m.errors)) }
 }
 
 /// Adds columns of errors.
-fn errors<'a, R: Copy>(table: Table<R>, of: impl Fn(R) -> &'a ComparedErrors + Copy) -> Table<R> {
+fn errors<'a, R: Copy>(table: HtmlTable<R>, of: impl Fn(R) -> &'a ComparedErrors + Copy) -> HtmlTable<R> {
     table
         .number("Fit u", move |row| fit(of(row).fit_u))
         .number("Fit v", move |row| fit(of(row).fit_v))
@@ -76,7 +76,7 @@ fn errors<'a, R: Copy>(table: Table<R>, of: impl Fn(R) -> &'a ComparedErrors + C
 }
 
 fn differences(found: &CompareDocument) -> Markup {
-    let table = Table::of(&found.differences)
+    let table = HtmlTable::of(&found.differences)
         .name("Against", |d| d.name.to_string())
         .number("Its error norm lies above by", |d| three_within(d.median, Some(d.interval)))
         .number("Pairs", |d| d.pairs);
@@ -130,7 +130,7 @@ fn over_time(trace: &[Traced], figures: &mut Figures) -> Markup {
 
 fn recordings(found: &CompareDocument) -> Markup {
     let rows = grouped(found.models.first(), |model| &model.recordings);
-    let named = Table::of(rows.iter().map(|(_, _, recording)| *recording))
+    let named = HtmlTable::of(rows.iter().map(|(_, _, recording)| *recording))
         .compact()
         .name("Recording", |r| r.source.as_str())
         .number("Windows", |r| r.errors.windows);
@@ -240,7 +240,7 @@ fn sailed(windows: &[&[Traced]], figures: &mut Figures) -> Markup {
     }
     let drawn = &all[..all.len().min(MOST)];
     let axes: Vec<Vec<[Vec<f64>; 2]>> = drawn.iter().map(Sailed::axes).collect();
-    let cells: Vec<Track> =
+    let cells: Vec<TrackCell> =
         drawn.iter().zip(&axes).map(|(sailed, axes)| sailed_track(sailed.source, axes)).collect();
     let caption = html! {
         b { "Tracks as measured (black) and simulated (blue), seen from above." }
@@ -252,10 +252,10 @@ fn sailed(windows: &[&[Traced]], figures: &mut Figures) -> Markup {
     figures.place_wide("compared-tracks", tracks(&cells), &caption)
 }
 
-fn sailed_track<'a>(name: &'a str, axes: &'a [[Vec<f64>; 2]]) -> Track<'a> {
+fn sailed_track<'a>(name: &'a str, axes: &'a [[Vec<f64>; 2]]) -> TrackCell<'a> {
     let colour = |i: usize| (i > 0).then_some(palette::BLUE);
     let lines = axes.iter().enumerate().map(|(i, [x, y])| TrackLine { x, y, colour: colour(i) });
-    Track { name, lines: lines.collect() }
+    TrackCell { name, lines: lines.collect() }
 }
 
 impl<'a> Sailed<'a> {

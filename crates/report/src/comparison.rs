@@ -12,7 +12,7 @@ use crate::figures::HistogramPanel;
 use crate::number::{
     exact, median, or_dash, parameter_share, percent, percent_within, published, q90, simulation_share, three,
 };
-use crate::parts::{Figures, INTERVALS, Section, Table, drawn_from, missing};
+use crate::parts::{Figures, HtmlTable, INTERVALS, Section, drawn_from, missing};
 use crate::selection::{ErrorFigure, SelectionStudy};
 use crate::study::{Study, optimized_first};
 
@@ -60,7 +60,7 @@ fn table(study: &Study, validation: &ValidationDocument) -> Markup {
         ("Not identifiable", |d| d.not_identifiable.to_string(), None),
     ];
     let labelled =
-        Table::of(lines).set_off("main", |(.., theirs)| theirs.is_some()).name("", |(label, ..)| label);
+        HtmlTable::of(lines).set_off("main", |(.., theirs)| theirs.is_some()).name("", |(label, ..)| label);
     let table = scored.iter().fold(labelled, |table, d| {
         let table = table.number(&d.design, |(_, ours, _)| ours(d));
         let Some(reference) = reference else { return table };
@@ -214,7 +214,7 @@ fn published_table(found: &SelectionStudy, limits: &PublishedSelection) -> Marku
         (&labels[2], &|d| beyond(d, |b| b.sway), None),
         (&labels[3], &|d| beyond(d, |b| b.yaw), None),
     ];
-    let labelled = Table::of(lines).name("norm of RMSE", |(label, ..)| label);
+    let labelled = HtmlTable::of(lines).name("norm of RMSE", |(label, ..)| label);
     let table = found.summary.designs.iter().fold(labelled, |table, d| {
         let published = if d.design == "optimized" { &limits.optimized } else { &limits.random };
         table.number(&d.design, |(_, ours, _)| ours(d)).classed(

@@ -6,12 +6,12 @@ use study::documents::{
 };
 
 use crate::figures::text::signed;
-use crate::measured::Measured;
+use crate::measured::MeasuredStudy;
 use crate::number::{interval, or_dash, percent, three, three_or_dash, unit};
-use crate::parts::{Section, Table, missing};
+use crate::parts::{HtmlTable, Section, missing};
 
 /// Parameters of the resulting model, and whether its estimator is the recommended one.
-pub(super) fn delivered(measured: &Measured) -> Section {
+pub(super) fn delivered(measured: &MeasuredStudy) -> Section {
     let body = match &measured.model {
         None if measured.trust.is_some() => html! {
             p { "The estimate delivers no model: a degree of freedom has no estimate, or the free simulation of a recording diverges. See below." }
@@ -105,7 +105,7 @@ fn undecided(estimator: Estimator, candidates: &[Estimator]) -> String {
 }
 
 /// A row per term and per constant of a degree of freedom, which is no parameter.
-fn parameters(model: &ModelDocument) -> Table<(&ModelDegree, Option<&ModelParameter>)> {
+fn parameters(model: &ModelDocument) -> HtmlTable<(&ModelDegree, Option<&ModelParameter>)> {
     let rows = model.degrees.iter().flat_map(|degree| {
         degree.parameters.iter().map(Some).chain([None]).map(move |parameter| (degree, parameter))
     });
@@ -114,7 +114,7 @@ fn parameters(model: &ModelDocument) -> Table<(&ModelDegree, Option<&ModelParame
     let off =
         |p: &ModelParameter| Some((p.value - p.truth?) / p.standard_error.filter(|error| *error > 0.0)?);
     let known = rows.clone().any(|(_, p)| truth(p).is_some());
-    let mut table = Table::of(rows)
+    let mut table = HtmlTable::of(rows)
         .compact()
         .name("Parameter", |(d, p)| p.map_or(format!("{} constant", d.name), |p| p.name.clone()))
         .text("Degree", |(d, _)| d.name.as_str())
@@ -137,7 +137,7 @@ fn parameters(model: &ModelDocument) -> Table<(&ModelDegree, Option<&ModelParame
 /// The current that was found with the model, if it was unknown, a row per part.
 fn surroundings(model: &ModelDocument) -> Markup {
     let Some(first) = model.surroundings.first() else { return html! {} };
-    let named = Table::of(&model.surroundings)
+    let named = HtmlTable::of(&model.surroundings)
         .compact()
         .name("Found around", |part| part.source.clone())
         .number("Part", |part| part.part.to_string());
@@ -197,8 +197,8 @@ fn shown(parameter: &FittedParameter) -> (f64, Option<[f64; 2]>, &str) {
     }
 }
 
-fn numbers(all: &[FittedParameter]) -> Table<&FittedParameter> {
-    let mut table = Table::of(all)
+fn numbers(all: &[FittedParameter]) -> HtmlTable<&FittedParameter> {
+    let mut table = HtmlTable::of(all)
         .compact()
         .mark("main", |parameter| outside(parameter.captive))
         .name("Number", |parameter| html! { code { (parameter.name) } })
@@ -225,7 +225,7 @@ fn sums(sailed: &SailedSums) -> Markup {
         3 => "cubic".to_owned(),
         other => format!("order {other}"),
     };
-    let mut table = Table::of(&sailed.sums)
+    let mut table = HtmlTable::of(&sailed.sums)
         .compact()
         .mark("main", |sum| outside(sum.captive))
         .name("Sum", |sum| format!("{}, {}", sum.degree, order(sum)))
@@ -247,7 +247,7 @@ fn sums(sailed: &SailedSums) -> Markup {
 }
 
 /// With columns for the captive value and whether the interval holds it.
-fn captive<'a, R>(table: Table<&'a R>, of: impl Fn(&'a R) -> Option<CaptiveValue>) -> Table<&'a R> {
+fn captive<'a, R>(table: HtmlTable<&'a R>, of: impl Fn(&'a R) -> Option<CaptiveValue>) -> HtmlTable<&'a R> {
     let verdict = |captive_value: CaptiveValue| match captive_value.within {
         Some(true) => "within",
         Some(false) => "outside",

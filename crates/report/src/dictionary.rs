@@ -3,9 +3,9 @@ use std::cmp::Ordering;
 use maud::{Markup, html};
 use study::documents::{DesignDocument, EstimateDocument, MomentsDocument};
 
-use crate::figures::{Curve, TraceColumn, TraceRow, Track, TrackLine, palette, traces, tracks};
+use crate::figures::{Curve, TraceColumn, TraceRow, TrackCell, TrackLine, palette, traces, tracks};
 use crate::number::{percent, percent_within, three, three_or_dash, three_within};
-use crate::parts::{Figures, Section, Table, entry, grouped, missing};
+use crate::parts::{Figures, HtmlTable, Section, entry, grouped, missing};
 use crate::study::{ManeuverTrace, Study, optimized_first};
 
 /// Every maneuver over time and in the plane.
@@ -21,7 +21,7 @@ fn drawn(all: &[ManeuverTrace], design: Option<&DesignDocument>, figures: &mut F
     let names = shown(all.iter().map(|maneuver| maneuver.name.as_str()), design);
     let maneuvers: Vec<&ManeuverTrace> = all.iter().filter(|m| names.contains(&m.name.as_str())).collect();
     let over_time = small_multiples(&maneuvers, design);
-    let paths: Vec<Track<'_>> = maneuvers.iter().copied().map(path).collect();
+    let paths: Vec<TrackCell<'_>> = maneuvers.iter().copied().map(path).collect();
     html! {
         (omission(all.len(), maneuvers.len()))
         (figures.place_wide("dictionary", over_time, &time_caption(&maneuvers)))
@@ -30,9 +30,9 @@ fn drawn(all: &[ManeuverTrace], design: Option<&DesignDocument>, figures: &mut F
     }
 }
 
-fn path(maneuver: &ManeuverTrace) -> Track<'_> {
+fn path(maneuver: &ManeuverTrace) -> TrackCell<'_> {
     let line = TrackLine { x: &maneuver.x, y: &maneuver.y, colour: Some(palette::BLUE) };
-    Track { name: &maneuver.name, lines: vec![line] }
+    TrackCell { name: &maneuver.name, lines: vec![line] }
 }
 
 /// The validation input as a single row of the same small multiples.
@@ -205,7 +205,7 @@ pub(super) fn excitation(study: &Study) -> Section {
 
 fn conditioning(estimate: &EstimateDocument) -> Markup {
     let designs = optimized_first(&estimate.designs, |d| &d.design);
-    let table = Table::of(grouped(designs, |d| &d.degrees))
+    let table = HtmlTable::of(grouped(designs, |d| &d.degrees))
         .compact()
         .mark("first", |(first, ..)| first)
         .name("Design", |(first, d, _)| if first { d.design.as_str() } else { "" })
@@ -228,7 +228,7 @@ fn conditioning(estimate: &EstimateDocument) -> Markup {
 fn nonstationarity(MomentsDocument(moments): &MomentsDocument, design: Option<&DesignDocument>) -> Markup {
     let names = shown(moments.maneuvers.iter().map(|maneuver| maneuver.name.as_str()), design);
     let maneuvers = moments.maneuvers.iter().filter(|maneuver| names.contains(&maneuver.name.as_str()));
-    let named = Table::of(maneuvers).compact().name("Maneuver", |maneuver| &maneuver.name);
+    let named = HtmlTable::of(maneuvers).compact().name("Maneuver", |maneuver| &maneuver.name);
     let table = moments.degrees.iter().fold(named, |table, degree| {
         table.number(&degree.name, |maneuver| {
             let moments = maneuver.degrees.iter().find(|d| d.name == degree.name);

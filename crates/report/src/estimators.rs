@@ -7,7 +7,7 @@ use study::files::Vessel;
 
 use crate::figures::{ErrorRow, relative_errors};
 use crate::number::{median, or_dash, percent, q90, three, three_or_dash, unit};
-use crate::parts::{Figures, INTERVALS, Section, Table, drawn_from, entry, missing, section};
+use crate::parts::{Figures, HtmlTable, INTERVALS, Section, drawn_from, entry, missing, section};
 use crate::study::{Scenario, Study, optimized_first};
 
 /// Every estimator on the same runs, if they were compared; then other studies' comparisons.
@@ -75,7 +75,7 @@ fn of_both<'a>(
 }
 
 fn table(design: &str, estimates: &[EstimatorSummary], scores: &[EstimatorScores]) -> Markup {
-    let table = Table::of(of_both(design, estimates, scores))
+    let table = HtmlTable::of(of_both(design, estimates, scores))
         .name("Estimator", |(estimator, ..)| display(estimator))
         .number("Parameter error, median", |(_, d, _)| median(&d.parameter_error))
         .number("90 %", |(_, d, _)| q90(&d.parameter_error))
@@ -107,7 +107,7 @@ fn trust(design: &str, document: &EstimateDocument) -> Markup {
         })
         .collect();
     let within = percent(document.trusted_within.unwrap_or(f64::NAN));
-    let named = Table::of(rows.iter().copied())
+    let named = HtmlTable::of(rows.iter().copied())
         .compact()
         .name("Predicted / observed standard error", |(estimator, _)| display(estimator));
     let table = first.parameters.iter().enumerate().fold(named, |table, (i, p)| {
@@ -140,7 +140,7 @@ const REASON: &str = "Standard errors hold to first order around the truth: wher
 /// A row per scenario and estimator.
 fn scenarios(scenarios: &[Scenario]) -> Markup {
     let rows: Vec<(bool, &Scenario, Both<'_>)> = scenarios.iter().flat_map(of_first_design).collect();
-    let table = Table::of(rows)
+    let table = HtmlTable::of(rows)
         .name("Scenario", |(first, s, _)| {
             html! { @if first { (s.name) ", " (drawn_from(&s.validation)) } }
         })
@@ -293,7 +293,7 @@ fn relative(design: &DesignSummary, name: &str) -> Option<(f64, f64)> {
 }
 
 fn parameters_table(design: &DesignSummary, vessel: Option<&Vessel>) -> Markup {
-    let table = Table::of(&design.parameters)
+    let table = HtmlTable::of(&design.parameters)
         .name("Parameter", |p| &p.name)
         .text("Term", |p| term(vessel, &p.name))
         .text("Unit", |p| unit(&p.unit))
@@ -331,7 +331,7 @@ fn structure(vessel: &Vessel) -> Markup {
     let (terms, units) = (terms(vessel), vessel.model.parameter_units());
     let names: Vec<&str> = vessel.model.parameter_names().collect();
     // Those of forces belong to no one degree of freedom.
-    let table = Table::of(0..names.len())
+    let table = HtmlTable::of(0..names.len())
         .name("Parameter", |i| names[i])
         .text("Degree", |i| terms.get(i).map_or("–", |(degree, ..)| degree.name()))
         .text("Term", |i| terms.get(i).map_or("–", |(.., term)| term))

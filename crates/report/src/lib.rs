@@ -34,7 +34,7 @@ mod trust;
 
 pub use explore::explore;
 pub use loader::Sources;
-pub use measured::Measured;
+pub use measured::MeasuredStudy;
 pub use merit::{maneuvers_picture, picture};
 pub use next_trial::NextTrial;
 pub use page::{Rendered, render};

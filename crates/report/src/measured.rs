@@ -11,11 +11,11 @@ use crate::SelectionStudy;
 use crate::loader::Loader;
 use crate::next_trial::NextTrial;
 use crate::number::{fit, or_dash, percent_within, three, three_or_dash, windows_of};
-use crate::parts::{Section, Table, card, grouped, missing};
+use crate::parts::{HtmlTable, Section, card, grouped, missing};
 
 /// The results from measured logs.
 #[derive(Clone, Debug, Default)]
-pub struct Measured {
+pub struct MeasuredStudy {
     /// `ingest.json`.
     pub ingest: Option<IngestDocument>,
     /// `trust.json`.
@@ -34,7 +34,7 @@ pub struct Measured {
 
 /// Reads `ingest.json`, `trust.json`, `crossval.json`, `compare.json` and `search.json`; `None` if the last four are
 /// all missing.
-pub(super) fn load(loader: &mut Loader) -> Result<Option<Measured>, Error> {
+pub(super) fn load(loader: &mut Loader) -> Result<Option<MeasuredStudy>, Error> {
     let crossval = loader.document("crossval.json", "free simulation over recordings left out")?;
     let trust = loader.document("trust.json", "how far the pooled estimate can be trusted")?;
     let compared = super::compared::load(loader)?;
@@ -45,11 +45,14 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<Measured>, Error> {
     let ingest = loader.document("ingest.json", "what was read from the logs, and its quality")?;
     let model = loader.document("model.json", "the model that the estimate delivers")?;
     let next = super::next_trial::load(loader)?;
-    Ok(Some(Measured { ingest, trust, crossval, model, compared, searched, next }))
+    Ok(Some(MeasuredStudy { ingest, trust, crossval, model, compared, searched, next }))
 }
 
 /// Adds fits and errors of free simulations.
-pub(super) fn free_runs<R: Copy>(table: Table<R>, errors: impl Fn(R) -> Option<FreeRunErrors>) -> Table<R> {
+pub(super) fn free_runs<R: Copy>(
+    table: HtmlTable<R>,
+    errors: impl Fn(R) -> Option<FreeRunErrors>,
+) -> HtmlTable<R> {
     let error = |of: fn(FreeRunErrors) -> f64| {
         let errors = &errors;
         move |row| three_or_dash(errors(row).map(of))
@@ -71,7 +74,7 @@ impl SelectionStudy {
     }
 }
 
-impl Measured {
+impl MeasuredStudy {
     /// The estimator of least error in cross-validation, with its errors.
     pub(super) fn best(&self) -> Option<(&EstimatorScore, FreeRunErrors)> {
         let crossval = self.crossval.as_ref()?;
@@ -223,7 +226,7 @@ fn selection_card(found: &SelectionStudy) -> Markup {
 }
 
 /// The logs: per recording its rows, the consistency of its velocities, and its channels.
-pub(super) fn logs(measured: &Measured) -> Section {
+pub(super) fn logs(measured: &MeasuredStudy) -> Section {
     let body = match &measured.ingest {
         None => missing("The quality of the logs is", "ingest.json", "ingest"),
         Some(found) => html! {
@@ -245,8 +248,8 @@ pub(super) fn logs(measured: &Measured) -> Section {
     Section::new("logs", "Logs", "Logs", body)
 }
 
-fn recordings(found: &IngestDocument) -> Table<&RecordingSummary> {
-    Table::of(&found.recordings)
+fn recordings(found: &IngestDocument) -> HtmlTable<&RecordingSummary> {
+    HtmlTable::of(&found.recordings)
         .compact()
         .name("Recording", |r| &r.name)
         .number("Length [s]", |r| three(r.duration_s))
@@ -307,7 +310,7 @@ fn motion(found: &IngestDocument) -> Markup {
     if states.is_empty() {
         return html! {};
     }
-    let table = Table::of(states)
+    let table = HtmlTable::of(states)
         .compact()
         .mark("first", |(first, ..)| first)
         .name("Recording", |(first, r, _)| if first { r.name.as_str() } else { "" })
@@ -324,7 +327,7 @@ fn motion(found: &IngestDocument) -> Markup {
 }
 
 fn channels(recording: &RecordingSummary) -> Markup {
-    let table = Table::of(&recording.channels)
+    let table = HtmlTable::of(&recording.channels)
         .compact()
         .name("Channel", |c| &c.name)
         .text("Unit", |c| &c.unit)

@@ -1,9 +1,9 @@
 use maud::{Markup, html};
 use study::documents::{FigureMerit, ManeuverMerit, MeritDocument};
 
-use crate::figures::{Curve, TraceColumn, TraceRow, Track, TrackLine, palette, traces, tracks};
+use crate::figures::{Curve, TraceColumn, TraceRow, TrackCell, TrackLine, palette, traces, tracks};
 use crate::number::{interval, or_dash, three};
-use crate::parts::{Figures, Section, Table, grouped};
+use crate::parts::{Figures, HtmlTable, Section, grouped};
 use crate::study::Study;
 
 /// Figures of merit of the standard maneuvers; none in a study without.
@@ -20,7 +20,7 @@ pub(super) fn merit(study: &Study, figures: &mut Figures) -> Option<Section> {
 }
 
 fn table(found: &MeritDocument) -> Markup {
-    let table = Table::of(grouped(&found.maneuvers, |maneuver| &maneuver.figures))
+    let table = HtmlTable::of(grouped(&found.maneuvers, |maneuver| &maneuver.figures))
         .mark("first", |(first, ..)| first)
         .name("Maneuver", |(first, maneuver, _)| if first { maneuver.name.as_str() } else { "" })
         .text("Figure", |(.., figure)| &figure.what)
@@ -99,9 +99,12 @@ fn tracks_of(maneuvers: &[&ManeuverMerit], length_m: f64) -> String {
             (maneuver.name.as_str(), [metres(&maneuver.track.ahead), metres(&maneuver.track.abeam)])
         })
         .collect();
-    let drawn: Vec<Track<'_>> = all
+    let drawn: Vec<TrackCell<'_>> = all
         .iter()
-        .map(|(name, [x, y])| Track { name, lines: vec![TrackLine { x, y, colour: Some(palette::BLUE) }] })
+        .map(|(name, [x, y])| TrackCell {
+            name,
+            lines: vec![TrackLine { x, y, colour: Some(palette::BLUE) }],
+        })
         .collect();
     tracks(&drawn)
 }

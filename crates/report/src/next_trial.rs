@@ -8,7 +8,7 @@ use study::documents::{
 
 use crate::loader::{Loader, existing};
 use crate::number::{exact, fit, interval, median, or_dash, percent, q90, three, three_or_dash, unit};
-use crate::parts::{Section, Table, beyond, coded, held};
+use crate::parts::{HtmlTable, Section, beyond, coded, held};
 use crate::planned_trial::{PlannedTrial, map};
 
 /// The results for the next trial.
@@ -99,7 +99,7 @@ fn shares(next: &NextTrial) -> Markup {
     rows.retain(|(_, share)| *share > 0.0);
     rows.sort_by(|a, b| b.1.total_cmp(&a.1));
     let whole = duration_s(next);
-    let table = Table::of(&rows)
+    let table = HtmlTable::of(&rows)
         .name("Maneuver", |(name, _)| name)
         .number("Share", |(_, share)| percent(*share))
         .number("Time [s]", |(_, share)| or_dash(whole.map(|whole| format!("{:.0}", share * whole))));
@@ -135,9 +135,9 @@ fn free_runs(next: &NextTrial) -> Markup {
             false => vec![row(half, median), row("… 90 % quantile", q90)],
         }
     });
-    let table = Table::of(measured.into_iter().chain(scored)).compact().name("Model", |(what, ..)| what);
-    type Measured = fn(FreeRunErrors) -> (f64, Option<f64>);
-    let columns: [(&str, Measured, fn(&DesignScores) -> &Quantiles); 3] = [
+    let table = HtmlTable::of(measured.into_iter().chain(scored)).compact().name("Model", |(what, ..)| what);
+    type ErrorsOfModel = fn(FreeRunErrors) -> (f64, Option<f64>);
+    let columns: [(&str, ErrorsOfModel, fn(&DesignScores) -> &Quantiles); 3] = [
         ("RMSE u [m/s]", |e| (e.rmse_u, e.fit_u), |s| &s.rmse_u),
         ("RMSE v [m/s]", |e| (e.rmse_v, e.fit_v), |s| &s.rmse_v),
         ("RMSE r [rad/s]", |e| (e.rmse_r, e.fit_r), |s| &s.rmse_r),
@@ -182,7 +182,7 @@ fn parameters(next: &NextTrial) -> Markup {
     });
     let forces = next.model.forces.iter().flat_map(|force| &force.parameters);
     let forces = forces.map(|p| (&p.name, "forces", &p.unit, p.value, within(p.value, p.standard_error)));
-    let table = Table::of(terms.chain(forces))
+    let table = HtmlTable::of(terms.chain(forces))
         .compact()
         .name("Parameter", |(name, ..)| html! { code { (name) } })
         .text("Of", |(_, of, ..)| of)

@@ -8,11 +8,11 @@ use crate::delivered::delivered;
 use crate::dictionary::{dictionary, excitation};
 use crate::estimators::{estimators, parameters};
 use crate::headline::{headline, kind};
-use crate::measured::{Measured, logs};
+use crate::measured::{MeasuredStudy, logs};
 use crate::merit::merit;
 use crate::next_trial::next_trial;
 use crate::number::{median, or_dash, percent, q90};
-use crate::parts::{Figures, Section, Table, entry, statements};
+use crate::parts::{Figures, HtmlTable, Section, entry, statements};
 use crate::searched::searched;
 use crate::selection::selection;
 use crate::sequential::sequential;
@@ -59,7 +59,7 @@ fn of_trials(study: &Study, figures: &mut Figures) -> Vec<Section> {
 }
 
 /// The sections of a study of measured logs.
-fn of_logs(study: &Study, measured: &Measured, figures: &mut Figures) -> Vec<Section> {
+fn of_logs(study: &Study, measured: &MeasuredStudy, figures: &mut Figures) -> Vec<Section> {
     let mut sections: Vec<Section> = compared(measured.compared.as_ref(), figures).into_iter().collect();
     sections.extend(searched(measured.searched.as_ref(), figures));
     let is_searched = measured.searched.is_some();
@@ -125,7 +125,7 @@ fn realizations(study: &Study) -> Option<Section> {
         let half = |[low, high]: [f64; 2]| 50.0 * (high - low);
         or_dash(interval.map(|ends| format!("{:.2} ± {:.2} %", 100.0 * share, half(ends))))
     };
-    let table = Table::of(rows)
+    let table = HtmlTable::of(rows)
         .compact()
         .name("Design", |(_, d)| d.design.as_str())
         .text("Estimator", |(estimator, _)| display(estimator))
@@ -194,7 +194,7 @@ fn notes_of_logs() -> Markup {
 fn files(study: &Study) -> Section {
     let body = match study.files.as_slice() {
         [] => html! { p.missing { "No file was read." } },
-        files => Table::of(files)
+        files => HtmlTable::of(files)
             .compact()
             .name("File", |(name, ..)| name)
             .with(html! { th scope="col" { "What it is" } }, |(_, what, _)| html! { td.wrap { (what) } })

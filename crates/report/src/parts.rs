@@ -113,7 +113,7 @@ impl Figures {
 // Tables of the page.
 
 /// A table that is written column by column: each has a head and a function for its cells.
-pub(super) struct Table<R> {
+pub(super) struct HtmlTable<R> {
     class: Option<&'static str>,
     head: String,
     rows: Vec<TableRow<R>>,
@@ -126,7 +126,7 @@ struct TableRow<R> {
     cells: String,
 }
 
-impl<R: Copy> Table<R> {
+impl<R: Copy> HtmlTable<R> {
     /// A row for each of `rows`.
     pub(super) fn of(rows: impl IntoIterator<Item = R>) -> Self {
         let row = |of| TableRow { of, classes: None, cells: String::new() };
@@ -194,7 +194,7 @@ impl<R: Copy> Table<R> {
     }
 }
 
-impl<R> Render for Table<R> {
+impl<R> Render for HtmlTable<R> {
     fn render(&self) -> Markup {
         let classes = |row: &TableRow<R>| row.classes.as_ref().map(|classes| classes.join(" "));
         html! {

@@ -218,9 +218,9 @@ fn cells(map: &MapCells) -> figure::Cells {
     figure::Cells { grid, classes }
 }
 
-fn area(area: &MapArea) -> Option<figure::Area> {
+fn area(area: &MapArea) -> Option<figure::ChartedArea> {
     let mut rings = area.rings.iter().map(points);
-    Some(figure::Area {
+    Some(figure::ChartedArea {
         class: class(area.class, area.least_m)?,
         ring: rings.next()?,
         holes: rings.collect(),
@@ -244,14 +244,14 @@ fn spot(spot: &MapSpot) -> figure::Spot {
 }
 
 /// A track in the colour of its maneuver among `names`.
-fn track(track: &MapTrack, names: &[&String]) -> figure::Track {
+fn track(track: &MapTrack, names: &[&String]) -> figure::PlottedTrack {
     let maneuver = names.iter().position(|name| track.maneuver.as_ref() == Some(name));
     let style = match (track.kind, maneuver) {
         (MapTrackKind::Maneuver, Some(maneuver)) => figure::TrackStyle::Maneuver(maneuver),
         (MapTrackKind::RunIn, _) => figure::TrackStyle::RunIn,
         _ => figure::TrackStyle::Basic,
     };
-    figure::Track { style, points: points(&track.line), number: track.number }
+    figure::PlottedTrack { style, points: points(&track.line), number: track.number }
 }
 
 /// Degrees and minutes to a tenth.

@@ -7,34 +7,34 @@ use study::documents::{
 use crate::figures::{ScoredDot, scored};
 use crate::measured::free_runs;
 use crate::number::{exact, or_dash, percent, three, three_or_dash, three_within, unit, windows_of};
-use crate::parts::{Figures, Section, Table, coded, statements};
+use crate::parts::{Figures, HtmlTable, Section, coded, statements};
 
 /// Terms beyond this many are not listed: those of the base structure first, then those that were chosen most often.
 const MOST_TERMS: usize = 40;
 
 /// The search for the structure: candidates, the score on recordings that the search has not seen, terms.
-pub(super) fn searched(found: Option<&SearchDocument>, figures: &mut Figures) -> Option<Section> {
-    let found = found?;
-    if let Some(forces) = &found.forces {
+pub(super) fn searched(search: Option<&SearchDocument>, figures: &mut Figures) -> Option<Section> {
+    let search = search?;
+    if let Some(forces) = &search.forces {
         let body = html! {
-            (about_forces(found, forces))
-            (statements(&found.statements))
-            (nested(found))
+            (about_forces(search, forces))
+            (statements(&search.statements))
+            (nested(search))
             (found_forces(forces))
             (without(forces))
-            (recordings(found))
+            (recordings(search))
         };
         return Some(Section::new("search", "Search for forces", "The search for forces", body));
     }
     let body = html! {
-        (about(found))
-        (statements(&found.statements))
-        (nested(found))
-        (ridges(found, figures))
-        @if !found.sizes.is_empty() { (sizes(found, figures)) }
-        (terms(found))
-        @if let Some(average) = &found.average { (averaged(average)) }
-        (recordings(found))
+        (about(search))
+        (statements(&search.statements))
+        (nested(search))
+        (ridges(search, figures))
+        @if !search.sizes.is_empty() { (sizes(search, figures)) }
+        (terms(search))
+        @if let Some(average) = &search.average { (averaged(average)) }
+        (recordings(search))
     };
     Some(Section::new("search", "Search for a structure", "The search for a structure", body))
 }
@@ -65,7 +65,7 @@ fn nested(found: &SearchDocument) -> Markup {
     let consecutive = scores("side by side", [nested.search, nested.base], |average| average.errors);
     let overlapping = [nested.search_overlapping, nested.base_overlapping];
     let overlapping = scores("one at every quarter of another", overlapping, |average| average.overlapping);
-    let table = Table::of(consecutive.chain(overlapping))
+    let table = HtmlTable::of(consecutive.chain(overlapping))
         .name("On recordings left out", |(name, ..)| name)
         .text("Windows", |(_, windows, _)| windows);
     html! {
@@ -95,7 +95,7 @@ fn ridges(found: &SearchDocument, figures: &mut Figures) -> Markup {
     };
     let dots: Vec<ScoredDot> = found.candidates.iter().filter_map(dot).collect();
     let figure = scored(&dots, true, ("ridge Λ [1]", "mean fit of u, v, r [%]"));
-    let table = Table::of(&found.candidates)
+    let table = HtmlTable::of(&found.candidates)
         .mark("main", chosen)
         .name("Ridge", |c| three(c.ridge))
         .number("Mean fit [%]", |c| three_or_dash(c.score))
@@ -136,7 +136,7 @@ fn terms(found: &SearchDocument) -> Markup {
     let mut rows: Vec<&SearchTerm> = found.terms.iter().collect();
     rows.sort_by_key(|term| std::cmp::Reverse((term.base, term.chosen_by_resamples, term.chosen_by_folds)));
     let listed = rows.len().min(MOST_TERMS);
-    let mut table = Table::of(rows[..listed].iter().copied())
+    let mut table = HtmlTable::of(rows[..listed].iter().copied())
         .compact()
         .mark("main", |t| t.base)
         .name("Term", |t| t.term.as_str())
@@ -175,7 +175,7 @@ fn terms(found: &SearchDocument) -> Markup {
 }
 
 fn recordings(found: &SearchDocument) -> Markup {
-    let mut table = Table::of(&found.nested.recordings)
+    let mut table = HtmlTable::of(&found.nested.recordings)
         .compact()
         .name("Recording", |r: &NestedRecording| r.source.as_str())
         .number("Fold", |r| r.fold + 1)
@@ -201,11 +201,11 @@ fn averaged(found: &AverageSummary) -> Markup {
         .rev()
         .map(|models| (models, of_library.iter().filter(|term| term.chosen == models).count()))
         .collect();
-    let agreed = Table::of(&counts)
+    let agreed = HtmlTable::of(&counts)
         .name("In so many models", |(models, _)| models.to_string())
         .number("Terms of the library", |(_, terms)| terms);
     let listed = &of_library[..of_library.len().min(MOST_TERMS_OF_MEMBERS)];
-    let table = Table::of(listed.iter().copied())
+    let table = HtmlTable::of(listed.iter().copied())
         .compact()
         .name("Term", |t| t.term.as_str())
         .text("Of", |t| t.degree.as_str())
@@ -248,7 +248,7 @@ fn about_forces(found: &SearchDocument, forces: &SearchedForces) -> Markup {
 fn found_forces(forces: &SearchedForces) -> Markup {
     let folds = forces.without.len();
     let rows: Vec<(usize, &FoundForce)> = (1..).zip(&forces.found).collect();
-    let table = Table::of(&rows)
+    let table = HtmlTable::of(&rows)
         .compact()
         .mark("main", |_| forces.delivered)
         .number("Order", |(order, _)| order)
@@ -277,7 +277,7 @@ fn without(forces: &SearchedForces) -> Markup {
     let most = "as many were added as may be";
     let ended =
         |fold: &ForcesWithoutFold| fold.failed.clone().or(fold.ended.clone()).unwrap_or(most.to_owned());
-    let table = Table::of(&forces.without)
+    let table = HtmlTable::of(&forces.without)
         .compact()
         .number("Fold", |fold: &ForcesWithoutFold| fold.fold + 1)
         .name("Tried", |fold| coded(&tried(&fold.tried)))

@@ -7,7 +7,7 @@ use study::selection::{self, Row};
 use crate::figures::{Histogram, HistogramAxis, HistogramPanel, histogram_pair};
 use crate::loader::{Loader, existing};
 use crate::number::{exact, median, percent_within, q90};
-use crate::parts::{Figures, INTERVALS, Section, Table, statements};
+use crate::parts::{Figures, HtmlTable, INTERVALS, Section, statements};
 
 /// The results of a selection study.
 #[derive(Clone, Debug)]
@@ -95,7 +95,7 @@ fn round_limit(std: f64) -> f64 {
 /// A column's cell for a design.
 type Cell<'a> = &'a dyn Fn(&SelectionScores) -> String;
 
-fn table(summary: &SelectionDocument) -> Table<&SelectionScores> {
+fn table(summary: &SelectionDocument) -> HtmlTable<&SelectionScores> {
     let or_infinite = |value: Option<f64>, printed: String| value.map_or("∞".to_owned(), |_| printed);
     let median = |errors: &Quantiles| or_infinite(errors.median, median(errors));
     let q90 = |errors: &Quantiles| or_infinite(errors.q90, q90(errors));
@@ -106,7 +106,7 @@ fn table(summary: &SelectionDocument) -> Table<&SelectionScores> {
         ("90 %, picked left out", &|d| q90(&d.left_out.error_norm)),
         ("degenerate", &|d| percent_within(d.degenerate_share, d.degenerate_share_interval)),
     ];
-    let named = Table::of(&summary.designs).name("norm of RMSE/std", |d| &d.design);
+    let named = HtmlTable::of(&summary.designs).name("norm of RMSE/std", |d| &d.design);
     columns.into_iter().fold(named, |table, (head, cell)| {
         table.with(html! { th scope="col" { (head) } }, |d| html! { td.number { (cell(d)) } })
     })

@@ -3,7 +3,7 @@ use study::documents::{Arm, ArmSummary, RoundGain, SequentialDocument, Source};
 
 use crate::figures::{AccuracyCurve, accuracy};
 use crate::number::{exact, interval, percent_within, three, three_or_dash, three_within};
-use crate::parts::{Figures, Section, Table, grouped};
+use crate::parts::{Figures, HtmlTable, Section, grouped};
 
 /// Trials designed in rounds compared with trials designed once: at equal time, and when they stop.
 pub(super) fn sequential(found: &SequentialDocument, figures: &mut Figures) -> Vec<Section> {
@@ -75,7 +75,7 @@ fn curve(arm: &ArmSummary) -> AccuracyCurve<'static> {
 }
 
 fn gains(gains: &[RoundGain]) -> Markup {
-    let table = Table::of(gains)
+    let table = HtmlTable::of(gains)
         .compact()
         .name("Time [s]", |gain| three(gain.time_s))
         .number("Error in rounds / one-shot", |gain| three_or_dash(gain.ratio))
@@ -88,7 +88,7 @@ fn gains(gains: &[RoundGain]) -> Markup {
 }
 
 fn errors(found: &SequentialDocument) -> Markup {
-    let table = Table::of(grouped(&found.arms, |arm| &arm.points))
+    let table = HtmlTable::of(grouped(&found.arms, |arm| &arm.points))
         .compact()
         .mark("first", |(first, ..)| first)
         .name("Design", |(first, arm, _)| if first { label(arm.name) } else { "" })
@@ -111,7 +111,7 @@ fn errors(found: &SequentialDocument) -> Markup {
 }
 
 fn stopping(found: &SequentialDocument) -> Markup {
-    let table = Table::of(&found.stopping)
+    let table = HtmlTable::of(&found.stopping)
         .compact()
         .name("Trial", |s| label(s.arm))
         .number("Promised in time", |s| s.stopped)

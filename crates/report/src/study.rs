@@ -48,7 +48,7 @@ pub struct Study {
     /// Models from picked sub-experiments; absent in a study without.
     pub selection: Option<super::SelectionStudy>,
     /// Results from measured logs; absent in a study of simulated trials.
-    pub measured: Option<super::Measured>,
+    pub measured: Option<super::MeasuredStudy>,
     /// Trials designed in rounds against trials designed once.
     pub sequential: Option<SequentialDocument>,
     /// Other studies' comparisons of estimators, to be shown side by side.

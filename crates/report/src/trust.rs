@@ -4,14 +4,14 @@ use study::documents::{
     ForceCriticism, FoundNoise, LateActuator, SourceErrors, TriedSign, TrustDocument, Verdict,
 };
 
-use crate::measured::{Measured, free_runs};
+use crate::measured::{MeasuredStudy, free_runs};
 use crate::number::{
     fit, or_dash, percent, probability, three, three_or_dash, three_within, unit, windows_of,
 };
-use crate::parts::{Section, Table, coded, missing, statements};
+use crate::parts::{HtmlTable, Section, coded, missing, statements};
 
 /// The diagnostics of the pooled estimate.
-pub(super) fn trust(measured: &Measured) -> Section {
+pub(super) fn trust(measured: &MeasuredStudy) -> Section {
     let forces = measured.model.as_ref().and_then(|model| model.forces.as_ref());
     let criticism = forces.and_then(|forces| forces.criticism.as_ref());
     let body = match (&measured.trust, criticism) {
@@ -37,7 +37,7 @@ fn constrained(all: &[ConstrainedParameter]) -> Markup {
         (Some(to), _) => format!("equal to {to}"),
         _ => "fixed".to_owned(),
     };
-    let table = Table::of(all)
+    let table = HtmlTable::of(all)
         .compact()
         .name("Parameter", |p| &p.name)
         .text("Term", |p| &p.term)
@@ -62,7 +62,7 @@ fn about(found: &TrustDocument) -> Markup {
 }
 
 fn tests(found: &TrustDocument) -> Markup {
-    let table = Table::of(&found.degrees)
+    let table = HtmlTable::of(&found.degrees)
         .compact()
         .name("Degree", |d| &d.name)
         .text("Status", |d| display(d.status))
@@ -98,7 +98,7 @@ fn leak(degree: &DegreeTrust) -> Markup {
 }
 
 fn parameters(degree: &DegreeTrust) -> Markup {
-    let mut table = Table::of(&degree.parameters)
+    let mut table = HtmlTable::of(&degree.parameters)
         .compact()
         .name("Parameter", |p| &p.name)
         .text("Term", |p| &p.term)
@@ -128,7 +128,7 @@ fn parameters(degree: &DegreeTrust) -> Markup {
 fn correlation(degree: &DegreeTrust, entries: &[f64]) -> Markup {
     let parameters = &degree.parameters;
     let rows = parameters.iter().zip(entries.chunks(parameters.len().max(1)));
-    let named = Table::of(rows).compact().name("Correlation", |(p, _)| p.name.as_str());
+    let named = HtmlTable::of(rows).compact().name("Correlation", |(p, _)| p.name.as_str());
     let table = parameters.iter().enumerate().fold(named, |table, (i, other)| {
         table.number(&other.name, |(p, row)| {
             let entry = row.get(i).filter(|_| !p.at_bound && !other.at_bound);
@@ -143,8 +143,10 @@ fn correlation(degree: &DegreeTrust, entries: &[f64]) -> Markup {
 }
 
 fn runs(runs: &[SourceErrors]) -> Markup {
-    let named =
-        Table::of(runs).compact().name("Recording", |run| &run.source).number("Samples", |run| run.samples);
+    let named = HtmlTable::of(runs)
+        .compact()
+        .name("Recording", |run| &run.source)
+        .number("Samples", |run| run.samples);
     html! {
         h3 { "Free simulation over every recording, itself part of the estimate" }
         (free_runs(named, |run| run.errors))
@@ -176,8 +178,8 @@ fn wrong_forces(found: &ForceCriticism) -> Markup {
     }
 }
 
-fn signs(all: &[TriedSign]) -> Table<&TriedSign> {
-    Table::of(all)
+fn signs(all: &[TriedSign]) -> HtmlTable<&TriedSign> {
+    HtmlTable::of(all)
         .compact()
         .mark("main", |sign| sign.wrong)
         .name("Turned", |sign| coded(&sign.turned))
@@ -186,12 +188,12 @@ fn signs(all: &[TriedSign]) -> Table<&TriedSign> {
         .number("p", |sign| probability(sign.p_value))
 }
 
-fn late(all: &[LateActuator]) -> Table<&LateActuator> {
+fn late(all: &[LateActuator]) -> HtmlTable<&LateActuator> {
     let best = |actuator: &LateActuator| match (&actuator.kind, actuator.time_s) {
         (Some(kind), Some(time)) => format!("{kind} of {} s", three(time)),
         _ => "–".to_owned(),
     };
-    Table::of(all)
+    HtmlTable::of(all)
         .compact()
         .name("Input", |actuator| html! { code { (actuator.input) } })
         .number("Acts later by [s]", |actuator| {
@@ -205,10 +207,10 @@ fn late(all: &[LateActuator]) -> Table<&LateActuator> {
 /// Forces that are shown.
 const SHOWN: usize = 6;
 
-fn absent(found: &ForceCriticism) -> Table<&AbsentForce> {
+fn absent(found: &ForceCriticism) -> HtmlTable<&AbsentForce> {
     let likely = found.absent.iter().take_while(|force| force.candidate).count();
     let first = &found.absent[..likely.max(SHOWN).min(found.absent.len())];
-    Table::of(first)
+    HtmlTable::of(first)
         .compact()
         .mark("main", |force| force.candidate)
         .name("Not in the model", |force| html! { code { (force.term) } })
@@ -249,8 +251,8 @@ fn missing_terms(found: &Criticism) -> Markup {
     }
 }
 
-fn candidates<'a>(found: &Criticism, absent: &'a [Absent]) -> Table<&'a Absent> {
-    Table::of(absent)
+fn candidates<'a>(found: &Criticism, absent: &'a [Absent]) -> HtmlTable<&'a Absent> {
+    HtmlTable::of(absent)
         .compact()
         .mark("main", |a| found.rejected && a.candidate)
         .name("Not in the model", |a| match a.degree {
@@ -304,7 +306,7 @@ fn others(noise: &FoundNoise) -> String {
 }
 
 /// The estimators compared on recordings that were left out, and the recommended one recording by recording.
-pub(super) fn cross_validation(measured: &Measured) -> Section {
+pub(super) fn cross_validation(measured: &MeasuredStudy) -> Section {
     let body = match &measured.crossval {
         None => missing("Cross-validation is", "crossval.json", "validate cross"),
         Some(found) => html! {
@@ -337,7 +339,7 @@ fn about_folds(found: &CrossvalDocument) -> Markup {
 
 fn estimators(found: &CrossvalDocument) -> Markup {
     let recommended = |e: &EstimatorScore| found.recommended == Some(e.name);
-    let named = Table::of(&found.estimators)
+    let named = HtmlTable::of(&found.estimators)
         .mark("main", |e| found.candidates.contains(&e.name))
         .name("Estimator", |e| html! { (e.name) @if recommended(e) { " (recommended)" } });
     let table = free_runs(named, |e| e.errors)
@@ -360,7 +362,7 @@ fn estimators(found: &CrossvalDocument) -> Markup {
 fn sources(score: &EstimatorScore) -> Markup {
     let (simulated, without): (Vec<_>, Vec<_>) = score.sources.iter().partition(|s| s.windows > 0);
     let named =
-        Table::of(simulated).compact().name("Recording", |s| &s.source).number("Windows", |s| s.windows);
+        HtmlTable::of(simulated).compact().name("Recording", |s| &s.source).number("Windows", |s| s.windows);
     html! {
         h3 { "Recordings left out, " (score.name) }
         (free_runs(named, |s| s.errors))

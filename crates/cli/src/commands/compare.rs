@@ -17,7 +17,7 @@ use validation::crossval::{CrossOptions, Folds, cross_validate};
 use validation::selection::{PublishedLimits, Selection, SelectionOptions, Selector, available};
 
 use crate::cli::{Common, Sharding, beside, choice, member, samples};
-use crate::failure::{Failure, Progress};
+use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made, counts, joined, joined_blocks};
 use crate::physical::{self, FittingFlags, Scored, written};
 use crate::pool::{PoolFlags, RunFlags};
@@ -186,7 +186,7 @@ impl Task for CrossArguments {
         inputs::fits(self.flags.of.file(), &runs.amount(), bytes)?;
         let options = CrossOptions { estimators, window, folds: self.left_out() };
         let folds = number(runs.sources()) * options.estimators.len();
-        let progress = Progress::new("folds", folds, common.quiet);
+        let progress = WorkProgress::new("folds", folds, common.quiet);
         let folds = cross_validate(&pool, &runs, &options, &|count| progress.advance(count));
         let folds = folds.map_err(|e| Failure::invalid(self.flags.of.file(), &e.invalid()))?;
         let settings = [
@@ -318,7 +318,7 @@ fn realized(
     let (groups, blocks) = (selector.groups(), joined_blocks(selector.groups()));
     let share = provenance.shard.map_or(1.0, |shard| shard.range(blocks).len() as f64 / blocks as f64);
     let all = (0..groups).map(|i| selector.realizations_of(i)).sum::<usize>();
-    let progress = Progress::new("realizations", (share * all as f64) as usize, quiet);
+    let progress = WorkProgress::new("realizations", (share * all as f64) as usize, quiet);
     let group = |i: usize| {
         progress.advance(selector.realizations_of(i));
         Ok(selector.group(i))

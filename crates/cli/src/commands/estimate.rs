@@ -20,7 +20,7 @@ use study::trajectories::{Layout, TrajectoryReader};
 use study::{Doubtful, LoggedHelm};
 
 use crate::cli::{AdditionalFlags, Common, Sharding, beside, choice, given, member, none_given};
-use crate::failure::{Failure, Progress};
+use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made, joined, joined_blocks};
 use crate::stage::{Summary, Task};
 
@@ -161,7 +161,7 @@ impl EstimateArguments {
         let each = each + if asks { estimators.seconds_per_row_asked() } else { 0.0 };
         let each = each + estimators.seconds_per_row_calibrated();
         let seconds = reader.rows().0 as f64 * share * each;
-        let progress = Progress::new("blocks of runs", reader.blocks(), quiet).foretold(seconds);
+        let progress = WorkProgress::new("blocks of runs", reader.blocks(), quiet).foretold(seconds);
         let block = |i: usize| {
             let runs = reader.runs(i)?;
             let estimates = match kept {

@@ -17,7 +17,7 @@ use study::trajectories::{Layout, TrajectoryReader};
 use study::{LoggedHelm, resamples};
 
 use crate::cli::{AdditionalFlags, Common, Sharding, choice, member, none_given};
-use crate::failure::{Failure, Progress};
+use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made, rows_of_shards};
 use crate::physical::{self, PhysicalFlags};
 use crate::pool::PoolFlags;
@@ -96,7 +96,7 @@ impl Task for PoolArguments {
             );
         }
         let drawn = self.gathered(&grown.vessel, replicates, &mut provenance)?;
-        let progress = Progress::new("resamples", replicates as usize, common.quiet);
+        let progress = WorkProgress::new("resamples", replicates as usize, common.quiet);
         let resampled = |count: usize| progress.advance(count);
         let resampling = drawn.as_deref().map_or(Resampling::Drawn(&resampled), Resampling::Given);
         let nominal = self.flags.nominal().source();
@@ -161,7 +161,7 @@ impl PoolArguments {
         (provenance, quiet): (Provenance, bool),
     ) -> Result<Summary, Failure> {
         let (blocks, each) = resamples::blocks(judgement.replicates);
-        let progress = Progress::new("blocks of resamples", shard.range(blocks).len(), quiet);
+        let progress = WorkProgress::new("blocks of resamples", shard.range(blocks).len(), quiet);
         let (columns, last) = (resamples::columns(pool.vessel), judgement.replicates);
         let made = resampled(pool, runs, (estimator, judgement.seed), |draw| {
             Made::computed([out, out], &columns, provenance, blocks, |i| {

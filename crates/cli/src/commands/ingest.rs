@@ -16,7 +16,7 @@ use study::ingest_file::read::recorded;
 use study::trajectories::{Layout, MeasuredBlock};
 
 use crate::cli::{Common, beside, budget, folder_of};
-use crate::failure::{Failure, Progress};
+use crate::failure::{Failure, WorkProgress};
 use crate::inputs::ordered;
 use crate::stage::{Summary, Task};
 
@@ -144,15 +144,15 @@ fn all(logs: &Logs, out: &Path, quiet: bool, writer: &mut TableWriter) -> Result
     let (mut totals, mut recordings, mut files) = (Totals::default(), Vec::new(), Vec::new());
     let mut block = MeasuredBlock::new(&config.design, rate_hz);
     let bytes: u64 = sources.iter().map(|source| size(folder, source)).sum();
-    let progress = Progress::new("recordings", sources.len(), quiet);
+    let progress = WorkProgress::new("recordings", sources.len(), quiet);
     // A long recording is read by one thread, many short ones by all.
     let alone = bytes / sources.len().max(1) as u64 > SIDE_BY_SIDE;
     let threads = if alone { rayon::current_num_threads() } else { 1 };
     let progress = progress.foretold(threads as f64 * bytes as f64 / READ_PER_SECOND);
     let work = |plan: &Plan, i: usize| {
-        let found = recorded(plan, &segmentation, folder, &sources[i], &scratch);
+        let recording = recorded(plan, &segmentation, folder, &sources[i], &scratch);
         progress.advance(1);
-        found.map_err(Failure::from)
+        recording.map_err(Failure::from)
     };
     let mut fold = |(mut recorded, digests): (Recorded, Vec<Digest>)| {
         totals.number(&mut recorded);

@@ -19,7 +19,7 @@ pub const SIMULATE: Stage = Stage::group::<simulate::SimulateArguments>(&[
     Stage::of::<simulate::Dictionary>(),
     Stage::of::<simulate::Campaign>(),
     Stage::of::<simulate::Validation>(),
-    Stage::of::<simulate::Plan>(),
+    Stage::of::<simulate::PlanTrials>(),
     Stage::of::<simulate::Logs>(),
 ]);
 /// Measured logs to trajectories.

@@ -26,7 +26,7 @@ use trial::moments::{
 };
 
 use crate::cli::{Common, Sharding, choice, given, none_given};
-use crate::failure::{Failure, Progress};
+use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, ordered};
 use crate::pool::Nominal;
 use crate::stage::{Summary, Task};
@@ -298,7 +298,7 @@ impl Reading<'_> {
         let blocks = a.sharding.shard.map_or(0..reader.blocks(), |shard| shard.range(reader.blocks()));
         let share = blocks.len() as f64 / reader.blocks().max(1) as f64;
         let seconds = share * reader.rows().0 as f64 / ROWS_PER_SECOND;
-        let progress = Progress::new("blocks", blocks.len(), *quiet).foretold(seconds);
+        let progress = WorkProgress::new("blocks", blocks.len(), *quiet).foretold(seconds);
         let work = |block: usize| {
             if let Some(forces) = forces {
                 let moments = reader.runs(block)?.into_iter().map(|run| Ok((false, forces.moments(&run)?)));
@@ -317,7 +317,7 @@ impl Reading<'_> {
             progress.advance(1);
             Ok::<_, Failure>(found)
         };
-        ordered(blocks, work, |found| found.into_iter().try_for_each(|(pooled, more)| take(pooled, more)))
+        ordered(blocks, work, |runs| runs.into_iter().try_for_each(|(pooled, more)| take(pooled, more)))
     }
 
     /// Refuses runs that would be pooled if each must be separate.
@@ -384,8 +384,8 @@ fn nominal_of(
     label(runs.designs(), provenance);
     let parts = runs.parts(None);
     let sums: Vec<Sums> = parts.iter().map(|p| Regression::of(&vessel.model, &p.whole()).sums()).collect();
-    let found = model.parameters(&PooledSums::of(&sums, MeanRemoval::None));
-    found.map(|(theta, _)| theta).ok_or_else(|| {
+    let parameters = model.parameters(&PooledSums::of(&sums, MeanRemoval::None));
+    parameters.map(|(theta, _)| theta).ok_or_else(|| {
         Failure::NoAnswer(format!(
             "{}: nominal model: found data that identify no least-squares model, expected all terms to vary; name another \
              --nominal",

@@ -28,7 +28,7 @@ use trial::campaign::Settings;
 use trial::rounds::{self, Arm, Row, Trial};
 
 use crate::cli::{AdditionalFlags, Common, Sharding, beside, budget, choice, folder_of};
-use crate::failure::{Failure, Progress};
+use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made};
 use crate::simulate::{BLOCK_OF_GROUPS, CampaignFlags, Done, Files, needed_for, note_plays, refused};
 use crate::stage::{Summary, Task};
@@ -398,7 +398,7 @@ fn realized(
     // Every round of every arm is simulated and estimated from the beginning.
     let each = Arm::ALL.len() as f64 * trial.ends().iter().sum::<usize>() as f64;
     let seconds = (mine * together) as f64 * each * Estimator::OutputError.seconds_per_row();
-    let progress = Progress::new("realizations", mine * together, quiet).foretold(seconds);
+    let progress = WorkProgress::new("realizations", mine * together, quiet).foretold(seconds);
     Made::computed(out, &columns(rate_hz), provenance, groups, |group| {
         let first = (group * together) as u32;
         let numbers = first..count.min(first + together as u32);

@@ -106,7 +106,8 @@ impl How {
         stage: &str,
     ) -> Result<Summary, Failure> {
         let (limits, seed) = (self.limits.limits(common)?, common.seed.unwrap_or(1));
-        let wanted = Wanted { out, problem: self.export_problem.as_deref(), unsafe_too: self.allow_unsafe };
+        let wanted =
+            WantedPlan { out, problem: self.export_problem.as_deref(), unsafe_too: self.allow_unsafe };
         plan_voyage(files, &wanted, &limits, seed, common.provenance(stage))
     }
 }
@@ -366,7 +367,7 @@ impl From<Unplanned> for Failure {
 // `plan` on a chart: read, plan, write.
 
 /// The outputs.
-pub struct Wanted<'a> {
+pub struct WantedPlan<'a> {
     /// `plan.json`.
     pub out: &'a Path,
     /// The lattice problem that was solved.
@@ -376,13 +377,9 @@ pub struct Wanted<'a> {
 }
 
 /// Plans a trial and writes `plan.json`, and next to it track, routes and map.
-///
-/// # Errors
-/// Files that are refused; no plan, or none that passes its check unless unsafe ones are requested; output that
-/// fails.
 pub fn plan_voyage(
     files: &VoyageFiles,
-    wanted: &Wanted,
+    wanted: &WantedPlan,
     limits: &Limits,
     seed: u64,
     mut provenance: Provenance,
@@ -478,9 +475,6 @@ fn stage_map(planned: &Planned, out: &Path, provenance: &Provenance) -> Result<V
 // `plan --problem`: a lattice problem from a file.
 
 /// Solves the problem in `file` and writes the plan to `out`.
-///
-/// # Errors
-/// A file that is refused; no plan.
 pub fn plan_problem(
     file: &Path,
     out: &Path,

@@ -13,7 +13,7 @@ use study::documents::SearchDocument;
 use study::files::read_any_vessel;
 
 use crate::cli::{Common, member, none_given, samples};
-use crate::failure::{Failure, Progress};
+use crate::failure::{Failure, WorkProgress};
 use crate::inputs;
 use crate::physical::{WeightFlags, absent, note, unfit};
 use crate::pool::RunFlags;
@@ -158,15 +158,15 @@ impl Task for SearchArguments {
             average: self.average.map(|models| AverageOptions { models, seed: common.seed.unwrap_or(1) }),
             rate_hz: begun.vessel.sample_rate_hz,
         };
-        let found = match &of_forces {
+        let structure = match &of_forces {
             None => {
-                let progress = Progress::new("fits, at most", options.fits(), common.quiet);
+                let progress = WorkProgress::new("fits, at most", options.fits(), common.quiet);
                 begun.find(&runs, &options, &|count| progress.advance(count))
             }
             Some(ship) => self.averaged((ship, &begun, &runs), &options, (common, &mut provenance))?,
         };
         let FoundStructure { search, model, average: averaged } =
-            found.map_err(|e| refused(self.of.file(), &e))?;
+            structure.map_err(|e| refused(self.of.file(), &e))?;
         let settings = [
             ("fitted_window_samples", json!(cut.window)),
             ("every_samples", json!(cut.every)),
@@ -235,9 +235,9 @@ impl SearchArguments {
         let of = self.terms.as_ref().unwrap_or(&self.vessel);
         search.check().map_err(|e| Failure::invalid(of, &e))?;
         let runs = self.of.read_of_forces(vessel, &mut provenance)?;
-        let progress = Progress::new("searches", search.searches(), common.quiet);
-        let found = search.find(&runs, &|count| progress.advance(count));
-        let FoundStructure { search: document, model, .. } = found.map_err(|e| self.unfound(e))?;
+        let progress = WorkProgress::new("searches", search.searches(), common.quiet);
+        let structure = search.find(&runs, &|count| progress.advance(count));
+        let FoundStructure { search: document, model, .. } = structure.map_err(|e| self.unfound(e))?;
         let noted = [
             ("fitted_window_s", json!(search.settings.window_s)),
             ("window_samples", json!(search.scored)),
@@ -267,7 +267,7 @@ impl SearchArguments {
         let of_forces = self.of.read_of_forces(ship, provenance)?;
         note([("prior_weight", json!(settings.prior_weight))], provenance);
         let averaged_search = AveragedSearch { search: begun, options, vessel: ship, settings };
-        let progress = Progress::new("fits, at most", averaged_search.fits(), common.quiet);
+        let progress = WorkProgress::new("fits, at most", averaged_search.fits(), common.quiet);
         Ok(averaged_search.find([runs, &of_forces], &|count| progress.advance(count)))
     }
 

@@ -105,7 +105,7 @@ pub struct Validation {
     after_help = "Example:\n  simulate plan --vessel pipelines/helsinki/vessel.toml \
     --campaign pipelines/helsinki/campaign.toml --plan out/helsinki/plan.json --out planned.parquet"
 )]
-pub struct Plan {
+pub struct PlanTrials {
     /// The vessel
     #[arg(long, visible_alias = "model", required_unless_present = "gather", value_name = "vessel.toml")]
     vessel: Option<PathBuf>,
@@ -225,7 +225,7 @@ impl Task for Campaign {
     }
 }
 
-impl Task for Plan {
+impl Task for PlanTrials {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let track = self.plan.as_deref().map(|plan| beside(plan, MAIN, "track.parquet"));
         let files = [&self.vessel, &self.campaign, &self.plan, &track].into_iter().flatten();
@@ -341,10 +341,6 @@ pub struct LogFiles<'a> {
 }
 
 /// Simulates the logs of `config`.
-///
-/// # Errors
-/// Those of [`LogsFile::check`], a vessel without true parameters or without the forces of azimuth thrusters as
-/// inputs; see [`Logbook`].
 pub fn simulate(
     files: &LogFiles,
     vessel: &Vessel,
@@ -381,9 +377,6 @@ fn check_room(file: &Path, config: &LogsFile, maneuvers: &[&str], rate_hz: f64) 
 }
 
 /// Writes the logs and `out` next to them: all or nothing.
-///
-/// # Errors
-/// Output that fails.
 pub fn publish(
     out: &Path,
     entries: &[Entry],

@@ -17,7 +17,7 @@ use study::scores::{self, Row};
 use study::trajectories::refuse_shard;
 
 use crate::cli::{Common, Sharding, beside, given, member};
-use crate::failure::{Failure, Progress};
+use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made};
 use crate::stage::{Summary, Task};
 
@@ -97,7 +97,7 @@ impl ValidateArguments {
         let blocks = self.sharding.shard.map_or(reader.blocks(), |s| s.range(reader.blocks()).len());
         let share = blocks as f64 / reader.blocks().max(1) as f64;
         let seconds = share * reader.rows() as f64 * validation.samples() as f64 / SIMULATED_PER_SECOND;
-        let progress = Progress::new("blocks of estimates", blocks, quiet).foretold(seconds);
+        let progress = WorkProgress::new("blocks of estimates", blocks, quiet).foretold(seconds);
         let score = |i: usize| {
             let score = validation.score(&estimates::rows(&reader, vessel, file, i)?, truth.as_deref());
             progress.advance(1);
@@ -137,14 +137,14 @@ fn publish(
 ) -> Result<Summary, Failure> {
     let Made { table, provenance, rows } = made;
     let out = table.path().to_owned();
-    let found = study::validated(&rows, config.bounds(), validation.samples(), &provenance);
-    let diverged: u64 = found.designs.iter().map(|d| d.diverged).sum();
+    let validated = study::validated(&rows, config.bounds(), validation.samples(), &provenance);
+    let diverged: u64 = validated.designs.iter().map(|d| d.diverged).sum();
     let summary = Summary::of(
         &out,
         format!("{} runs, {diverged} diverged", rows.len()),
-        json!({"runs": rows.len(), "diverged": diverged, "designs": found.designs}),
+        json!({"runs": rows.len(), "diverged": diverged, "designs": validated.designs}),
     );
-    inputs::publish(table, document, &provenance, || Ok(found))?;
+    inputs::publish(table, document, &provenance, || Ok(validated))?;
     Ok(summary)
 }
 
@@ -238,8 +238,8 @@ impl Task for MeritArguments {
         let given = [("length_m", json!(length_m)), ("draws", json!(self.draws))];
         provenance.settings.extend(given.map(|(key, value)| (key.to_owned(), value)));
         let file = self.trajectories.as_ref().unwrap_or(file);
-        let found = merits.found().map_err(|e| Failure::NoAnswer(format!("{}: {e}", file.display())));
-        let ((document, rows), columns) = (found?, merit_rows());
+        let merits = merits.found().map_err(|e| Failure::NoAnswer(format!("{}: {e}", file.display())));
+        let ((document, rows), columns) = (merits?, merit_rows());
         let mut writer = TableWriter::create(&table, columns.schema(), &provenance)?.with_document(&out);
         writer.push(encode_block(columns.schema(), &columns.table(&rows))?)?;
         let members = vec![writer.finish()?];

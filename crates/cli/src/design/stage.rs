@@ -22,7 +22,7 @@ use trial::refining::{Limits, Refinement, Refusal, Start, StatedLimits};
 
 use crate::cli::{Common, beside};
 use crate::design::{DesignArguments, Problem, no_design, scarce};
-use crate::failure::{Failure, Progress};
+use crate::failure::{Failure, WorkProgress};
 use crate::inputs;
 use crate::simulate::Files;
 use crate::stage::{Summary, Task};
@@ -198,10 +198,10 @@ impl Task for Refine {
         }
         let vessel = StageOfTerms::Refine.read(&self.vessel, &mut provenance)?.with_disturbances_held();
         check_constants(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
-        let found = search(self, &vessel, &mut provenance, common.quiet)?;
-        settings(self, &found, &mut provenance);
+        let refinement = search(self, &vessel, &mut provenance, common.quiet)?;
+        settings(self, &refinement, &mut provenance);
         let is_guess = is_guess(&self.vessel, &vessel);
-        let files = RefinedFiles { vessel: &vessel, found: &found, is_guess };
+        let files = RefinedFiles { vessel: &vessel, found: &refinement, is_guess };
         let document = files.document();
         let [csv, dictionary, design] = &others;
         let refined = files.dictionary();
@@ -244,7 +244,7 @@ fn search(
         None => StatedLimits::default(),
     };
     let (limits, start) = Limits::new(&stated, vessel, &generator, start).map_err(refused)?;
-    let progress = Progress::new("iterations, at most", a.iterations as usize, quiet);
+    let progress = WorkProgress::new("iterations, at most", a.iterations as usize, quiet);
     let watch = Watch::new(move || {
         progress.advance(1);
         true

@@ -2,7 +2,7 @@
 //! up to date.
 //!
 //! [`starting`] writes the hand-written files of a new study. A [`Pipeline`] lists the stages of a study as command lines; a
-//! [`Record`] knows by digests which of them need not run again. Whoever has the stages runs them.
+//! [`RunRecord`] knows by digests which of them need not run again. Whoever has the stages runs them.
 
 pub mod starting;
 mod steps;
@@ -17,13 +17,13 @@ use files::{
 };
 use refusal::{Invalid, foreign};
 use ship::model::VesselFile;
-use steps::{Shape, measured, simulated, simulated_logs};
+use steps::{StudyShape, measured, simulated, simulated_logs};
 use study::documents::{RunDocument, RunStage};
 use study::files::read_ingest;
 use study::ingest_file::recordings::find;
 use study::refuse;
 
-pub use steps::{Settings, Step};
+pub use steps::{StudySettings, StudyStep};
 
 // A study's folders and stages.
 
@@ -42,19 +42,21 @@ pub struct Pipeline {
     dictionary: PathBuf,
     logs: PathBuf,
     /// The stages in the order in which they run.
-    pub steps: Vec<Step>,
+    pub steps: Vec<StudyStep>,
 }
 
 impl Pipeline {
     /// The study in the folder `study` with these `settings`, whose results are in `out`, with the logs in `logs` or where its
     /// settings say.
-    ///
-    /// # Errors
-    /// No such folder, no study in it, a missing file.
-    pub fn read(study: &Path, out: &Path, settings: &Settings, logs: Option<&Path>) -> Result<Self, Error> {
+    pub fn read(
+        study: &Path,
+        out: &Path,
+        settings: &StudySettings,
+        logs: Option<&Path>,
+    ) -> Result<Self, Error> {
         let has = |name: &str| study.join(name).is_file();
         check_study(study)?;
-        let mut shape = Shape {
+        let mut shape = StudyShape {
             plans: plans(study)?,
             has_reference: has("reference.toml"),
             has_next: has("next/dictionary.toml") && has("next/campaign.toml"),
@@ -90,18 +92,15 @@ impl Pipeline {
     }
 
     /// Keeps the stage called `name` and those that it needs.
-    ///
-    /// # Errors
-    /// No such stage.
     pub fn until(&mut self, name: &str) -> Result<(), Invalid> {
         let names = || self.steps.iter().map(|step| step.name.as_str());
         let Some(last) = names().position(|other| other == name) else {
             return Err(Invalid::unknown("stage", name, names()));
         };
         self.steps.truncate(last + 1);
-        let mut needed: Vec<Step> = Vec::new();
+        let mut needed: Vec<StudyStep> = Vec::new();
         for step in self.steps.drain(..).rev() {
-            let is_read = |later: &Step| reads(later, &step);
+            let is_read = |later: &StudyStep| reads(later, &step);
             if needed.is_empty() || needed.iter().any(is_read) {
                 needed.push(step);
             }
@@ -127,14 +126,11 @@ impl Pipeline {
     }
 
     /// The main file of `step`.
-    pub fn main(&self, step: &Step) -> PathBuf {
+    pub fn main(&self, step: &StudyStep) -> PathBuf {
         PathBuf::from(self.resolved(&step.outputs[0]))
     }
 
     /// Traces what the next stage reads and writes.
-    ///
-    /// # Errors
-    /// No folder of results.
     pub fn trace(&self) -> Result<(), Error> {
         trace(&self.folders.study, &self.folders.out)
     }
@@ -153,7 +149,7 @@ impl Pipeline {
     /// Refuses a study that lacks a file that no stage writes.
     fn check(&self) -> Result<(), Error> {
         let written: Vec<&String> = self.steps.iter().flat_map(|step| &step.outputs).collect();
-        let read = self.steps.iter().flat_map(Step::inputs);
+        let read = self.steps.iter().flat_map(StudyStep::inputs);
         for word in
             read.filter(|word| !word.starts_with("\0out") && !written.iter().any(|output| output == word))
         {
@@ -174,7 +170,7 @@ impl Pipeline {
 }
 
 /// Whether `later` reads what `step` writes.
-fn reads(later: &Step, step: &Step) -> bool {
+fn reads(later: &StudyStep, step: &StudyStep) -> bool {
     let is_page = later.words.first().is_some_and(|word| word == "report");
     let logs = later.inputs().any(|word| word == "\0logs") && step.name == "logs";
     is_page || logs || later.inputs().any(|word| step.outputs.iter().any(|output| output == word))
@@ -311,7 +307,7 @@ impl Folders {
 
 /// `run.json` beside the results: the stages as they ran.
 #[derive(Debug)]
-pub struct Record {
+pub struct RunRecord {
     file: PathBuf,
     /// The program and its version.
     program: String,
@@ -320,7 +316,7 @@ pub struct Record {
     document: RunDocument,
 }
 
-impl Record {
+impl RunRecord {
     /// The record in the folder `out` for `program`, whose file has this `digest`. Without one, or if it cannot be read, no stage
     /// is up to date.
     pub fn read(out: &Path, program: String, digest: Option<Digest>) -> Self {
@@ -330,7 +326,7 @@ impl Record {
     }
 
     /// Whether `step` ran by this program with these `words`, and what it read and wrote is as it was.
-    pub fn is_current(&self, pipeline: &Pipeline, step: &Step, words: &[String]) -> bool {
+    pub fn is_current(&self, pipeline: &Pipeline, step: &StudyStep, words: &[String]) -> bool {
         let Some(known) = self.document.stages.get(&step.name) else { return false };
         let is_same_program =
             known.program == self.program && known.digest == self.digest && known.digest.is_some();
@@ -342,7 +338,7 @@ impl Record {
     /// What is not as the stages read or left it, each in a line.
     pub fn faults(&self, folders: &Folders) -> Vec<String> {
         let fault = |name: &str, [before, now]: [Option<Digest>; 2], what: &Observed| {
-            let found = match (before, now) {
+            let state = match (before, now) {
                 (Some(_), None) => "nothing there",
                 (None, _) => "something that was not there",
                 _ => "another content",
@@ -351,7 +347,7 @@ impl Record {
             let remedy =
                 "`seatrial run` runs the stage again; remove its results if it is not wanted any more";
             let (thing, found) = match what {
-                Observed::File(_) => ("digest".to_owned(), found),
+                Observed::File(_) => ("digest".to_owned(), state),
                 Observed::Names(_, pattern) => (format!("files `{pattern}`"), "others than there were"),
                 Observed::Place(_) => ("folder".to_owned(), "it in another place"),
             };
@@ -366,13 +362,10 @@ impl Record {
     }
 
     /// Notes that `step` has run with these `words`, and its `trace`.
-    ///
-    /// # Errors
-    /// Outputs that cannot be read; a record that cannot be written.
     pub fn note(
         &mut self,
         pipeline: &Pipeline,
-        step: &Step,
+        step: &StudyStep,
         words: &[String],
         trace: &Trace,
     ) -> Result<(), Error> {
@@ -406,10 +399,7 @@ impl Record {
     }
 
     /// Forgets `step`, and removes what it wrote.
-    ///
-    /// # Errors
-    /// A file that cannot be removed; a record that cannot be written.
-    pub fn forget(&mut self, pipeline: &Pipeline, step: &Step) -> Result<(), Error> {
+    pub fn forget(&mut self, pipeline: &Pipeline, step: &StudyStep) -> Result<(), Error> {
         let before = self.document.stages.remove(&step.name).map(|known| known.outputs).unwrap_or_default();
         let recorded = before.keys().map(|key| pipeline.folders.observed(key).path().to_owned());
         let stated = step.outputs.iter().map(|output| PathBuf::from(pipeline.resolved(output)));

@@ -10,7 +10,7 @@ use study::invalid;
 /// A stage of a study. In its words and outputs `\0study`, `\0dictionary`, `\0logs` and `\0out` stand for the study's folder, its
 /// maneuvers, its logs and its results: no name and no line of a study has a byte 0, so that nothing else is ever replaced.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Step {
+pub struct StudyStep {
     /// Its name in the study, such as `design`.
     pub name: String,
     /// Its command line without the program: what is a path and not an output is an input.
@@ -21,7 +21,7 @@ pub struct Step {
     pub is_optional: bool,
 }
 
-impl Step {
+impl StudyStep {
     /// A stage called `name` with this `line` and `flags`, which writes `outputs` below the folder of the results.
     fn new(name: &str, line: &str, flags: &str, outputs: &[&str]) -> Self {
         let outputs: Vec<String> = outputs.iter().map(|name| format!("\0out/{name}")).collect();
@@ -37,7 +37,7 @@ impl Step {
 }
 
 /// What is done with a study, and what it has besides the usual files.
-pub struct Shape {
+pub struct StudyShape {
     /// Names of the files `plan.toml` and `plan-<name>.toml`, without `.toml`.
     pub plans: Vec<String>,
     /// Whether it has published results to compare with.
@@ -62,27 +62,42 @@ const MADE: &str = "--trajectories \0out/dictionary.parquet";
 const DESIGN: &str = "--design \0out/design.json";
 
 /// The stages of a study that is simulated.
-pub fn simulated(settings: &Settings, shape: &Shape) -> Vec<Step> {
+pub fn simulated(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
     let get = |key| settings.get(key);
     // Where a study does not say others: the best in nine of ten cases measured.
     let usual = format!("{SEA} --estimator output-error");
     let (information, arranged) = (settings.or("MOMENTS_FLAGS", &usual), &design_flags(settings));
     let mut steps = vec![
-        Step::new("dictionary", &format!("simulate dictionary {SHIP} {HELM}"), "", &["dictionary.parquet"]),
-        Step::new("moments", &format!("moments {SHIP} {MADE}"), information, &["moments.json"]),
-        Step::new("design", "design --moments \0out/moments.json", arranged, &["design.json"]),
-        Step::new("validation", &format!("simulate validation {SHIP} {SEA}"), "", &["validation.parquet"]),
+        StudyStep::new(
+            "dictionary",
+            &format!("simulate dictionary {SHIP} {HELM}"),
+            "",
+            &["dictionary.parquet"],
+        ),
+        StudyStep::new("moments", &format!("moments {SHIP} {MADE}"), information, &["moments.json"]),
+        StudyStep::new("design", "design --moments \0out/moments.json", arranged, &["design.json"]),
+        StudyStep::new(
+            "validation",
+            &format!("simulate validation {SHIP} {SEA}"),
+            "",
+            &["validation.parquet"],
+        ),
     ];
     // One-step predictions need terms per sample.
     let estimator =
         if shape.is_of_forces { "--estimator output-error" } else { "--estimator prediction-error" };
     let whole = format!("{SHIP} {HELM} {SEA} {DESIGN}");
     if get("MONTE_CARLO").is_empty() {
-        steps.push(Step::new("campaign", &format!("simulate campaign {whole}"), "", &["campaign.parquet"]));
+        steps.push(StudyStep::new(
+            "campaign",
+            &format!("simulate campaign {whole}"),
+            "",
+            &["campaign.parquet"],
+        ));
         steps.extend(estimated("", "campaign.parquet", settings, estimator));
     } else {
         let line = format!("monte-carlo {whole} --keep estimates");
-        steps.push(Step::new(
+        steps.push(StudyStep::new(
             "monte-carlo",
             &line,
             settings.or("ESTIMATE_FLAGS", estimator),
@@ -93,16 +108,16 @@ pub fn simulated(settings: &Settings, shape: &Shape) -> Vec<Step> {
     let length_m = get("LENGTH_M");
     if !length_m.is_empty() {
         let line = format!("validate merit {SHIP} {HELM} {MADE} --length-m {length_m}");
-        steps.push(Step::new("merit", &line, "", &["merit.json"]));
+        steps.push(StudyStep::new("merit", &line, "", &["merit.json"]));
     }
     let line = format!("report --study \0study {HELM} --results \0out");
-    steps.push(Step::new("report", &line, "", &["report.html", "explore.html"]));
+    steps.push(StudyStep::new("report", &line, "", &["report.html", "explore.html"]));
     steps
 }
 
 /// Flags of the design: those of the study beside the usual ones, unless it says what moments or design are for. What the search for
 /// an order does not keep takes its place.
-fn design_flags(settings: &Settings) -> String {
+fn design_flags(settings: &StudySettings) -> String {
     let given = settings.get("DESIGN_FLAGS");
     let has = |flags: &[&str]| given.split([' ', '=']).any(|word| flags.contains(&word));
     if !settings.get("MOMENTS_FLAGS").is_empty() || has(&["--for", "--criterion", "--figures"]) {
@@ -116,7 +131,7 @@ fn design_flags(settings: &Settings) -> String {
 }
 
 /// Estimates of the runs in `table` by `usual`, below the results' folder `below`, and their scores.
-fn estimated(below: &str, table: &str, settings: &Settings, usual: &str) -> [Step; 2] {
+fn estimated(below: &str, table: &str, settings: &StudySettings, usual: &str) -> [StudyStep; 2] {
     let file = |name: &str| format!("{below}{name}");
     let [estimates, estimate, scores, validation] =
         ["estimates.parquet", "estimate.json", "scores.parquet", "validation.json"].map(file);
@@ -126,35 +141,35 @@ fn estimated(below: &str, table: &str, settings: &Settings, usual: &str) -> [Ste
     let usual = format!("{SEA} {usual}");
     let (prefix, flags) = (below.replace('/', "-"), settings.or("ESTIMATE_FLAGS", &usual));
     [
-        Step::new(&format!("{prefix}estimate"), &fit, flags, &[&estimates, &estimate]),
-        Step::new(&format!("{prefix}validate"), &score, "", &[&scores, &validation]),
+        StudyStep::new(&format!("{prefix}estimate"), &fit, flags, &[&estimates, &estimate]),
+        StudyStep::new(&format!("{prefix}validate"), &score, "", &[&scores, &validation]),
     ]
 }
 
 /// The layout on the chart of `name`.toml; that of plan.toml is also simulated, estimated and scored.
-fn planned(name: &str, settings: &Settings, estimator: &str) -> Vec<Step> {
+fn planned(name: &str, settings: &StudySettings, estimator: &str) -> Vec<StudyStep> {
     let main = if name == "plan" { "plan.json".to_owned() } else { format!("{name}/plan.json") };
     let line = format!("plan {SHIP} {MADE} {HELM} {DESIGN}");
-    let mut plan = Step::new(name, &line, settings.get("PLAN_FLAGS"), &[&main]);
+    let mut plan = StudyStep::new(name, &line, settings.get("PLAN_FLAGS"), &[&main]);
     // The name may have blanks.
     plan.words.extend(["--config".to_owned(), format!("\0study/{name}.toml")]);
     let mut steps = vec![plan];
     if name == "plan" {
         let line = format!("simulate plan {SHIP} {SEA} --plan \0out/plan.json");
-        steps.push(Step::new("planned", &line, "", &["planned/trajectories.parquet"]));
+        steps.push(StudyStep::new("planned", &line, "", &["planned/trajectories.parquet"]));
         steps.extend(estimated("planned/", "trajectories.parquet", settings, estimator));
     }
     steps
 }
 
 /// The logs of a study whose instruments are simulated.
-pub fn simulated_logs() -> [Step; 2] {
+pub fn simulated_logs() -> [StudyStep; 2] {
     let logs = format!("simulate logs {SHIP} {HELM} --logs \0study/logs.toml");
     let dictionary = format!("simulate dictionary {SHIP} {HELM}");
     [
-        Step::new("logs", &logs, "", &["logs/simulated.json"]),
+        StudyStep::new("logs", &logs, "", &["logs/simulated.json"]),
         // The maneuvers as they are meant, for the report
-        Step::new("dictionary", &dictionary, "", &["measured/dictionary.parquet"]),
+        StudyStep::new("dictionary", &dictionary, "", &["measured/dictionary.parquet"]),
     ]
 }
 
@@ -162,10 +177,10 @@ const LOGGED: &str = "--vessel \0study/vessel.toml --trajectories \0out/measured
 const RECORDED: &str = "--recordings \0out/measured/ingest.json";
 
 /// The stages of a study with logs.
-pub fn measured(settings: &Settings, shape: &Shape, usual_selection: &str) -> Vec<Step> {
+pub fn measured(settings: &StudySettings, shape: &StudyShape, usual_selection: &str) -> Vec<StudyStep> {
     let ingest = format!("ingest --config \0study/ingest.toml {SHIP} --logs \0logs");
     let recordings = ["measured/trajectories.parquet", "measured/ingest.json"];
-    let mut steps = vec![Step::new("ingest", &ingest, "", &recordings)];
+    let mut steps = vec![StudyStep::new("ingest", &ingest, "", &recordings)];
     steps.extend(match settings.get("ESTIMATOR").is_empty() && shape.recordings >= SEARCHED {
         true => searched(settings, shape),
         false => pooled(settings, shape),
@@ -179,15 +194,20 @@ pub fn measured(settings: &Settings, shape: &Shape, usual_selection: &str) -> Ve
     let length_m = settings.get("LENGTH_M");
     if shape.is_of_forces || !length_m.is_empty() {
         let flags = if length_m.is_empty() { String::new() } else { format!("--length-m {length_m}") };
-        steps.push(Step::new("merit", &format!("validate merit {LOGGED}"), &flags, &["measured/merit.json"]));
+        steps.push(StudyStep::new(
+            "merit",
+            &format!("validate merit {LOGGED}"),
+            &flags,
+            &["measured/merit.json"],
+        ));
     }
     let line = "report --study \0study --results \0out/measured";
-    steps.push(Step::new("report", line, "", &["measured/report.html", "measured/explore.html"]));
+    steps.push(StudyStep::new("report", line, "", &["measured/report.html", "measured/explore.html"]));
     steps
 }
 
 /// The model that recordings are searched for; of a ship with forces the average with these.
-fn searched(settings: &Settings, shape: &Shape) -> Vec<Step> {
+fn searched(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
     let (core, delivered) = match shape.is_of_forces {
         true => ("--core", "average.json"),
         false => ("", "model.json"),
@@ -198,7 +218,7 @@ fn searched(settings: &Settings, shape: &Shape) -> Vec<Step> {
         let outputs: Vec<&str> =
             files.iter().take(if shape.is_of_forces { 3 } else { 2 }).map(String::as_str).collect();
         let line = format!("estimate search {LOGGED} {RECORDED} {core} {more}");
-        Step::new(name, &line, settings.get("SEARCH_FLAGS"), &outputs)
+        StudyStep::new(name, &line, settings.get("SEARCH_FLAGS"), &outputs)
     };
     let mut steps = vec![model("model", "", "")];
     let test = settings.get("TEST");
@@ -212,9 +232,9 @@ fn searched(settings: &Settings, shape: &Shape) -> Vec<Step> {
 }
 
 /// The vessel's own model of recordings; by its core, where no estimator is set.
-fn pooled(settings: &Settings, shape: &Shape) -> Vec<Step> {
+fn pooled(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
     let fit = Fit::of(settings, shape);
-    let cross = Step::new(
+    let cross = StudyStep::new(
         "cross",
         &format!("validate cross {LOGGED} {RECORDED} {}", fit.in_turns),
         settings.get("CROSS_FLAGS"),
@@ -241,7 +261,7 @@ struct Fit {
 }
 
 impl Fit {
-    fn of(settings: &Settings, shape: &Shape) -> Self {
+    fn of(settings: &StudySettings, shape: &StudyShape) -> Self {
         if shape.is_of_forces {
             return Self {
                 estimator: settings.or("ESTIMATOR", "output-error").to_owned(),
@@ -270,12 +290,12 @@ impl Fit {
     }
 
     /// The fit with `more` flags, whose results are below the folder `below` of the measured ones.
-    fn step(&self, name: &str, below: &str, more: &str) -> Step {
+    fn step(&self, name: &str, below: &str, more: &str) -> StudyStep {
         let [table, model] =
             ["estimates.parquet", "model.json"].map(|name| format!("measured/{below}{name}"));
         let outputs: &[&str] = if self.is_model_alone { &[&model] } else { &[&table, &model] };
         let line = format!("estimate pool {LOGGED} {RECORDED} --estimator {} {}", self.estimator, self.flags);
-        Step::new(name, &line, more, outputs)
+        StudyStep::new(name, &line, more, outputs)
     }
 }
 
@@ -283,16 +303,16 @@ impl Fit {
 const FEW: &str = "prediction-error";
 
 /// The `model` of the recordings that are not in `test`, tried on those that are.
-fn compared(settings: &Settings, test: &str, model: &str) -> Step {
+fn compared(settings: &StudySettings, test: &str, model: &str) -> StudyStep {
     let line = format!(
         "validate compare --model \0out/measured/test/{model} --trajectories \0out/measured/trajectories.parquet {RECORDED} --runs \
          {test}"
     );
-    Step::new("compare", &line, settings.get("TEST_FLAGS"), &["measured/compare.json"])
+    StudyStep::new("compare", &line, settings.get("TEST_FLAGS"), &["measured/compare.json"])
 }
 
 /// Sub-experiments that are designed, picked and compared.
-fn selected(settings: &Settings, shape: &Shape, usual_selection: &str) -> [Step; 3] {
+fn selected(settings: &StudySettings, shape: &StudyShape, usual_selection: &str) -> [StudyStep; 3] {
     let design = settings.get("DESIGN_FLAGS");
     // No more of a maneuver than was logged, unless the study says what is available.
     let stated = design.contains("--available");
@@ -303,15 +323,15 @@ fn selected(settings: &Settings, shape: &Shape, usual_selection: &str) -> [Step;
     let picked = format!("validate selection {LOGGED} --design \0out/measured/design.json {reference}");
     let picks = ["measured/selection.parquet", "measured/selection.json"];
     [
-        Step::new("moments", &moments, flags, &["measured/moments.json"]),
-        Step::new("design", &designed, design, &["measured/design.json"]),
-        Step::new("selection", &picked, settings.or("SELECTION_FLAGS", usual_selection), &picks),
+        StudyStep::new("moments", &moments, flags, &["measured/moments.json"]),
+        StudyStep::new("design", &designed, design, &["measured/design.json"]),
+        StudyStep::new("selection", &picked, settings.or("SELECTION_FLAGS", usual_selection), &picks),
     ]
 }
 
 /// The trial after this one: its design by the model that is delivered, what it promises and its plan. Of files that `new` wrote the
 /// study goes on where a stage is refused.
-fn next_trial(settings: &Settings, shape: &Shape) -> Vec<Step> {
+fn next_trial(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
     const HELM: &str = "--dictionary \0study/next/dictionary.toml";
     const SEA: &str = "--campaign \0study/next/campaign.toml";
     const MADE: &str = "--trajectories \0out/measured/next/dictionary.parquet";
@@ -338,17 +358,22 @@ fn next_trial(settings: &Settings, shape: &Shape) -> Vec<Step> {
     let promised = format!("monte-carlo {model} {HELM} {SEA} {DESIGN} --estimator output-error");
     let outputs = ["measured/next/search.json", "measured/next/model.json"];
     let mut steps = vec![
-        Step::new("next-dictionary", &dictionary, "", &["measured/next/dictionary.parquet"]),
-        Step::new("next-moments", &moments, "", &["measured/next/moments.json"]),
-        Step::new("next-design", design, settings.or("NEXT_FLAGS", usual), &["measured/next/design.json"]),
+        StudyStep::new("next-dictionary", &dictionary, "", &["measured/next/dictionary.parquet"]),
+        StudyStep::new("next-moments", &moments, "", &["measured/next/moments.json"]),
+        StudyStep::new(
+            "next-design",
+            design,
+            settings.or("NEXT_FLAGS", usual),
+            &["measured/next/design.json"],
+        ),
     ];
     if is_searched {
-        steps.insert(0, Step::new("search", &search, settings.get("SEARCH_FLAGS"), &found));
-        steps.push(Step::new("next-monte-carlo", &promised, "", &["measured/next/tally.json"]));
+        steps.insert(0, StudyStep::new("search", &search, settings.get("SEARCH_FLAGS"), &found));
+        steps.push(StudyStep::new("next-monte-carlo", &promised, "", &["measured/next/tally.json"]));
     }
     if shape.next_is_charted {
         let line = format!("plan {model} {MADE} {HELM} {DESIGN} --config \0study/next/plan.toml {allowed}");
-        steps.push(Step::new("next-plan", &line, "", &["measured/next/plan.json"]));
+        steps.push(StudyStep::new("next-plan", &line, "", &["measured/next/plan.json"]));
     }
     steps.iter_mut().for_each(|step| step.is_optional = !is_searched);
     steps
@@ -379,7 +404,7 @@ const KNOWN: [&str; 19] = [
     "NEXT_FLAGS",
 ];
 
-/// What a value may refer to, and what stands for it in the words of a [`crate::pipeline::Step`].
+/// What a value may refer to, and what stands for it in the words of a [`crate::pipeline::StudyStep`].
 const REFERENCES: [(&str, &str); 5] = [
     ("$(STUDY)", "\0study"),
     ("$(DICTIONARY)", "\0dictionary"),
@@ -390,13 +415,10 @@ const REFERENCES: [(&str, &str); 5] = [
 
 /// The settings of a study, by their names.
 #[derive(Debug, Default)]
-pub struct Settings(BTreeMap<String, String>);
+pub struct StudySettings(BTreeMap<String, String>);
 
-impl Settings {
+impl StudySettings {
     /// Reads `study.mk` in the folder `study`; none if it is absent.
-    ///
-    /// # Errors
-    /// A file that cannot be read; a line that is no setting, a setting that no stage has, a reference that only make resolves.
     pub fn read(study: &Path) -> Result<Self, Error> {
         let file = study.join("study.mk");
         let mut settings = Self::default();
@@ -412,9 +434,6 @@ impl Settings {
     }
 
     /// Sets what `given` says, as a line of study.mk would at its end: `NAME=VALUE`.
-    ///
-    /// # Errors
-    /// As of such a line.
     pub fn set(&mut self, given: &str) -> Result<(), Invalid> {
         let (name, value) = given.split_once('=').ok_or_else(|| not_a_setting(given))?;
         self.put(name.trim(), None, value)

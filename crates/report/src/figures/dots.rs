@@ -147,7 +147,6 @@ pub struct FrontDot<'a> {
     pub chosen: bool,
 }
 
-const HEIGHT: f64 = 300.0;
 const RIGHT: f64 = PLOT.1;
 /// With more dots than this only the chosen one is named.
 const MOST_NAMED: usize = 12;

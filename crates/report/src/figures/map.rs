@@ -19,8 +19,8 @@ use crate::figures::svg::{self, Anchor, Colours, Lettering, Look, Paint, Path, P
 use crate::figures::text;
 
 pub use input::{
-    Area, Cells, Class, Contour, Frame, Graticule, Map, Margin, Purpose, Raster, Spot, Symbol, Track,
-    TrackStyle, Tube,
+    Cells, ChartedArea, Class, Contour, Frame, Graticule, Map, Margin, PlottedTrack, Purpose, Raster, Spot,
+    Symbol, TrackStyle, Tube,
 };
 
 /// Name of the legend's group.

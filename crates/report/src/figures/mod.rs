@@ -24,4 +24,4 @@ pub use dots::{AccuracyCurve, FrontDot, ScoredDot, accuracy, front, scored};
 pub use histogram::{Histogram, HistogramAxis, HistogramPanel, histogram_pair};
 pub use map::{Map, map_figure};
 pub use text::number as tick_number;
-pub use traces::{Curve, TraceColumn, TraceRow, Track, TrackLine, traces, tracks};
+pub use traces::{Curve, TraceColumn, TraceRow, TrackCell, TrackLine, traces, tracks};

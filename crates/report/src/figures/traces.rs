@@ -193,7 +193,7 @@ fn landmarks(stretch: &[Point]) -> Vec<Point> {
 
 /// One or several tracks in the plane, in one cell.
 #[derive(Clone, Debug)]
-pub struct Track<'a> {
+pub struct TrackCell<'a> {
     /// Name of the maneuver or recording.
     pub name: &'a str,
     /// Drawn in this order; the first begins at the dot.
@@ -211,7 +211,6 @@ pub struct TrackLine<'a> {
     pub colour: Option<Rgb>,
 }
 
-const WIDTH: f64 = 960.0;
 const NARROWEST: f64 = 150.0;
 const TALLEST: f64 = 230.0;
 const HEAD: f64 = 26.0;
@@ -220,7 +219,7 @@ const LONGEST_NAME: usize = 24;
 const LETTER: f64 = 6.6;
 
 /// Plan views, all at the same scale: x upwards, y to the right, a dot at the start.
-pub fn tracks(tracks: &[Track<'_>]) -> String {
+pub fn tracks(tracks: &[TrackCell<'_>]) -> String {
     let cells = TrackCells::new(tracks);
     let rows = tracks.len().div_ceil(cells.columns);
     let height = rows as f64 * cells.cell.1 + 34.0;
@@ -240,7 +239,7 @@ struct TrackCells {
 }
 
 impl TrackCells {
-    fn new(tracks: &[Track<'_>]) -> Self {
+    fn new(tracks: &[TrackCell<'_>]) -> Self {
         let length = |(low, high): (f64, f64)| high - low;
         let widest = tracks.iter().map(|track| length(track.across())).fold(1e-3, f64::max);
         let longest = tracks.iter().map(|track| length(track.along())).fold(1e-3, f64::max);
@@ -256,7 +255,7 @@ impl TrackCells {
         Self { columns, cell, scale }
     }
 
-    fn draw(&self, sheet: &mut Sheet, index: usize, track: &Track<'_>) {
+    fn draw(&self, sheet: &mut Sheet, index: usize, track: &TrackCell<'_>) {
         let left = (index % self.columns) as f64 * self.cell.0;
         let top = (index / self.columns) as f64 * self.cell.1;
         sheet.bar((left + 3.0, top + 3.0), (left + self.cell.0 - 3.0, top + self.cell.1 - 3.0), (GRID, 1.0));
@@ -281,7 +280,7 @@ impl TrackCells {
     }
 
     /// Pixels of a line with the centre of the extent of all of `track` at `centre`.
-    fn placed(&self, track: &Track<'_>, line: &TrackLine<'_>, centre: Point) -> Vec<Point> {
+    fn placed(&self, track: &TrackCell<'_>, line: &TrackLine<'_>, centre: Point) -> Vec<Point> {
         let [north, east] = [track.along(), track.across()].map(|(low, high)| 0.5 * (low + high));
         let pairs = line.x.iter().zip(line.y);
         pairs
@@ -301,7 +300,7 @@ impl TrackCells {
     }
 }
 
-impl Track<'_> {
+impl TrackCell<'_> {
     /// Least and largest x of all lines.
     fn along(&self) -> (f64, f64) {
         extent(self.lines.iter().flat_map(|line| line.x.iter().copied())).unwrap_or_default()

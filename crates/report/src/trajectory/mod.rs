@@ -18,7 +18,7 @@ use words::{cost, cost_title, level, minutes};
 use crate::figures::map::parted;
 use crate::figures::{FrontDot, front as drawing};
 use crate::number::{exact, percent, three};
-use crate::parts::{Figures, Section, Table, beyond, missing};
+use crate::parts::{Figures, HtmlTable, Section, beyond, missing};
 use crate::planned_trial::PlannedTrial;
 use crate::study::Study;
 
@@ -166,8 +166,8 @@ fn charts(charts: &[PlanChart]) -> Markup {
 
 fn table<'a>(
     rows: impl Iterator<Item = (&'a PlanChart, LeftOut<'a>)>,
-) -> Table<(&'a PlanChart, LeftOut<'a>)> {
-    Table::of(rows)
+) -> HtmlTable<(&'a PlanChart, LeftOut<'a>)> {
+    HtmlTable::of(rows)
         .compact()
         .name("Chart", |(chart, _)| &chart.file)
         .text("Class", |(_, left_out)| left_out.class)
@@ -252,11 +252,11 @@ fn residuals(all: &[Primitive]) -> String {
     )
 }
 
-fn moves_table(voyage: &Voyage) -> Table<(bool, &Primitive)> {
+fn moves_table(voyage: &Voyage) -> HtmlTable<(bool, &Primitive)> {
     let moves = &voyage.primitives;
     let first = |i: usize| i > 0 && moves[i - 1].maneuver != moves[i].maneuver;
     let metres = |nodes: i64| three(nodes as f64 * voyage.lattice.cell_m);
-    Table::of(moves.iter().enumerate().map(|(i, primitive)| (first(i), primitive)))
+    HtmlTable::of(moves.iter().enumerate().map(|(i, primitive)| (first(i), primitive)))
         .compact()
         .mark("first", |(first, _)| first)
         .mark("stray", |(_, p)| p.fits == 0)
@@ -325,7 +325,8 @@ fn is_chosen(plan: &PlanDocument, point: &FrontPoint) -> bool {
 fn sweep_table(plan: &PlanDocument, voyage: &Voyage) -> Markup {
     let dimension = voyage.information.dimension as f64;
     let chosen = voyage.front.iter().find(|point| is_chosen(plan, point)).map(|point| point.log_det);
-    let marked = Table::of(&voyage.front).class("compact tight").mark("main", |point| is_chosen(plan, point));
+    let marked =
+        HtmlTable::of(&voyage.front).class("compact tight").mark("main", |point| is_chosen(plan, point));
     let mut table = plan
         .counts
         .keys()

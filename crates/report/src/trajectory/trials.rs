@@ -2,7 +2,7 @@ use maud::{Markup, html};
 use study::documents::{Bounds, DesignScores, DesignSummary, ParameterSummary, Passage, PassageLeg};
 
 use crate::number::{exact, median, or_dash, parameter_share, q90, simulation_share, three, three_or_dash};
-use crate::parts::{Table, missing};
+use crate::parts::{HtmlTable, missing};
 use crate::study::{Study, Trajectory, optimized_first};
 use crate::trajectory::words::{clock, heading, knots, latitude, longitude, miles, minutes};
 
@@ -110,7 +110,7 @@ fn spreads(study: &Study, planned: &[DesignSummary]) -> Markup {
     if parameters.is_empty() {
         return html! {};
     }
-    let named = Table::of(parameters).class("compact few").name("Relative spread", |p| &p.name);
+    let named = HtmlTable::of(parameters).class("compact few").name("Relative spread", |p| &p.name);
     let table = designs.iter().fold(named, |table, design| {
         table.number(&design.design, |p| {
             let same = design.parameters.iter().find(|other| other.name == p.name);

@@ -18,9 +18,6 @@ pub(super) const BAGS: [&str; 8] =
     [".mcap", ".mcap.gz", ".bag", ".bag.gz", ".bag.active", ".db3", ".ulg", ".ulg.gz"];
 
 /// What is in the first of `files` in `folder`, for a model that needs the channels `needed`.
-///
-/// # Errors
-/// Files of several formats; a file that cannot be read; one without a topic from which the motion follows.
 pub(super) fn guessed(folder: &Path, files: &[String], needed: &[Needed]) -> Result<BagGuess, Error> {
     let (first, format) = (&files[0], Format::of(&files[0]));
     if let Some(other) = files.iter().find(|file| Format::of(file) != format) {
@@ -130,9 +127,6 @@ fn mark(placed: &Placed) -> String {
 // Logs as they are read, whether they are packed or not.
 
 /// The bytes of the log at `path`, unpacked where its name ends with `.gz`.
-///
-/// # Errors
-/// A file that cannot be opened.
 fn reader(path: &Path) -> Result<Box<dyn BufRead>, Error> {
     let file = open(path)?;
     let is_packed = path.extension().is_some_and(|end| end == "gz");
@@ -176,9 +170,6 @@ pub(super) const PARQUET: [&str; 1] = [".parquet"];
 const ROWS: usize = 400;
 
 /// The columns and first rows of the file at `path`, and how many rows it has.
-///
-/// # Errors
-/// A file that is not a whole Parquet file.
 pub(super) fn head(path: &Path) -> Result<(Head, usize), Error> {
     let table = ForeignTable::open(path)?;
     let columns = table.columns().to_vec();
@@ -239,9 +230,6 @@ pub(super) fn is_of_sentences(path: &Path) -> bool {
 }
 
 /// What is in the log at `path`, for a model that needs the channels `needed`.
-///
-/// # Errors
-/// A file that cannot be read; one without a sentence with a time, or without a field from which the motion follows.
 pub(super) fn guessed_sentences(path: &Path, needed: &[Needed]) -> Result<SentenceGuess, Error> {
     check_format(path, Format::Nmea, true)?;
     let spoken = sentence_census(reader(path)?).map_err(|error| wrong(path, error))?;

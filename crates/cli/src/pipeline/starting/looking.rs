@@ -28,7 +28,7 @@ const OTHERS: [&str; 2] = [".bin", ".mat"];
 
 /// What is in the first of the logs.
 #[derive(Debug)]
-pub enum Found {
+pub enum LogGuess {
     /// Columns, and what they are likely to be.
     Table(Head, Guess),
     /// Topics, and what they are likely to be.
@@ -49,7 +49,7 @@ pub struct Looked {
     /// The length of a usual one \[s\], about.
     pub(super) usual_s: f64,
     /// What is in the first of them.
-    pub found: Found,
+    pub found: LogGuess,
     /// Logs of other formats beside them.
     pub others: Vec<String>,
 }
@@ -59,10 +59,6 @@ const LONG: f64 = 0.95;
 
 impl Looked {
     /// Looks at the logs in `folder` and in its subfolders, for a model that needs the channels `needed`.
-    ///
-    /// # Errors
-    /// A folder that cannot be listed; no log in CSV or Parquet, no bag and no sentences; logs of several ships, or with different columns;
-    /// columns that fit one channel equally; bags of several formats, or that cannot be read; sentences without a time.
     pub fn at(folder: &Path, needed: &[Needed]) -> Result<Self, Error> {
         if !folder.is_dir() {
             let remedy = "name the folder of the logs";
@@ -101,8 +97,8 @@ impl Looked {
         needed: &[Needed],
     ) -> Result<Self, Error> {
         let first = &files[0];
-        let seen: Vec<Seen> =
-            files.iter().map(|file| Seen::of(&folder.join(file))).collect::<Result<_, _>>()?;
+        let seen: Vec<SeenTable> =
+            files.iter().map(|file| SeenTable::of(&folder.join(file))).collect::<Result<_, _>>()?;
         for (file, log) in files.iter().zip(&seen) {
             check_columns(folder, (first, &seen[0].head), (file, &log.head))?;
         }
@@ -118,7 +114,7 @@ impl Looked {
         };
         let usual_s = usual_rows * clock.step_s;
         let (folder, patterns) = (folder.to_owned(), patterns(&files, &[CSV.as_slice(), &PARQUET].concat()));
-        Ok(Self { folder, patterns, files, usual_s, found: Found::Table(head, guess), others })
+        Ok(Self { folder, patterns, files, usual_s, found: LogGuess::Table(head, guess), others })
     }
 
     fn of_bags(
@@ -129,7 +125,7 @@ impl Looked {
     ) -> Result<Self, Error> {
         let guess = bags::guessed(folder, &files, needed)?;
         let (folder, patterns, usual_s) = (folder.to_owned(), patterns(&files, &BAGS), guess.length_s);
-        Ok(Self { folder, patterns, files, usual_s, found: Found::Bag(guess), others })
+        Ok(Self { folder, patterns, files, usual_s, found: LogGuess::Bag(guess), others })
     }
 
     fn of_sentences(
@@ -140,7 +136,7 @@ impl Looked {
     ) -> Result<Self, Error> {
         let guess = bags::guessed_sentences(&folder.join(&files[0]), needed)?;
         let patterns = patterns(&files, &[SENTENCES.as_slice(), &PERHAPS].concat());
-        let (folder, usual_s, found) = (folder.to_owned(), guess.length_s, Found::Sentences(guess));
+        let (folder, usual_s, found) = (folder.to_owned(), guess.length_s, LogGuess::Sentences(guess));
         Ok(Self { folder, patterns, files, usual_s, found, others })
     }
 
@@ -178,11 +174,11 @@ impl Looked {
             marks.sum()
         };
         match &self.found {
-            Found::Table(_, guess) => {
+            LogGuess::Table(_, guess) => {
                 marks(&guess.placed) + guess.clock.iter().filter(|clock| clock.is_unit_guessed).count()
             }
-            Found::Bag(guess) => guess.topics.iter().map(|topic| marks(&topic.placed)).sum(),
-            Found::Sentences(guess) => {
+            LogGuess::Bag(guess) => guess.topics.iter().map(|topic| marks(&topic.placed)).sum(),
+            LogGuess::Sentences(guess) => {
                 // The clock, and what else stands on a line of its own.
                 marks(&guess.placed)
                     + 1
@@ -196,9 +192,9 @@ impl Looked {
     pub(super) fn take_wind(&mut self) -> bool {
         let is_whole = WIND.iter().all(|channel| self.placed().any(|placed| placed.channel == *channel));
         let placed: Vec<&mut Placed> = match &mut self.found {
-            Found::Table(_, guess) => guess.placed.iter_mut().collect(),
-            Found::Bag(guess) => guess.topics.iter_mut().flat_map(|topic| &mut topic.placed).collect(),
-            Found::Sentences(guess) => guess.placed.iter_mut().collect(),
+            LogGuess::Table(_, guess) => guess.placed.iter_mut().collect(),
+            LogGuess::Bag(guess) => guess.topics.iter_mut().flat_map(|topic| &mut topic.placed).collect(),
+            LogGuess::Sentences(guess) => guess.placed.iter_mut().collect(),
         };
         for channel in
             placed.into_iter().filter(|channel| is_whole && WIND.contains(&channel.channel.as_str()))
@@ -220,18 +216,18 @@ impl Looked {
 
     fn placed(&self) -> Box<dyn Iterator<Item = &Placed> + '_> {
         match &self.found {
-            Found::Table(_, guess) => Box::new(guess.placed.iter()),
-            Found::Bag(guess) => Box::new(guess.topics.iter().flat_map(|topic| &topic.placed)),
-            Found::Sentences(guess) => Box::new(guess.placed.iter()),
+            LogGuess::Table(_, guess) => Box::new(guess.placed.iter()),
+            LogGuess::Bag(guess) => Box::new(guess.topics.iter().flat_map(|topic| &topic.placed)),
+            LogGuess::Sentences(guess) => Box::new(guess.placed.iter()),
         }
     }
 
     /// Channels of the model that were not found.
     pub fn missing(&self) -> &[Needed] {
         match &self.found {
-            Found::Table(_, guess) => &guess.missing,
-            Found::Bag(guess) => &guess.missing,
-            Found::Sentences(guess) => &guess.missing,
+            LogGuess::Table(_, guess) => &guess.missing,
+            LogGuess::Bag(guess) => &guess.missing,
+            LogGuess::Sentences(guess) => &guess.missing,
         }
     }
 }
@@ -259,13 +255,13 @@ fn list(folder: &Path, below: &str, names: &mut Vec<String>) -> Result<(), Error
 }
 
 /// What was seen of a log.
-struct Seen {
+struct SeenTable {
     head: Head,
     /// Its rows, about.
     rows: f64,
 }
 
-impl Seen {
+impl SeenTable {
     /// The columns and first rows of the log at `path`.
     fn of(path: &Path) -> Result<Self, Error> {
         check_format(path, Format::of(&path.to_string_lossy()), true)?;
@@ -332,9 +328,12 @@ fn check_columns(
 }
 
 /// Refuses logs that name several ships.
-fn check_ships<'a>(folder: &Path, files: impl Iterator<Item = (&'a String, &'a Seen)>) -> Result<(), Error> {
+fn check_ships<'a>(
+    folder: &Path,
+    files: impl Iterator<Item = (&'a String, &'a SeenTable)>,
+) -> Result<(), Error> {
     let mut known: Option<(String, String)> = None;
-    for (file, Seen { head, .. }) in files {
+    for (file, SeenTable { head, .. }) in files {
         let Some(at) = head.columns.iter().position(|column| Named::of(column).is_identity()) else {
             continue;
         };
@@ -344,11 +343,11 @@ fn check_ships<'a>(folder: &Path, files: impl Iterator<Item = (&'a String, &'a S
                 None => known = Some((ship.to_owned(), file.clone())),
                 Some((other, _)) if other == ship => {}
                 Some((other, before)) => {
-                    let found =
+                    let ships =
                         format!("`{}` beside `{}` of {}", foreign(ship), foreign(other), foreign(before));
                     let thing = format!("column `{}`", foreign(&head.columns[at]));
                     let remedy = "put the logs of each ship into a folder of its own";
-                    return Err(refuse(&folder.join(file), &thing, &found, "logs of one ship", remedy));
+                    return Err(refuse(&folder.join(file), &thing, &ships, "logs of one ship", remedy));
                 }
             }
         }

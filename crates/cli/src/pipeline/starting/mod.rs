@@ -13,7 +13,7 @@ use presets::with_schema;
 use study::hand_written;
 use study::plan::{ChartsError, Means, PlanFile, read_charts};
 
-pub use looking::{Found, Looked};
+pub use looking::{LogGuess, Looked};
 pub use presets::{NewFile, PRESETS, Preset, of_ship};
 
 /// The files of the study `name` of `preset` that is simulated, and with a chart planned on it.

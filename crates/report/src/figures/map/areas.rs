@@ -1,7 +1,8 @@
 use std::ops::RangeBounds;
 
 use crate::figures::map::input::{
-    self, Area, Cells, Class, Contour, Frame, Map, Margin, Purpose, Raster, Track, TrackStyle, Tube,
+    self, Cells, ChartedArea, Class, Contour, Frame, Map, Margin, PlottedTrack, Purpose, Raster, TrackStyle,
+    Tube,
 };
 use crate::figures::map::view::{self, View, simplified};
 use crate::figures::svg::{Look, Path, Point, Sheet};
@@ -42,7 +43,7 @@ fn class(sheet: &mut Sheet, view: &View, map: &Map, is_shown: impl Fn(Class) -> 
 }
 
 /// Adds an area, outer ring counter-clockwise and holes clockwise, so that overlapping areas do not cancel.
-fn add(path: &mut Path, view: &View, area: &Area) {
+fn add(path: &mut Path, view: &View, area: &ChartedArea) {
     path.ring(&border(view, &area.ring, true));
     area.holes.iter().for_each(|hole| path.ring(&border(view, hole, false)));
 }
@@ -374,7 +375,7 @@ pub(crate) fn contours(sheet: &mut Sheet, view: &View, contours: &[Contour]) {
 }
 
 /// A maneuver with its name as a title.
-fn maneuver(sheet: &mut Sheet, view: &View, map: &Map, track: &Track) {
+fn maneuver(sheet: &mut Sheet, view: &View, map: &Map, track: &PlottedTrack) {
     let TrackStyle::Maneuver(index) = track.style else { return };
     let (name, _) = &map.maneuvers[index];
     let title = track.number.map_or_else(|| name.clone(), |number| format!("{number}: {name}"));
@@ -386,7 +387,7 @@ fn maneuver(sheet: &mut Sheet, view: &View, map: &Map, track: &Track) {
     });
 }
 
-fn path(view: &View, track: &Track, tolerance: f64) -> Path {
+fn path(view: &View, track: &PlottedTrack, tolerance: f64) -> Path {
     let mut path = Path::default();
     for part in view::line(view, &view.placed(&track.points)) {
         path.line(&simplified(&part, tolerance));
@@ -395,7 +396,7 @@ fn path(view: &View, track: &Track, tolerance: f64) -> Path {
 }
 
 /// The tracks to draw, evenly chosen up to the maximum.
-fn chosen<'a>(tracks: &[&'a Track]) -> Vec<&'a Track> {
+fn chosen<'a>(tracks: &[&'a PlottedTrack]) -> Vec<&'a PlottedTrack> {
     let (count, drawn) = (tracks.len(), tracks.len().min(MOST_REALIZATIONS));
     (0..drawn).map(|k| tracks[k * count / drawn]).collect()
 }

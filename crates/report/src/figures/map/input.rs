@@ -20,7 +20,7 @@ pub struct Map {
     /// A raster of classes, below the areas.
     pub cells: Option<Cells>,
     /// Polygons.
-    pub areas: Vec<Area>,
+    pub areas: Vec<ChartedArea>,
     /// Depth contours.
     pub contours: Vec<Contour>,
     /// Cells that only the safety margin blocks, drawn in this order.
@@ -40,7 +40,7 @@ pub struct Map {
     /// The informative maneuvers, each with its number of uses; their order is that of the colours.
     pub maneuvers: Vec<(String, u64)>,
     /// Lines.
-    pub tracks: Vec<Track>,
+    pub tracks: Vec<PlottedTrack>,
     /// Outlines of the hull at chosen poses.
     pub hulls: Vec<Vec<[f64; 2]>>,
     /// The start of the trial.
@@ -87,7 +87,7 @@ pub enum Class {
 
 /// A polygon with holes. Rings may be closed or open, in either direction.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Area {
+pub struct ChartedArea {
     /// Its class.
     pub class: Class,
     /// Outer ring.
@@ -195,7 +195,7 @@ pub enum TrackStyle {
 
 /// A line.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Track {
+pub struct PlottedTrack {
     /// Its style.
     pub style: TrackStyle,
     /// Its points in order; less than two draw nothing.
