@@ -257,7 +257,7 @@ impl Task for SelectionArguments {
         if !ESTIMATORS.contains(&self.estimator) {
             let fault = format!("--estimator: found {}, expected ls, iv or auto", self.estimator);
             return Err(Failure::Usage(format!(
-                "{found}; a selection study adds up sums per sub-experiment"
+                "{fault}; a selection study adds up sums per sub-experiment"
             )));
         }
         let inputs = self.flags.inputs().chain(&self.design).chain(&self.reference);

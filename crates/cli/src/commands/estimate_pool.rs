@@ -183,9 +183,8 @@ impl PoolArguments {
     ) -> Result<Option<Vec<Resample>>, Failure> {
         let Some(first) = self.sharding.gather.first() else { return Ok(None) };
         let rows = |reader: &TableReader| resamples::rows(reader, vessel);
-        let replicates =
-            rows_of_shards(&self.sharding.gather, &resamples::columns(vessel), provenance, rows)?;
-        resamples::check(&found, replicates, first)?;
-        Ok(Some(found))
+        let all = rows_of_shards(&self.sharding.gather, &resamples::columns(vessel), provenance, rows)?;
+        resamples::check(&all, replicates, first)?;
+        Ok(Some(all))
     }
 }

@@ -312,10 +312,10 @@ impl Reading<'_> {
             for batch in instruments.batches(&runs) {
                 let (prepared, members) = batch.map_err(|e| Failure::invalid(&a.vessel, &e.invalid()))?;
                 let moments = prediction.moments(&prepared.batch(), members);
-                found.extend(moments.map_err(|e| Failure::invalid(&a.vessel, &e))?);
+                pooled_runs.extend(moments.map_err(|e| Failure::invalid(&a.vessel, &e))?);
             }
             progress.advance(1);
-            Ok::<_, Failure>(found)
+            Ok::<_, Failure>(pooled_runs)
         };
         ordered(blocks, work, |runs| runs.into_iter().try_for_each(|(pooled, more)| take(pooled, more)))
     }

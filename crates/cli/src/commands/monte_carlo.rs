@@ -197,7 +197,7 @@ impl MonteCarloArguments {
         };
         let size = format!("{runs} runs of {} samples", study.campaign.samples());
         let remedy = "keep less, or take fewer `realizations`";
-        let work = Work { file, thing: "`realizations`", found: &found, remedy };
+        let work = Work { file, thing: "`realizations`", found: &size, remedy };
         let simulated = at_once.min(runs.max(each)) * rows * layout.run_bytes();
         let encoded = trajectories.min(at_once) * rows * layout.working_bytes();
         budget().memory(work, simulated + encoded + runs * kept)?;
@@ -349,7 +349,7 @@ impl SequentialArguments {
         let rows = f64::from(realizations) * Arm::ALL.len() as f64 * f64::from(rounds);
         let size = format!("{realizations} realizations of {rounds} rounds");
         let remedy = "take fewer `realizations`, or --shard";
-        let work = Work { file: &self.config, thing: "`realizations`", found: &found, remedy };
+        let work = Work { file: &self.config, thing: "`realizations`", found: &size, remedy };
         let part = f64::from(self.sharding.shard.map_or(1, |shard| shard.count));
         Ok(budget().memory(work, 2.0 * rows / part * size_of::<Row>() as f64)?)
     }

@@ -25,6 +25,8 @@ use trial::moments::{Estimated, Moments, NoCriterion};
 use crate::cli::{check_positive, choice, given, name_of};
 use crate::failure::Failure;
 
+pub use stage::{Refine, Update};
+
 // The command line of `design`.
 
 /// The longest experiment for --accuracy \[s\]: a day.

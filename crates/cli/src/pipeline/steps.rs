@@ -368,7 +368,7 @@ fn next_trial(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
         ),
     ];
     if is_searched {
-        steps.insert(0, StudyStep::new("search", &search, settings.get("SEARCH_FLAGS"), &found));
+        steps.insert(0, StudyStep::new("search", &search, settings.get("SEARCH_FLAGS"), &outputs));
         steps.push(StudyStep::new("next-monte-carlo", &promised, "", &["measured/next/tally.json"]));
     }
     if shape.next_is_charted {
