@@ -248,8 +248,6 @@ pub fn samples(flag: &str, seconds: f64, rate_hz: f64) -> Result<usize, Failure>
     Err(Failure::Usage(format!("{flag}: found {seconds}, expected {expected}; correct it")))
 }
 
-// Choices that the other crates define, as values of flags.
-
 /// Parses one of `all` by its name; `help` is its line in `--help`.
 pub fn choice<T: Copy + Send + Sync + 'static>(
     all: &'static [T],
@@ -262,8 +260,6 @@ pub fn choice<T: Copy + Send + Sync + 'static>(
         known.ok_or_else(|| format!("unknown value {given}"))
     })
 }
-
-// Limits of a search: its memory and time, and its progress reports.
 
 /// Share of the time for a search, so that the rest is left to check its plan.
 const SEARCHED: f64 = 0.7;
@@ -348,8 +344,6 @@ impl Limits {
         })
     }
 }
-
-// Flags for additional unknowns of estimates by simulation, for all stages that make such estimates.
 
 /// The flags.
 #[derive(Args, Clone, Copy, Debug)]

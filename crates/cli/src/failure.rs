@@ -121,8 +121,6 @@ impl From<Infallible> for Failure {
     }
 }
 
-// Output of programs.
-
 /// A line on stdout.
 pub fn on_stdout(line: impl Display) -> Result<(), Failure> {
     printed(writeln!(io::stdout().lock(), "{line}"))
@@ -142,8 +140,6 @@ pub fn printed(done: io::Result<()>) -> Result<(), Failure> {
 pub fn on_stderr(line: impl Display) {
     let _ = writeln!(io::stderr().lock(), "{line}");
 }
-
-// Progress of work longer than a second, on stderr.
 
 /// Counts finished units of work: a bar on a terminal, an occasional plain line elsewhere, nothing within the first
 /// second or when quiet.

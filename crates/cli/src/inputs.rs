@@ -98,8 +98,6 @@ pub fn kept_runs(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> R
     Ok(KeptRuns::new(reader, &Layout::new(&vessel.model), 0.25 * budget().bytes())?)
 }
 
-// Tables whose rows are computed block by block, in shards that can be gathered.
-
 /// A table that is complete but not published, and its contents.
 pub struct Made<R> {
     /// The table.
@@ -204,8 +202,6 @@ pub fn publish<D: Document>(
     }
 }
 
-// Parallel map, ordered fold, in bounded memory.
-
 /// Calls `work` on every item in parallel and `fold` on the results in order. Only a few results per thread are held at
 /// a time. Stops at the first failure in order.
 pub fn ordered<T: Send, E: Send>(
@@ -244,8 +240,6 @@ pub fn joined<T: Send, E: Send>(
     let parts: Vec<Vec<T>> = parts.into_iter().collect::<Result<_, _>>()?;
     Ok(parts.into_iter().flatten().collect())
 }
-
-// The number of sub-experiments of each maneuver that `validate selection` picks.
 
 /// The number of sub-experiments of each maneuver to pick: from `--counts label=n`, or from `design.json`, and no
 /// more than available.

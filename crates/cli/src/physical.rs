@@ -245,8 +245,6 @@ pub fn unfit(error: PhysicalError, vessel: &Path, runs: &Path) -> Failure {
     }
 }
 
-// The result of a cross-validation.
-
 /// Writes the result, and says it in short.
 pub fn written(out: &Path, provenance: &Provenance, document: &CrossvalDocument) -> Result<Summary, Failure> {
     commit(vec![stage_document(out, provenance, document)?])?;

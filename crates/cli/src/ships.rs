@@ -234,8 +234,6 @@ fn head(ship: &MainDimensions, revolutions: f64, unusual: &[String]) -> Vec<Stri
     all
 }
 
-// `new`: the hand-written files of a study.
-
 /// Writes the commented files of a new study: of a ship that is known, or of your logs
 #[derive(Parser)]
 #[command(name = "new", after_help = help())]

@@ -17,7 +17,7 @@ use study::files::{VesselReader, read_campaign, read_dictionary};
 use study::kept::Kept;
 use study::trajectories::{BlockBuilder, LEAST_ROW_BYTES, Layout, SIMULATED_PER_SECOND, rows_per_block};
 use trial::campaign::{Campaign, Maneuvers, Refusal, Settings, SimulatedRun, Tally, Wanted};
-use validation::tally::{Bounds, Tally as Counts};
+use validation::tally::{Bounds, Tally as RunTally};
 
 use crate::cli::{budget, folder_of, given};
 use crate::failure::{Failure, WorkProgress};
@@ -114,8 +114,8 @@ pub fn write_maneuvers(
     let count = maneuvers.count();
     let blocks = count.div_ceil(BLOCK);
     let mine = provenance.shard.map_or(0..blocks, |shard| shard.range(blocks));
-    let (layout, mut writer) =
-        writer(out, Layout::new(&maneuvers.vessel().model).reacting(&maneuvers.reacting()), provenance)?;
+    let layout = Layout::new(&maneuvers.vessel().model).reacting(&maneuvers.reacting());
+    let mut writer = TableWriter::create(out, &layout.schema(), provenance)?;
     let progress = WorkProgress::new("maneuvers", count.min(mine.len() * BLOCK), quiet);
     let mut tally = Tally::default();
     let work = |block: usize| {
@@ -158,8 +158,8 @@ pub fn write_campaign(
     provenance: &Provenance,
     quiet: bool,
 ) -> Result<usize, Failure> {
-    let (layout, mut writer) =
-        writer(out, Layout::new(&campaign.vessel().model).reacting(campaign.reacting()), provenance)?;
+    let layout = Layout::new(&campaign.vessel().model).reacting(campaign.reacting());
+    let mut writer = TableWriter::create(out, &layout.schema(), provenance)?;
     let blocks = blocks(campaign);
     let mine = provenance.shard.as_ref().map_or(0..blocks.len(), |s: &Shard| s.range(blocks.len()));
     let runs = blocks[mine.clone()].iter().map(|(_, runs)| runs.len()).sum();
@@ -181,11 +181,6 @@ fn blocks(campaign: &Campaign) -> Vec<(usize, Range<usize>)> {
     let of =
         |design: usize| (0..runs.div_ceil(size)).map(move |b| (design, b * size..runs.min((b + 1) * size)));
     (0..campaign.designs()).flat_map(of).collect()
-}
-
-fn writer(out: &Path, layout: Layout, provenance: &Provenance) -> Result<(Layout, TableWriter), Failure> {
-    let writer = TableWriter::create(out, &layout.schema(), provenance)?;
-    Ok((layout, writer))
 }
 
 fn encoded(layout: &Layout, vessel: &Vessel, runs: &[SimulatedRun]) -> Result<EncodedBlock, Failure> {
@@ -275,8 +270,6 @@ pub fn note_plays(campaign: &Campaign, provenance: &mut Provenance) {
     }
 }
 
-// `monte-carlo`: runs that are counted as they are realized.
-
 /// Groups of runs per block of the tables.
 pub const BLOCK_OF_GROUPS: usize = 64;
 
@@ -296,7 +289,7 @@ pub fn refused(files: &Files, error: StudyError) -> Failure {
 }
 
 /// The work and its progress reports.
-pub struct Done<'a> {
+pub struct Counting<'a> {
     /// The study.
     pub study: &'a MonteCarlo<'a>,
     /// Its files, for messages.
@@ -307,13 +300,13 @@ pub struct Done<'a> {
     pub quiet: bool,
 }
 
-impl Done<'_> {
-    fn blank(&self) -> Counts {
-        Counts::new(&self.study.campaign.names(), &self.study.estimators.estimators)
+impl Counting<'_> {
+    fn blank(&self) -> RunTally {
+        RunTally::new(&self.study.campaign.names(), &self.study.estimators.estimators)
     }
 
     /// Realizes and counts `parts`; the kept rows of each are added to `kept` in order.
-    pub fn tallied(&self, parts: Vec<(usize, Range<usize>)>, kept: &mut Kept) -> Result<Counts, Failure> {
+    pub fn tallied(&self, parts: Vec<(usize, Range<usize>)>, kept: &mut Kept) -> Result<RunTally, Failure> {
         let runs: usize = parts.iter().map(|(_, runs)| runs.len()).sum();
         let progress = WorkProgress::new("runs", runs, self.quiet).foretold(self.seconds(runs));
         let mut tally = self.blank();
@@ -325,7 +318,7 @@ impl Done<'_> {
         &self,
         parts: Vec<(usize, Range<usize>)>,
         kept: &mut Kept,
-        tally: &mut Counts,
+        tally: &mut RunTally,
         progress: &WorkProgress,
     ) -> Result<(), Failure> {
         let (first, scores_alone) = (kept.first(), kept.of_scores_alone());
@@ -350,22 +343,17 @@ impl Done<'_> {
 
     /// Continues until no share's interval is wider than twice `width`; checks at fixed numbers of runs, each a tenth
     /// larger.
-    pub fn until(&self, width: f64) -> Result<Counts, Failure> {
-        let (mut tally, mut done) = (self.blank(), 0);
+    pub fn until(&self, width: f64) -> Result<RunTally, Failure> {
+        let (mut tally, mut done, block) = (self.blank(), 0, LANES * BLOCK_OF_GROUPS);
         let designs = self.study.campaign.designs();
         let most = needed_for(width).powi(2) * designs as f64;
         let progress =
             WorkProgress::new("runs", most as usize, self.quiet).foretold(self.seconds(most as usize));
         while tally.half_width() > width && done < self.study.campaign.realizations() {
-            let next =
-                (done + (done / 10).max(LANES * BLOCK_OF_GROUPS)).next_multiple_of(LANES * BLOCK_OF_GROUPS);
+            let next = (done + (done / 10).max(block)).next_multiple_of(block);
             let next = next.min(self.study.campaign.realizations());
-            let starts = || (done..next).step_by(LANES * BLOCK_OF_GROUPS);
-            let parts = (0..designs)
-                .flat_map(|d| {
-                    starts().map(move |start| (d, start..next.min(start + LANES * BLOCK_OF_GROUPS)))
-                })
-                .collect();
+            let parts = |d| (done..next).step_by(block).map(move |start| (d, start..next.min(start + block)));
+            let parts = (0..designs).flat_map(parts).collect();
             self.count(parts, &mut Kept::default(), &mut tally, &progress)?;
             done = next;
         }

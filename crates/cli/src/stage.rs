@@ -211,12 +211,10 @@ pub fn run(task: &dyn Task, common: &Common) -> ExitCode {
 
 /// Refuses a processor for which the loops over lanes were not compiled.
 fn check_processor() -> Result<(), Failure> {
-    let refused = |missing: &str| {
-        Failure::Failed(format!(
-            "processor: found no {missing}, expected them, as x86-64 processors have them since 2013; use another machine"
-        ))
-    };
-    numerics::missing_instructions().map_or(Ok(()), |missing| Err(refused(missing)))
+    let Some(missing) = numerics::missing_instructions() else { return Ok(()) };
+    Err(Failure::Failed(format!(
+        "processor: found no {missing}, expected them, as x86-64 processors have them since 2013; use another machine"
+    )))
 }
 
 /// Prints the requested help, or what is wrong with the command line, in one line.
@@ -324,8 +322,6 @@ fn inject_fault() {
     }
 }
 
-// Handles Ctrl-C and termination: removes unfinished files, then ends the process by the signal.
-
 /// Installs the handler, so that signals first remove unfinished files.
 #[cfg(unix)]
 fn listen() {
@@ -344,8 +340,6 @@ fn listen() {
 
 #[cfg(not(unix))]
 fn listen() {}
-
-// Checks that the files that `--set` changes are named on the command line.
 
 /// The hand-written files that a folder given as `--study` may contain.
 const IN_STUDIES: [&str; 4] = ["vessel", "dictionary", "campaign", "reference"];

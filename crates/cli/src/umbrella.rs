@@ -98,8 +98,6 @@ fn named(command: Command) -> Command {
     command.after_help(help).mut_subcommands(named)
 }
 
-// Shell completions and manual pages of a command line.
-
 /// Prints the completions of `command` for `shell`.
 pub fn completions(shell: Option<Shell>, mut command: Command) -> Result<(), Failure> {
     let (mut script, name) = (Vec::new(), command.get_name().to_owned());
@@ -135,8 +133,6 @@ fn pages(command: &Command, folder: &Path, staged: &mut Vec<Staged>) -> Result<(
     let mut others = command.get_subcommands().filter(|below| below.get_name() != "help");
     others.try_for_each(|below| pages(below, folder, staged))
 }
-
-// `run`: all stages of a study that are not up to date.
 
 /// What the name of the study stands in for in the usual folder of results.
 const USUAL: &str = "out/<study>";
@@ -301,9 +297,6 @@ fn parsed(pipeline: &Pipeline, words: &[String]) -> Result<(&'static Stage, ArgM
     Ok((stage, matches))
 }
 
-// `seatrial verify`: checks that the files in a folder are complete and belong together, and shows their
-// dependencies.
-
 /// Checks that files are whole and belong together, and prints what was made of what
 #[derive(Parser)]
 #[command(
@@ -335,13 +328,8 @@ impl Verify {
             if faults > 0 {
                 let (found, expected) =
                     (format!("{faults} faults in {files} files"), "whole files of one study");
-                return Err(Failure::refuse(
-                    root,
-                    "files",
-                    &found,
-                    expected,
-                    "make again what is named above",
-                ));
+                let remedy = "make again what is named above";
+                return Err(Failure::refuse(root, "files", &found, expected, remedy));
             }
             on_stdout(format_args!("{}: {files} files, whole and of one study", root.display()))?;
         }

@@ -72,12 +72,8 @@ fn published_share(reference: Option<&Reference>, name: &str) -> Option<f64> {
 fn share_caption(reference: Option<&Reference>) -> Markup {
     html! {
         b { "Share of the experiment time per maneuver." }
-        @if reference.is_some_and(|r| !r.shares.is_empty()) {
-            " Solid: this design; outlined: published."
-        }
-        @if let Some(used) = reference.and_then(|r| r.used.as_ref()) {
-            " " (used)
-        }
+        @if reference.is_some_and(|r| !r.shares.is_empty()) { " Solid: this design; outlined: published." }
+        @if let Some(used) = reference.and_then(|r| r.used.as_ref()) { " " (used) }
     }
 }
 

@@ -171,8 +171,6 @@ fn note(model: &ModelDocument) -> Markup {
     }
 }
 
-// Numbers of a fitted ship with forces, and sums of them, beside values of captive tests.
-
 /// The ship's free numbers, then what the recordings know of sway and yaw.
 fn derivatives(found: &FittedForces) -> Markup {
     html! {

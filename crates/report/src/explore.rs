@@ -98,8 +98,6 @@ fn nothing() -> Markup {
     }
 }
 
-// The model on other recordings over time, with its bands.
-
 /// Samples beyond this many are not in the page.
 const MOST: usize = 12_000;
 
@@ -142,8 +140,6 @@ fn window(rows: &[Traced], every: usize) -> Value {
         "half": all(&|row, d| row.half[d]),
     })
 }
-
-// Data as it stands in the page.
 
 /// JSON that no tag can end.
 fn script(data: &Value) -> String {
@@ -198,8 +194,7 @@ struct Panel {
     library: Library,
 }
 
-// The script and the style of the page, and the libraries that it has where they are needed.
-
+/// The script and the style of the page, and the libraries that it has where they are needed.
 const SCRIPT: &str = include_str!("../assets/explore.js");
 const EXPLORE_STYLE: &str = include_str!("../assets/explore.css");
 
@@ -242,8 +237,6 @@ impl Library {
 fn without(text: &str, word: &str) -> String {
     text.lines().filter(|line| !line.contains(word)).flat_map(|line| [line, "\n"]).collect()
 }
-
-// A dot per trial, a row per trial.
 
 /// Trials beyond this many are not in the page.
 const MOST_RUNS: usize = 10_000;
@@ -318,8 +311,6 @@ fn about(all: usize, every: usize) -> Markup {
         @if every > 1 { p.note { "One of every " (every) " trials is in this page; the file has all." } }
     }
 }
-
-// Plans on their maps, with their sheets.
 
 /// A section for each plan with a map: the study's own, its variants, that of the next trial.
 fn plan_panels(study: &Study) -> Vec<Panel> {
@@ -431,8 +422,6 @@ fn tracks(map: &MapDocument, steps: Option<&[usize]>) -> Value {
     };
     map.tracks.iter().enumerate().map(track).collect()
 }
-
-// The sheet of a plan as a table, and which part of the track belongs to which of its steps.
 
 /// A row per step of the plan.
 fn sheet(study: &Study, plan: &PlanDocument, voyage: &Voyage) -> Value {

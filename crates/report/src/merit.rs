@@ -11,11 +11,7 @@ pub(super) fn merit(study: &Study, figures: &mut Figures) -> Option<Section> {
     // Logs may show no standard maneuver.
     let merit =
         study.merit.as_ref().filter(|merit| merit.maneuvers.iter().any(|maneuver| maneuver.runs > 0))?;
-    let body = html! {
-        (table(merit))
-        (tracked(merit, figures))
-        (over_time(merit, figures))
-    };
+    let body = html! { (table(merit)) (tracked(merit, figures)) (over_time(merit, figures)) };
     Some(Section::new("merit", "Figures of merit", "Figures of merit", body))
 }
 
@@ -138,8 +134,6 @@ fn over_time(found: &MeritDocument, figures: &mut Figures) -> Markup {
     };
     figures.place_wide("merit-time", traces(&columns, &rows), &caption)
 }
-
-// Pictures for pages: a plan's map above histograms, tracks of standard maneuvers.
 
 /// Width and height of the map, of histograms of three designs, and the gap between, in units of the picture.
 const MAP: [u32; 2] = [1140, 760];

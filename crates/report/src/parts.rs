@@ -110,8 +110,6 @@ impl Figures {
     }
 }
 
-// Tables of the page.
-
 /// A table that is written column by column: each has a head and a function for its cells.
 pub(super) struct HtmlTable<R> {
     class: Option<&'static str>,

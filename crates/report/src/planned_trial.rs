@@ -127,8 +127,6 @@ fn check(attributes: &str) -> Result<(), String> {
     Ok(())
 }
 
-// `map.svg`: the plan on its chart, from `map.json`.
-
 /// The map as SVG.
 ///
 /// # Errors

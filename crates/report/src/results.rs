@@ -57,8 +57,7 @@ interval of what endless trials would give: of 100 studies, each with other nois
 repeated study falls into the interval printed here less often, some 83 times of 100. A dash stands where a document has none.
 ";
 
-// Shares of good models and median errors, by study and design.
-
+/// Shares of good models and median errors, by study and design.
 fn designs_section(folders: &[PathBuf], written: Option<&Path>) -> Result<Option<String>, Error> {
     let (read, missing) = documents::<ValidationDocument>(folders, "validation.json")?;
     let (mut rows, mut bounds, mut used) = (Vec::new(), Vec::new(), String::new());
@@ -112,8 +111,6 @@ fn published_share(share: Option<PublishedShare>) -> String {
         None => String::new(),
     }
 }
-
-// A folder that the stages wrote into.
 
 /// Folders with the documents read there, and the names of those without.
 type Read<D> = (Vec<(PathBuf, Loaded<D>)>, Vec<String>);
@@ -176,8 +173,6 @@ fn reference(written: Option<&Path>, name: &str) -> Result<Option<Reference>, Er
         .transpose()
 }
 
-// A table in Markdown.
-
 /// A table that is written column by column.
 struct MarkdownTable<R> {
     heads: Vec<String>,
@@ -221,8 +216,6 @@ fn median(errors: &Quantiles) -> String {
     quantile(errors.median, errors.median_interval)
 }
 
-// Every estimator under several kinds of disturbance.
-
 /// The design whose errors are in the table.
 const DESIGN: &str = "optimized";
 
@@ -259,8 +252,7 @@ fn of(scores: &[EstimatorScores], estimator: Estimator) -> Option<&DesignScores>
     scores.iter().find(|s| s.estimator == estimator)?.designs.iter().find(|d| d.design == DESIGN)
 }
 
-// How well models predict measured recordings that were left out.
-
+/// How well models predict measured recordings that were left out.
 fn logs_section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
     let (read, missing) = documents::<CrossvalDocument>(folders, "crossval.json")?;
     let scores = read.iter().flat_map(|(folder, loaded)| {
@@ -297,8 +289,7 @@ fn fits(score: &EstimatorScore) -> String {
     }
 }
 
-// Trials designed in rounds against trials designed once.
-
+/// Trials designed in rounds against trials designed once.
 fn rounds_section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
     let (read, missing) = documents::<SequentialDocument>(folders, "sequential.json")?;
     let mut text = String::new();
@@ -360,8 +351,7 @@ fn mean_time(arm: &Stopping) -> String {
     format!("{:.0} s ({})", arm.mean_time_s, within.as_deref().unwrap_or("–"))
 }
 
-// Models from sub-experiments that a design picked against random picks.
-
+/// Models from sub-experiments that a design picked against random picks.
 fn selections_section(folders: &[PathBuf], written: Option<&Path>) -> Result<Option<String>, Error> {
     let (read, missing) = documents::<SelectionDocument>(folders, "selection.json")?;
     let mut rows = Vec::new();
@@ -403,8 +393,6 @@ fn seed_of_logs(folder: &Path) -> Result<Option<u64>, Error> {
     let path = folder.parent().unwrap_or(folder).join("logs/simulated.json");
     Ok(document_at::<SimulatedLogsDocument>(path)?.and_then(|logs| seed_of(&logs.provenance)))
 }
-
-// Estimators that find a current and noise that are not given.
 
 /// Settings of estimates for unknowns, as flags of `estimate`.
 const FLAGS: [(&str, &str); 2] = [("unknown_current", "--unknown-current"), ("intercepts", "--intercepts")];

@@ -229,8 +229,6 @@ fn averaged(found: &AverageSummary) -> Markup {
     }
 }
 
-// The search for forces that a ship lacks.
-
 /// How the search was made.
 fn about_forces(found: &SearchDocument, forces: &SearchedForces) -> Markup {
     let windows = windows_of(found.window_s);

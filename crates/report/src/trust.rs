@@ -156,8 +156,6 @@ fn runs(runs: &[SourceErrors]) -> Markup {
     }
 }
 
-// What is wrong with a fitted ship: signs, inputs that act late, forces that she lacks.
-
 /// Signs first; lags and forces only where these are right.
 fn wrong_forces(found: &ForceCriticism) -> Markup {
     let parts = if found.whole_windows { "windows" } else { "pieces of windows" };
@@ -220,8 +218,6 @@ fn absent(found: &ForceCriticism) -> HtmlTable<&AbsentForce> {
         .number("Cost", |force| percent(-force.share))
         .number("p", |force| probability(force.p_value))
 }
-
-// What a model lacks, and detection limits.
 
 /// Number of candidates that are always shown.
 const SHOWN_FORCES: usize = 5;

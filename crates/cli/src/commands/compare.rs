@@ -60,11 +60,11 @@ impl Task for CompareArguments {
         provenance.forget(&["dictionary", "campaign", "moments", "design", "validation", "estimates"]);
         let averaged = self.averaged(&model, &mut provenance)?;
         let other = self.against(&mut provenance)?;
-        let mut comparison =
+        let comparison =
             Comparison { model: &model, averaged: &averaged, other: other.as_ref(), window: None };
         let vessel = self.widest(&comparison)?;
         let window = self.window_s.map(|s| samples("--window-s", s, vessel.sample_rate_hz)).transpose()?;
-        comparison.window = window;
+        let comparison = Comparison { window, ..comparison };
         let read =
             || [&self.model].into_iter().chain(&self.average).chain(&self.against).chain(self.of.inputs());
         let out = common.main_output(MAIN, read())?;
@@ -132,8 +132,6 @@ impl CompareArguments {
         Ok(widest)
     }
 }
-
-// `validate cross`: estimators compared over runs or recordings that are left out.
 
 /// Finds how well a model predicts runs or recordings that were left out of it; writes crossval.json
 #[derive(Parser)]
@@ -213,8 +211,6 @@ impl CrossArguments {
     }
 }
 
-// `validate selection`: models from sub-experiments that a design picked against random picks.
-
 /// The estimators that only need sums per sub-experiment.
 const ESTIMATORS: [Estimator; 3] = [Estimator::Ls, Estimator::Iv, Estimator::Auto];
 
@@ -255,9 +251,9 @@ impl Task for SelectionArguments {
         let mut provenance = common.provenance("validate");
         let vessel = self.flags.cored(StageOfTerms::Selection.read(&self.flags.vessel, &mut provenance)?)?;
         if !ESTIMATORS.contains(&self.estimator) {
-            let fault = format!("--estimator: found {}, expected ls, iv or auto", self.estimator);
             return Err(Failure::Usage(format!(
-                "{fault}; a selection study adds up sums per sub-experiment"
+                "--estimator: found {}, expected ls, iv or auto; a selection study adds up sums per sub-experiment",
+                self.estimator
             )));
         }
         let inputs = self.flags.inputs().chain(&self.design).chain(&self.reference);

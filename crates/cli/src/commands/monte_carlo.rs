@@ -30,7 +30,7 @@ use trial::rounds::{self, Arm, Row, Trial};
 use crate::cli::{AdditionalFlags, Common, Sharding, beside, budget, choice, folder_of};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made};
-use crate::simulate::{BLOCK_OF_GROUPS, CampaignFlags, Done, Files, needed_for, note_plays, refused};
+use crate::simulate::{BLOCK_OF_GROUPS, CampaignFlags, Counting, Files, needed_for, note_plays, refused};
 use crate::stage::{Summary, Task};
 
 /// Simulates a trial many times and counts how often its model is good; writes tally.json
@@ -102,7 +102,7 @@ impl MonteCarloArguments {
         study.estimators.check_forces().map_err(|e| Failure::invalid(files.campaign, &e))?;
         note_plays(&study.campaign, &mut provenance);
         self.check_room(&study, files.campaign, out)?;
-        let done = Done { study: &study, files: &files, bounds: config.bounds(), quiet: common.quiet };
+        let done = Counting { study: &study, files: &files, bounds: config.bounds(), quiet: common.quiet };
         let (campaign, keep) = (&study.campaign, (self.keep, self.keep_first));
         let mut kept = Kept::new(keep, campaign.vessel(), campaign.reacting(), out, &provenance)?;
         let tally = match self.until {
@@ -257,8 +257,6 @@ fn published(
         json!({"runs": runs, "scores": document.scores, "paired": document.paired}),
     ))
 }
-
-// `sequential`: trials designed in rounds.
 
 /// Simulates trials that are designed in rounds, from a crude model, beside trials that are designed once; writes
 /// sequential.parquet and sequential.json

@@ -157,8 +157,6 @@ impl Task for Picture {
     }
 }
 
-// `export`: a model for other tools.
-
 /// Writes a model for other tools: Python, C, MATLAB, or a Functional Mock-up Unit
 #[derive(Parser)]
 #[command(name = "export", after_help = "Example:\n  export --model model.json --to fmu --out exported/")]

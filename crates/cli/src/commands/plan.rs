@@ -112,8 +112,6 @@ impl How {
     }
 }
 
-// `plan resume`: the rest of a trial, from the ship's position; `plan follow`: the same from her positions so far.
-
 /// The files of a plan that was begun.
 #[derive(Args)]
 struct Rest {
@@ -209,10 +207,6 @@ impl Task for Follow {
         rest.plan(SoFar::Positions(files), common, "plan follow")
     }
 }
-
-// `plan`: from a design to a trajectory on a chart.
-
-// The files of a plan on a chart: read, and guarded from being overwritten.
 
 /// The files of a plan on a chart.
 pub struct VoyageFiles<'a> {
@@ -344,8 +338,6 @@ fn check_names(out: &Path) -> Result<(), Failure> {
     })
 }
 
-// Why there is no plan, as failures of the program.
-
 /// Why there is no plan of `plan.toml`, for the runs in `trajectories` and a design.
 fn plan(paths: [&Path; 2], design: Option<&Path>, error: PlanError) -> Failure {
     match error {
@@ -363,8 +355,6 @@ impl From<Unplanned> for Failure {
         }
     }
 }
-
-// `plan` on a chart: read, plan, write.
 
 /// The outputs.
 pub struct WantedPlan<'a> {
@@ -471,8 +461,6 @@ fn stage_map(planned: &Planned, out: &Path, provenance: &Provenance) -> Result<V
     let document = stage_document(beside(out, MAIN, "map.json"), provenance, &map)?;
     Ok(vec![document, Staged::bytes(beside(out, MAIN, "map.svg"), svg.as_bytes())?])
 }
-
-// `plan --problem`: a lattice problem from a file.
 
 /// Solves the problem in `file` and writes the plan to `out`.
 pub fn plan_problem(

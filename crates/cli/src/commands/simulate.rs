@@ -328,8 +328,6 @@ impl Task for Logs {
     }
 }
 
-// Logs as a ship's instruments would write them, for studies without access to the real logs.
-
 /// The hand-written files, for messages.
 pub struct LogFiles<'a> {
     /// `vessel.toml`.

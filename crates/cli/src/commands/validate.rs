@@ -148,8 +148,6 @@ fn publish(
     Ok(summary)
 }
 
-// `validate merit`: figures of merit of standard maneuvers.
-
 /// Measures overshoots, turning circles and stopping distances against IMO MSC.137(76); writes merit.json, merit.parquet
 #[derive(Parser)]
 #[command(

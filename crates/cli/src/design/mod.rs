@@ -27,8 +27,6 @@ use crate::failure::Failure;
 
 pub use stage::{Refine, Update};
 
-// The command line of `design`.
-
 /// The longest experiment for --accuracy \[s\]: a day.
 const LONGEST_S: f64 = 86_400.0;
 
@@ -333,8 +331,6 @@ fn scarce(file: &Path, why: Scarce) -> Failure {
         }
     }
 }
-
-// The problem of `design`, read and checked.
 
 /// Maneuvers and a criterion.
 struct Problem<'a> {

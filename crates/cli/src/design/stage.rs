@@ -152,8 +152,6 @@ fn design(
     .into())
 }
 
-// `design refine`: optimises the input signals of an experiment, starting from a design.
-
 /// Improves the input signals of a designed trial, within limits of inputs and motion
 #[derive(Parser)]
 #[command(
@@ -291,8 +289,6 @@ fn not_refined(a: &Refine, why: Refusal) -> Failure {
         )),
     }
 }
-
-// `design update`: what a design promised, and what its trial gave.
 
 /// Compares what a design promised with what is known after its trial
 #[derive(Parser)]

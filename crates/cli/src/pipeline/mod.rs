@@ -25,8 +25,6 @@ use study::refuse;
 
 pub use steps::{StudySettings, StudyStep};
 
-// A study's folders and stages.
-
 /// The hand-written files that a study needs, what each is, and which of the two kinds of `new` write it.
 const WRITTEN: [(&str, &str, &str); 4] = [
     ("vessel.toml", "the ship and its model", "--vessel <preset>"),
@@ -238,8 +236,6 @@ fn plans(study: &Path) -> Result<Vec<String>, Error> {
     Ok(plans)
 }
 
-// The names of files in a record, wherever a study and its results lie.
-
 /// The folders of a study and of its results, by which a record names files.
 #[derive(Debug)]
 pub struct Folders {
@@ -302,8 +298,6 @@ impl Folders {
         }
     }
 }
-
-// Which stages of a study are up to date.
 
 /// `run.json` beside the results: the stages as they ran.
 #[derive(Debug)]

@@ -21,14 +21,15 @@ pub struct StudyStep {
     pub is_optional: bool,
 }
 
-impl StudyStep {
-    /// A stage called `name` with this `line` and `flags`, which writes `outputs` below the folder of the results.
-    fn new(name: &str, line: &str, flags: &str, outputs: &[&str]) -> Self {
-        let outputs: Vec<String> = outputs.iter().map(|name| format!("\0out/{name}")).collect();
-        let words = line.split_whitespace().chain(flags.split_whitespace()).chain(["--out", &outputs[0]]);
-        Self { name: name.to_owned(), words: words.map(str::to_owned).collect(), outputs, is_optional: false }
-    }
+/// A stage called `name` with this `line` and `flags`, which writes `outputs` below the folder of the results.
+fn step(name: &str, line: &str, flags: &str, outputs: &[&str]) -> StudyStep {
+    let outputs: Vec<String> = outputs.iter().map(|name| format!("\0out/{name}")).collect();
+    let words = line.split_whitespace().chain(flags.split_whitespace()).chain(["--out", &outputs[0]]);
+    let words = words.map(str::to_owned).collect();
+    StudyStep { name: name.to_owned(), words, outputs, is_optional: false }
+}
 
+impl StudyStep {
     /// The paths that it reads.
     pub fn inputs(&self) -> impl Iterator<Item = &str> {
         let words = self.words.iter().map(String::as_str);
@@ -68,50 +69,30 @@ pub fn simulated(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep>
     let usual = format!("{SEA} --estimator output-error");
     let (information, arranged) = (settings.or("MOMENTS_FLAGS", &usual), &design_flags(settings));
     let mut steps = vec![
-        StudyStep::new(
-            "dictionary",
-            &format!("simulate dictionary {SHIP} {HELM}"),
-            "",
-            &["dictionary.parquet"],
-        ),
-        StudyStep::new("moments", &format!("moments {SHIP} {MADE}"), information, &["moments.json"]),
-        StudyStep::new("design", "design --moments \0out/moments.json", arranged, &["design.json"]),
-        StudyStep::new(
-            "validation",
-            &format!("simulate validation {SHIP} {SEA}"),
-            "",
-            &["validation.parquet"],
-        ),
+        step("dictionary", &format!("simulate dictionary {SHIP} {HELM}"), "", &["dictionary.parquet"]),
+        step("moments", &format!("moments {SHIP} {MADE}"), information, &["moments.json"]),
+        step("design", "design --moments \0out/moments.json", arranged, &["design.json"]),
+        step("validation", &format!("simulate validation {SHIP} {SEA}"), "", &["validation.parquet"]),
     ];
     // One-step predictions need terms per sample.
     let estimator =
         if shape.is_of_forces { "--estimator output-error" } else { "--estimator prediction-error" };
     let whole = format!("{SHIP} {HELM} {SEA} {DESIGN}");
     if get("MONTE_CARLO").is_empty() {
-        steps.push(StudyStep::new(
-            "campaign",
-            &format!("simulate campaign {whole}"),
-            "",
-            &["campaign.parquet"],
-        ));
+        steps.push(step("campaign", &format!("simulate campaign {whole}"), "", &["campaign.parquet"]));
         steps.extend(estimated("", "campaign.parquet", settings, estimator));
     } else {
         let line = format!("monte-carlo {whole} --keep estimates");
-        steps.push(StudyStep::new(
-            "monte-carlo",
-            &line,
-            settings.or("ESTIMATE_FLAGS", estimator),
-            &["tally.json"],
-        ));
+        steps.push(step("monte-carlo", &line, settings.or("ESTIMATE_FLAGS", estimator), &["tally.json"]));
     }
     shape.plans.iter().for_each(|name| steps.extend(planned(name, settings, estimator)));
     let length_m = get("LENGTH_M");
     if !length_m.is_empty() {
         let line = format!("validate merit {SHIP} {HELM} {MADE} --length-m {length_m}");
-        steps.push(StudyStep::new("merit", &line, "", &["merit.json"]));
+        steps.push(step("merit", &line, "", &["merit.json"]));
     }
     let line = format!("report --study \0study {HELM} --results \0out");
-    steps.push(StudyStep::new("report", &line, "", &["report.html", "explore.html"]));
+    steps.push(step("report", &line, "", &["report.html", "explore.html"]));
     steps
 }
 
@@ -141,8 +122,8 @@ fn estimated(below: &str, table: &str, settings: &StudySettings, usual: &str) ->
     let usual = format!("{SEA} {usual}");
     let (prefix, flags) = (below.replace('/', "-"), settings.or("ESTIMATE_FLAGS", &usual));
     [
-        StudyStep::new(&format!("{prefix}estimate"), &fit, flags, &[&estimates, &estimate]),
-        StudyStep::new(&format!("{prefix}validate"), &score, "", &[&scores, &validation]),
+        step(&format!("{prefix}estimate"), &fit, flags, &[&estimates, &estimate]),
+        step(&format!("{prefix}validate"), &score, "", &[&scores, &validation]),
     ]
 }
 
@@ -150,13 +131,13 @@ fn estimated(below: &str, table: &str, settings: &StudySettings, usual: &str) ->
 fn planned(name: &str, settings: &StudySettings, estimator: &str) -> Vec<StudyStep> {
     let main = if name == "plan" { "plan.json".to_owned() } else { format!("{name}/plan.json") };
     let line = format!("plan {SHIP} {MADE} {HELM} {DESIGN}");
-    let mut plan = StudyStep::new(name, &line, settings.get("PLAN_FLAGS"), &[&main]);
+    let mut plan = step(name, &line, settings.get("PLAN_FLAGS"), &[&main]);
     // The name may have blanks.
     plan.words.extend(["--config".to_owned(), format!("\0study/{name}.toml")]);
     let mut steps = vec![plan];
     if name == "plan" {
         let line = format!("simulate plan {SHIP} {SEA} --plan \0out/plan.json");
-        steps.push(StudyStep::new("planned", &line, "", &["planned/trajectories.parquet"]));
+        steps.push(step("planned", &line, "", &["planned/trajectories.parquet"]));
         steps.extend(estimated("planned/", "trajectories.parquet", settings, estimator));
     }
     steps
@@ -167,9 +148,9 @@ pub fn simulated_logs() -> [StudyStep; 2] {
     let logs = format!("simulate logs {SHIP} {HELM} --logs \0study/logs.toml");
     let dictionary = format!("simulate dictionary {SHIP} {HELM}");
     [
-        StudyStep::new("logs", &logs, "", &["logs/simulated.json"]),
+        step("logs", &logs, "", &["logs/simulated.json"]),
         // The maneuvers as they are meant, for the report
-        StudyStep::new("dictionary", &dictionary, "", &["measured/dictionary.parquet"]),
+        step("dictionary", &dictionary, "", &["measured/dictionary.parquet"]),
     ]
 }
 
@@ -180,7 +161,7 @@ const RECORDED: &str = "--recordings \0out/measured/ingest.json";
 pub fn measured(settings: &StudySettings, shape: &StudyShape, usual_selection: &str) -> Vec<StudyStep> {
     let ingest = format!("ingest --config \0study/ingest.toml {SHIP} --logs \0logs");
     let recordings = ["measured/trajectories.parquet", "measured/ingest.json"];
-    let mut steps = vec![StudyStep::new("ingest", &ingest, "", &recordings)];
+    let mut steps = vec![step("ingest", &ingest, "", &recordings)];
     steps.extend(match settings.get("ESTIMATOR").is_empty() && shape.recordings >= SEARCHED {
         true => searched(settings, shape),
         false => pooled(settings, shape),
@@ -194,15 +175,10 @@ pub fn measured(settings: &StudySettings, shape: &StudyShape, usual_selection: &
     let length_m = settings.get("LENGTH_M");
     if shape.is_of_forces || !length_m.is_empty() {
         let flags = if length_m.is_empty() { String::new() } else { format!("--length-m {length_m}") };
-        steps.push(StudyStep::new(
-            "merit",
-            &format!("validate merit {LOGGED}"),
-            &flags,
-            &["measured/merit.json"],
-        ));
+        steps.push(step("merit", &format!("validate merit {LOGGED}"), &flags, &["measured/merit.json"]));
     }
     let line = "report --study \0study --results \0out/measured";
-    steps.push(StudyStep::new("report", line, "", &["measured/report.html", "measured/explore.html"]));
+    steps.push(step("report", line, "", &["measured/report.html", "measured/explore.html"]));
     steps
 }
 
@@ -215,10 +191,10 @@ fn searched(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
     let model = |name: &str, below: &str, more: &str| {
         let file = |name: &str| format!("measured/{below}{name}");
         let files = ["search.json", "model.json", "average.json"].map(file);
-        let outputs: Vec<&str> =
-            files.iter().take(if shape.is_of_forces { 3 } else { 2 }).map(String::as_str).collect();
+        let count = if shape.is_of_forces { 3 } else { 2 };
+        let outputs: Vec<&str> = files.iter().take(count).map(String::as_str).collect();
         let line = format!("estimate search {LOGGED} {RECORDED} {core} {more}");
-        StudyStep::new(name, &line, settings.get("SEARCH_FLAGS"), &outputs)
+        step(name, &line, settings.get("SEARCH_FLAGS"), &outputs)
     };
     let mut steps = vec![model("model", "", "")];
     let test = settings.get("TEST");
@@ -234,7 +210,7 @@ fn searched(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
 /// The vessel's own model of recordings; by its core, where no estimator is set.
 fn pooled(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
     let fit = Fit::of(settings, shape);
-    let cross = StudyStep::new(
+    let cross = step(
         "cross",
         &format!("validate cross {LOGGED} {RECORDED} {}", fit.in_turns),
         settings.get("CROSS_FLAGS"),
@@ -279,13 +255,10 @@ impl Fit {
                 let in_turns = format!("{flags} --estimators {FEW}");
                 Self { estimator: FEW.to_owned(), flags, in_turns, bootstrap, is_model_alone: false }
             }
-            estimator => Self {
-                estimator: estimator.to_owned(),
-                in_turns: flags.clone(),
-                flags,
-                bootstrap,
-                is_model_alone: false,
-            },
+            estimator => {
+                let (estimator, in_turns) = (estimator.to_owned(), flags.clone());
+                Self { estimator, flags, in_turns, bootstrap, is_model_alone: false }
+            }
         }
     }
 
@@ -295,7 +268,7 @@ impl Fit {
             ["estimates.parquet", "model.json"].map(|name| format!("measured/{below}{name}"));
         let outputs: &[&str] = if self.is_model_alone { &[&model] } else { &[&table, &model] };
         let line = format!("estimate pool {LOGGED} {RECORDED} --estimator {} {}", self.estimator, self.flags);
-        StudyStep::new(name, &line, more, outputs)
+        step(name, &line, more, outputs)
     }
 }
 
@@ -308,7 +281,7 @@ fn compared(settings: &StudySettings, test: &str, model: &str) -> StudyStep {
         "validate compare --model \0out/measured/test/{model} --trajectories \0out/measured/trajectories.parquet {RECORDED} --runs \
          {test}"
     );
-    StudyStep::new("compare", &line, settings.get("TEST_FLAGS"), &["measured/compare.json"])
+    step("compare", &line, settings.get("TEST_FLAGS"), &["measured/compare.json"])
 }
 
 /// Sub-experiments that are designed, picked and compared.
@@ -323,9 +296,9 @@ fn selected(settings: &StudySettings, shape: &StudyShape, usual_selection: &str)
     let picked = format!("validate selection {LOGGED} --design \0out/measured/design.json {reference}");
     let picks = ["measured/selection.parquet", "measured/selection.json"];
     [
-        StudyStep::new("moments", &moments, flags, &["measured/moments.json"]),
-        StudyStep::new("design", &designed, design, &["measured/design.json"]),
-        StudyStep::new("selection", &picked, settings.or("SELECTION_FLAGS", usual_selection), &picks),
+        step("moments", &moments, flags, &["measured/moments.json"]),
+        step("design", &designed, design, &["measured/design.json"]),
+        step("selection", &picked, settings.or("SELECTION_FLAGS", usual_selection), &picks),
     ]
 }
 
@@ -358,51 +331,25 @@ fn next_trial(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
     let promised = format!("monte-carlo {model} {HELM} {SEA} {DESIGN} --estimator output-error");
     let outputs = ["measured/next/search.json", "measured/next/model.json"];
     let mut steps = vec![
-        StudyStep::new("next-dictionary", &dictionary, "", &["measured/next/dictionary.parquet"]),
-        StudyStep::new("next-moments", &moments, "", &["measured/next/moments.json"]),
-        StudyStep::new(
-            "next-design",
-            design,
-            settings.or("NEXT_FLAGS", usual),
-            &["measured/next/design.json"],
-        ),
+        step("next-dictionary", &dictionary, "", &["measured/next/dictionary.parquet"]),
+        step("next-moments", &moments, "", &["measured/next/moments.json"]),
+        step("next-design", design, settings.or("NEXT_FLAGS", usual), &["measured/next/design.json"]),
     ];
     if is_searched {
-        steps.insert(0, StudyStep::new("search", &search, settings.get("SEARCH_FLAGS"), &outputs));
-        steps.push(StudyStep::new("next-monte-carlo", &promised, "", &["measured/next/tally.json"]));
+        steps.insert(0, step("search", &search, settings.get("SEARCH_FLAGS"), &outputs));
+        steps.push(step("next-monte-carlo", &promised, "", &["measured/next/tally.json"]));
     }
     if shape.next_is_charted {
         let line = format!("plan {model} {MADE} {HELM} {DESIGN} --config \0study/next/plan.toml {allowed}");
-        steps.push(StudyStep::new("next-plan", &line, "", &["measured/next/plan.json"]));
+        steps.push(step("next-plan", &line, "", &["measured/next/plan.json"]));
     }
     steps.iter_mut().for_each(|step| step.is_optional = !is_searched);
     steps
 }
 
-// `study.mk`: flags of a study's stages.
-
 /// What a study may set.
-const KNOWN: [&str; 19] = [
-    "DICTIONARY",
-    "MOMENTS_FLAGS",
-    "DESIGN_FLAGS",
-    "ESTIMATE_FLAGS",
-    "PLAN_FLAGS",
-    "MONTE_CARLO",
-    "LENGTH_M",
-    "LOGS",
-    "POOL_FLAGS",
-    "ESTIMATOR",
-    "BOOTSTRAP",
-    "CROSS_FLAGS",
-    "TEST",
-    "TEST_FLAGS",
-    "SELECTION_FLAGS",
-    "SELECTED",
-    "NEXT",
-    "SEARCH_FLAGS",
-    "NEXT_FLAGS",
-];
+const KNOWN: &str = "DICTIONARY MOMENTS_FLAGS DESIGN_FLAGS ESTIMATE_FLAGS PLAN_FLAGS MONTE_CARLO LENGTH_M LOGS POOL_FLAGS \
+     ESTIMATOR BOOTSTRAP CROSS_FLAGS TEST TEST_FLAGS SELECTION_FLAGS SELECTED NEXT SEARCH_FLAGS NEXT_FLAGS";
 
 /// What a value may refer to, and what stands for it in the words of a [`crate::pipeline::StudyStep`].
 const REFERENCES: [(&str, &str); 5] = [
@@ -471,15 +418,12 @@ impl StudySettings {
 
     /// Sets `name` to `value`: `kind` `?` only if it is not set, `+` behind what it is set to.
     fn put(&mut self, name: &str, kind: Option<char>, value: &str) -> Result<(), Invalid> {
-        if !KNOWN.contains(&name) {
-            let meant = nearest(name, KNOWN).map_or(String::new(), |near| format!(" (did you mean {near}?)"));
+        let known = KNOWN.split(' ');
+        if !known.clone().any(|known| known == name) {
+            let meant = nearest(name, known).map_or(String::new(), |near| format!(" (did you mean {near}?)"));
             let remedy = format!("correct or remove it{meant}");
-            return Err(Invalid::new(
-                format!("`{}`", foreign(name)),
-                "a setting of no stage",
-                KNOWN.join(", "),
-                remedy,
-            ));
+            let (thing, expected) = (format!("`{}`", foreign(name)), KNOWN.replace(' ', ", "));
+            return Err(Invalid::new(thing, "a setting of no stage", expected, remedy));
         }
         if value.contains('\0') {
             return Err(Invalid::new(format!("`{name}`"), "a byte 0", "text", "remove it"));

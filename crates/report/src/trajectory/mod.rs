@@ -72,11 +72,7 @@ pub(super) fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures)
 fn measured(plan: &PlanDocument) -> Markup {
     let depths = plan.charts.iter().filter_map(|chart| Some((&chart.file, chart.depths.as_ref()?)));
     let depths: Vec<String> = depths.map(|(file, depths)| format!("{file}: {}", depths.words())).collect();
-    html! {
-        @if !depths.is_empty() {
-            p.note { b { "Depths and heights." } " " (depths.join("; ")) "." }
-        }
-    }
+    html! { @if !depths.is_empty() { p.note { b { "Depths and heights." } " " (depths.join("; ")) "." } } }
 }
 
 /// The requirements violated by a plan that was written although its check fails.
@@ -145,8 +141,6 @@ fn in_one_line(variant: &PlannedTrial) -> Markup {
         @if !variant.stale.is_empty() { " Made from another " (variant.stale.join(", ")) "." }
     }
 }
-
-// The treatment of the objects of electronic charts, folded.
 
 /// The electronic charts of the plan, remarks on their files, and the objects that were omitted, with reasons.
 fn charts(charts: &[PlanChart]) -> Markup {

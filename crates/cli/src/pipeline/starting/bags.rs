@@ -6,7 +6,7 @@ use std::path::Path;
 
 use files::{Error, ForeignTable, Timed, budget, open};
 use flate2::read::MultiGzDecoder;
-use logs::guess::{BagGuess, Head, Needed, Placed, SentenceGuess, TopicGuess};
+use logs::guess::{BagGuess, Head, Needed, Placed, SentenceGuess};
 use logs::{Format, LogError, Topic, bag_census, database_census, has_sentences, sentence_census};
 use refusal::{foreign, listed};
 use study::ingest_file::read::{check_format, database};
@@ -79,7 +79,8 @@ pub(super) fn groups(guess: &BagGuess, patterns: &[String], files: &[String]) ->
         if let Some(publisher) = topic.publisher {
             let _ = writeln!(text, "publisher = \"{publisher}\"{MARK}: the first of several");
         }
-        text += &clock(topic);
+        let unit = topic.clock_unit.map_or(String::new(), |unit| format!(", unit = {}", quoted(unit)));
+        let _ = writeln!(text, "time = {{ column = {}{unit} }}", quoted(topic.clock));
         if let Some([w, x, y, z]) =
             topic.quaternion.as_ref().map(|parts| parts.each_ref().map(|part| quoted(part)))
         {
@@ -92,11 +93,6 @@ pub(super) fn groups(guess: &BagGuess, patterns: &[String], files: &[String]) ->
         let _ = writeln!(text, "\n# Topics that are not used: {}", names.join(", "));
     }
     text
-}
-
-fn clock(topic_guess: &TopicGuess) -> String {
-    let unit = topic_guess.clock_unit.map_or(String::new(), |unit| format!(", unit = {}", quoted(unit)));
-    format!("time = {{ column = {}{unit} }}\n", quoted(topic_guess.clock))
 }
 
 /// The channels of a topic, on one line where they are few and have one mark.
@@ -124,13 +120,10 @@ fn mark(placed: &Placed) -> String {
     }
 }
 
-// Logs as they are read, whether they are packed or not.
-
 /// The bytes of the log at `path`, unpacked where its name ends with `.gz`.
 fn reader(path: &Path) -> Result<Box<dyn BufRead>, Error> {
     let file = open(path)?;
-    let is_packed = path.extension().is_some_and(|end| end == "gz");
-    Ok(match is_packed {
+    Ok(match path.extension().is_some_and(|end| end == "gz") {
         true => Box::new(BufReader::new(MultiGzDecoder::new(file))),
         false => Box::new(BufReader::new(file)),
     })
@@ -143,8 +136,6 @@ fn wrong(path: &Path, error: LogError) -> Error {
         LogError::Invalid(wrong) => invalid(path, &wrong),
     }
 }
-
-// Texts in hand-written files.
 
 /// What is at the end of a line that was guessed.
 pub(super) const MARK: &str = "  # guessed";
@@ -160,8 +151,6 @@ fn channel(placed: &Placed) -> String {
     let optional = if placed.is_optional { ", optional = true" } else { "" };
     format!("{{ column = {column}, channel = {channel}, unit = {unit}{optional} }}")
 }
-
-// The first rows of a log in Parquet.
 
 /// Endings of files in Parquet.
 pub(super) const PARQUET: [&str; 1] = [".parquet"];
@@ -209,8 +198,6 @@ fn of_day(second: f64) -> String {
         false => String::new(),
     }
 }
-
-// Logs of sentences (NMEA 0183) in a folder: what the first of them has, as a group of files of `ingest.toml`.
 
 /// Endings of logs of sentences.
 pub(super) const SENTENCES: [&str; 2] = [".nmea", ".nmea.gz"];
@@ -263,19 +250,13 @@ pub(super) fn group(guess: &SentenceGuess, patterns: &[String]) -> String {
         let _ = writeln!(text, "checksums = \"optional\"{MARK}: most sentences have none");
     }
     if !guess.prefer.is_empty() {
-        let _ = writeln!(
-            text,
-            "prefer = [{}]{MARK}: the talkers that say most come first",
-            listed(&guess.prefer)
-        );
+        let prefer = listed(&guess.prefer);
+        let _ = writeln!(text, "prefer = [{prefer}]{MARK}: the talkers that say most come first");
     }
     let line = |placed: &Placed| {
-        let mark = if placed.is_channel_guessed {
-            format!("{MARK}: by the kind of sentence")
-        } else {
-            String::new()
-        };
-        format!("    {},{mark}\n", channel(placed))
+        let why = if placed.is_channel_guessed { ": by the kind of sentence" } else { "" };
+        let mark = if placed.is_channel_guessed { MARK } else { "" };
+        format!("    {},{mark}{why}\n", channel(placed))
     };
     let _ = writeln!(text, "channel = [\n{}]", guess.placed.iter().map(line).collect::<String>());
     if !guess.unused.is_empty() {

@@ -57,8 +57,6 @@ pub fn schemas() -> Vec<NewFile> {
     all.map(|(kind, schema)| (file(kind), format!("{schema:#}\n"))).collect()
 }
 
-// What the trial after logs may consist of: the folder `next` of a new study.
-
 /// Its maneuvers and its sea, in the folder `next`: a ship with forces sails the preset's maneuvers, of another the maneuvers are drawn
 /// that inputs and motions of the logs allow.
 ///
@@ -68,13 +66,13 @@ fn trial(preset: &Preset, charted: Option<&Charted>) -> Result<Vec<(String, Stri
     let plan = charted.map(|charted| preset.plan().map_err(|why| Error::invalid(charted.file, why)));
     let plan = plan.transpose()?;
     let maneuvers = match preset.is_of_forces() {
-        true => preset.dictionary().to_owned(),
-        false => drawn(preset.dictionary(), plan.map_or("", |(template, _)| template)),
+        true => preset.dictionary.to_owned(),
+        false => drawn(preset.dictionary, plan.map_or("", |(template, _)| template)),
     };
-    let campaign = preset.campaign().to_owned();
+    let campaign = preset.campaign.to_owned();
     let mut files = vec![("next/dictionary.toml", maneuvers), ("next/campaign.toml", campaign)];
     if let (Some(charted), Some((template, side_m))) = (charted, plan) {
-        let by_shares = without_maneuvers(template, preset.campaign());
+        let by_shares = without_maneuvers(template, preset.campaign);
         let template = if preset.is_of_forces() { template } else { &by_shares };
         files.push(("next/plan.toml", planned(charted, "next", (template, side_m))?));
     }
@@ -125,8 +123,6 @@ fn drawn(dictionary: &str, plan: &str) -> String {
         2.0 * speed
     )
 }
-
-// The `plan.toml` of a new study: its chart, and where the trial begins on it.
 
 /// Cell of the raster that the start is looked for on \[m\].
 const CELL_M: f64 = 25.0;

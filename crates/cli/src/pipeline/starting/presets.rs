@@ -34,8 +34,10 @@ pub struct Preset {
     /// What it is, in a few words.
     pub about: &'static str,
     vessel: &'static str,
-    dictionary: &'static str,
-    campaign: &'static str,
+    /// Its maneuvers.
+    pub(super) dictionary: &'static str,
+    /// Its simulated trials.
+    pub(super) campaign: &'static str,
     flags: &'static str,
     /// Inputs as a table, if a maneuver plays one.
     table: Option<(&'static str, &'static str)>,
@@ -45,8 +47,9 @@ pub struct Preset {
     plan: Option<(&'static str, f64)>,
 }
 
+/// A preset by its folder: with a plan in an area of this side, with thrusters, with the table in this file.
 macro_rules! preset {
-    ($name:literal, $about:literal, $table:expr, $thrusters:expr, $plan:expr) => {
+    ($name:literal, $about:literal $(, plan $side:literal)? $(, thrusters $thrusters:literal)? $(, table $table:literal)?) => {
         Preset {
             name: $name,
             about: $about,
@@ -54,9 +57,9 @@ macro_rules! preset {
             dictionary: include_str!(concat!("../../../presets/", $name, "/dictionary.toml")),
             campaign: include_str!(concat!("../../../presets/", $name, "/campaign.toml")),
             flags: include_str!(concat!("../../../presets/", $name, "/study.mk")),
-            table: $table,
-            thrusters: $thrusters,
-            plan: $plan,
+            table: [$(Some(($table, include_str!(concat!("../../../presets/", $name, "/", $table)))),)? None][0],
+            thrusters: [$(Some(include_str!(concat!("../../../presets/", $name, "/", $thrusters))),)? None][0],
+            plan: [$(Some((include_str!(concat!("../../../presets/", $name, "/plan.toml.in")), $side)),)? None][0],
         }
     };
 }
@@ -66,60 +69,27 @@ pub const PRESETS: [Preset; 9] = [
     preset!(
         "model-ship",
         "a model ship of 1 m with two azimuth thrusters aft",
-        None,
-        Some(include_str!("../../../presets/model-ship/thrusters.toml")),
-        Some((include_str!("../../../presets/model-ship/plan.toml.in"), 300.0))
+        plan 300.0,
+        thrusters "thrusters.toml"
     ),
-    preset!(
-        "coaster",
-        "a coaster of 100 m with rudder and propeller, for standard maneuvers",
-        None,
-        None,
-        Some((include_str!("../../../presets/coaster/plan.toml.in"), 16_000.0))
-    ),
+    preset!("coaster", "a coaster of 100 m with rudder and propeller, for standard maneuvers", plan 16_000.0),
     preset!(
         "full-scale",
         "a ship of 30 m with azimuth thrusters fore and aft",
-        None,
-        Some(include_str!("../../../presets/full-scale/thrusters.toml")),
-        Some((include_str!("../../../presets/full-scale/plan.toml.in"), 7_000.0))
+        plan 7_000.0,
+        thrusters "thrusters.toml"
     ),
-    preset!(
-        "kvlcc2",
-        "a 7 m model of the tanker KVLCC2, with rudder and measured thrust",
-        None,
-        None,
-        Some((include_str!("../../../presets/kvlcc2/plan.toml.in"), 2_800.0))
-    ),
+    preset!("kvlcc2", "a 7 m model of the tanker KVLCC2, with rudder and measured thrust", plan 2_800.0),
     preset!(
         "esso-osaka",
         "a 3 m model of the tanker Esso Osaka, with rudder and propeller",
-        Some(("crash-stop.csv", include_str!("../../../presets/esso-osaka/crash-stop.csv"))),
-        None,
-        Some((include_str!("../../../presets/esso-osaka/plan.toml.in"), 600.0))
+        plan 600.0,
+        table "crash-stop.csv"
     ),
-    preset!(
-        "esso-osaka-3m",
-        "a 3 m model of the tanker Esso Osaka, by forces",
-        None,
-        None,
-        Some((include_str!("../../../presets/esso-osaka-3m/plan.toml.in"), 900.0))
-    ),
-    preset!("mariner", "the cargo ship Mariner of 160.93 m, by hydrodynamic derivatives", None, None, None),
-    preset!(
-        "kvlcc2-l7",
-        "a 7 m model of the tanker KVLCC2, by the MMG standard method",
-        None,
-        None,
-        Some((include_str!("../../../presets/kvlcc2-l7/plan.toml.in"), 2_100.0))
-    ),
-    preset!(
-        "otter",
-        "the uncrewed vessel Otter of 2 m with two propellers, by forces",
-        None,
-        None,
-        Some((include_str!("../../../presets/otter/plan.toml.in"), 500.0))
-    ),
+    preset!("esso-osaka-3m", "a 3 m model of the tanker Esso Osaka, by forces", plan 900.0),
+    preset!("mariner", "the cargo ship Mariner of 160.93 m, by hydrodynamic derivatives"),
+    preset!("kvlcc2-l7", "a 7 m model of the tanker KVLCC2, by the MMG standard method", plan 2_100.0),
+    preset!("otter", "the uncrewed vessel Otter of 2 m with two propellers, by forces", plan 500.0),
 ];
 
 impl Preset {
@@ -141,16 +111,6 @@ impl Preset {
             ("study.mk", self.flags),
         ];
         files.into_iter().chain(self.table)
-    }
-
-    /// Its maneuvers.
-    pub(super) fn dictionary(&self) -> &'static str {
-        self.dictionary
-    }
-
-    /// Its simulated trials.
-    pub(super) fn campaign(&self) -> &'static str {
-        self.campaign
     }
 
     /// The thrusters that its forces are made by, as `ingest.toml` has them; empty if its inputs are logged.
@@ -259,8 +219,6 @@ fn without_value(line: &str) -> String {
     std::iter::once(first).chain(rest).collect()
 }
 
-// A study of a ship whose `vessel.toml` is there already: by hand, by `guess`, or by `scale`.
-
 /// The ship whose maneuvers are scaled, and the one whose sea is: preset, length \[m\] and speed \[m/s\].
 const SAILED: (&str, f64, f64) = ("kvlcc2-l7", 7.0, 1.179);
 const AT_SEA: (&str, f64, f64) = ("mariner", 160.93, 7.7175);
@@ -315,8 +273,8 @@ pub fn of_ship(file: &Path, seed: Option<u64>) -> Result<Vec<NewFile>, Error> {
     );
     let files = [
         ("vessel.toml", with_truth(&text, &written, &vessel, seed).map_err(refuse)?),
-        ("dictionary.toml", scaled(of(SAILED.0)?.dictionary(), SAILED)),
-        ("campaign.toml", scaled(of(sea.0)?.campaign(), sea)),
+        ("dictionary.toml", scaled(of(SAILED.0)?.dictionary, SAILED)),
+        ("campaign.toml", scaled(of(sea.0)?.campaign, sea)),
         ("study.mk", flags),
     ];
     Ok(files.into_iter().map(|(name, text)| with_schema((name.to_owned(), text))).collect())
