@@ -186,14 +186,8 @@ pub fn only_folder_of(folder: &Path, names: &[String]) -> Result<(), Failure> {
     match others.first() {
         None => Ok(()),
         Some(other) => {
-            let expected = format!("none but {}", names.join(", "));
-            Err(Failure::refuse(
-                folder,
-                "folder",
-                &format!("`{other}` in it"),
-                &expected,
-                "name another folder with --out",
-            ))
+            let (other, expected) = (format!("`{other}` in it"), format!("none but {}", names.join(", ")));
+            Err(Failure::refuse(folder, "folder", &other, &expected, "name another folder with --out"))
         }
     }
 }

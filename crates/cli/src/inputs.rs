@@ -100,12 +100,9 @@ pub fn kept_runs(path: &Path, vessel: &Vessel, provenance: &mut Provenance) -> R
 
 /// A table that is complete but not published, and its contents.
 pub struct Made<R> {
-    /// The table.
-    pub table: Staged,
-    /// Its provenance.
-    pub provenance: Provenance,
-    /// Its rows.
-    pub rows: Vec<R>,
+    pub(crate) table: Staged,
+    pub(crate) provenance: Provenance,
+    pub(crate) rows: Vec<R>,
 }
 
 impl<R: Send + 'static> Made<R> {

@@ -211,10 +211,7 @@ impl PoolFlags {
 
     /// The pull to nominal values.
     fn strength(&self) -> f64 {
-        match self.prior {
-            Some(Held::Strength(strength)) => strength,
-            _ => 0.0,
-        }
+        if let Some(Held::Strength(strength)) = self.prior { strength } else { 0.0 }
     }
 
     /// Refuses flags of regressions for a ship with forces.

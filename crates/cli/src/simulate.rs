@@ -290,13 +290,11 @@ pub fn refused(files: &Files, error: StudyError) -> Failure {
 
 /// The work and its progress reports.
 pub struct Counting<'a> {
-    /// The study.
     pub study: &'a MonteCarlo<'a>,
     /// Its files, for messages.
     pub files: &'a Files<'a>,
     /// Bounds of good estimates.
     pub bounds: Bounds,
-    /// No progress.
     pub quiet: bool,
 }
 

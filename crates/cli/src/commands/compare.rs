@@ -59,7 +59,8 @@ impl Task for CompareArguments {
         // The files that the model was fitted to are not inputs of the comparison, but the ship is the same.
         provenance.forget(&["dictionary", "campaign", "moments", "design", "validation", "estimates"]);
         let averaged = self.averaged(&model, &mut provenance)?;
-        let other = self.against(&mut provenance)?;
+        let read = |path: &PathBuf| read_any_vessel_as("against", path, &mut provenance);
+        let other = self.against.as_ref().map(read).transpose()?;
         let comparison =
             Comparison { model: &model, averaged: &averaged, other: other.as_ref(), window: None };
         let vessel = self.widest(&comparison)?;
@@ -112,12 +113,6 @@ impl CompareArguments {
             Ok(tried)
         };
         self.average.iter().enumerate().map(read).collect()
-    }
-
-    /// The model to compare with.
-    fn against(&self, provenance: &mut Provenance) -> Result<Option<Vessel>, Failure> {
-        let read = |path: &PathBuf| read_any_vessel_as("against", path, provenance);
-        Ok(self.against.as_ref().map(read).transpose()?)
     }
 
     /// The vessel whose channels the runs are read with; all others have some of them.

@@ -177,13 +177,9 @@ impl EstimateArguments {
             progress.advance(1);
             Ok(rows)
         };
-        let made = Made::computed(
-            out,
-            &estimates::columns(vessel),
-            provenance,
-            joined_blocks(reader.blocks()),
-            |i| joined(i, reader.blocks(), block),
-        )?;
+        let (columns, blocks) = (estimates::columns(vessel), reader.blocks());
+        let made =
+            Made::computed(out, &columns, provenance, joined_blocks(blocks), |i| joined(i, blocks, block))?;
         if self.sharding.shard.is_none()
             && let Some(why) = estimates::unidentified(&estimators, &reader, &made.rows)?
         {
@@ -225,8 +221,8 @@ impl EstimateArguments {
         let run = run_at(reader, place)?;
         let delivered = run.as_ref().map(|run| estimators.delivered(run, &wanted)).transpose();
         match delivered.map_err(|e| Failure::of_run(&e, &self.vessel, file))?.flatten() {
-            Some((estimate, delivered)) => {
-                Ok(Some(ModelDocument::of_run(estimators.vessel, self.mean_removal, &estimate, &delivered)))
+            Some((estimate, model)) => {
+                Ok(Some(ModelDocument::of_run(estimators.vessel, self.mean_removal, &estimate, &model)))
             }
             None => Err(Failure::NoAnswer(format!(
                 "{}: run `{wanted}`: found no estimate ({}), expected one, for its model; name another run, or another \

@@ -87,13 +87,8 @@ impl Task for PoolArguments {
         let pool_of_grown = pool.of(&grown.vessel, grown.nominal.clone());
         if let Some(shard) = self.sharding.shard {
             provenance.shard = Some(shard);
-            return self.shard(
-                shard,
-                &out,
-                (&pool_of_grown, &runs),
-                (estimator, &judgement),
-                (provenance, common.quiet),
-            );
+            let (pooled, how) = ((&pool_of_grown, &runs), (estimator, &judgement));
+            return self.shard(shard, &out, pooled, how, (provenance, common.quiet));
         }
         let drawn = self.gathered(&grown.vessel, replicates, &mut provenance)?;
         let progress = WorkProgress::new("resamples", replicates as usize, common.quiet);

@@ -58,11 +58,11 @@ impl Task for IngestArguments {
         let summary_file = self.summary_file(&out)?;
         let schema = layout(&logs.plan).measured(&logs.plan.further);
         let mut writer = TableWriter::create(&out, &schema, &provenance)?.with_document(&summary_file);
-        let made = all(&logs, &out, common.quiet, &mut writer)?;
-        provenance.inputs.extend(made.logs);
-        Doubtful::among(&made.recordings).note(&mut provenance);
+        let (totals, recordings, digests) = all(&logs, &out, common.quiet, &mut writer)?;
+        provenance.inputs.extend(digests);
+        Doubtful::among(&recordings).note(&mut provenance);
         writer.set_inputs(&provenance);
-        let document = logs.document(made.totals, made.recordings)?;
+        let document = logs.document(totals, recordings)?;
         commit_with_document(writer.finish()?, &summary_file, &provenance, &document)?;
         Ok(summary(&out, &document))
     }
@@ -86,13 +86,8 @@ fn layout(plan: &Plan) -> Layout {
     Layout { exogenous, derived: plan.derived.clone(), ..Layout::default() }
 }
 
-/// The result for all recordings.
-struct Ingested {
-    totals: Totals,
-    recordings: Vec<RecordingSummary>,
-    /// The logs' digests by their roles.
-    logs: Vec<(String, Digest)>,
-}
+/// The result for all recordings, and the logs' digests by their roles.
+type Ingested = (Totals, Vec<RecordingSummary>, Vec<(String, Digest)>);
 
 /// Bytes of channels that are held in memory; more is spilled to disk.
 const HELD: f64 = 48e6;
@@ -175,7 +170,7 @@ fn all(logs: &Logs, out: &Path, quiet: bool, writer: &mut TableWriter) -> Result
     }
     block.write(&layout, &schema, writer)?;
     scratch.check()?;
-    Ok(Ingested { totals, recordings, logs: files })
+    Ok((totals, recordings, files))
 }
 
 fn summary(out: &Path, document: &IngestDocument) -> Summary {

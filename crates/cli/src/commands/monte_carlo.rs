@@ -117,9 +117,7 @@ impl MonteCarloArguments {
         let summary = published(out, &provenance, document, kept)?;
         Ok(summary.also(not_relative(campaign.vessel())))
     }
-}
 
-impl MonteCarloArguments {
     /// Size and seed of the campaign.
     fn settings(&self, config: &CampaignFile, common: &Common, file: &Path) -> Result<Settings, Failure> {
         let settings = config.settings(common.seed);
@@ -130,14 +128,8 @@ impl MonteCarloArguments {
         };
         if realizations > most {
             let expected = format!("at most {most}, as many as run numbers have place for");
-            let remedy = "take fewer, or campaigns of other seeds";
-            return Err(Failure::refuse(
-                file,
-                "`realizations`",
-                &realizations.to_string(),
-                &expected,
-                remedy,
-            ));
+            let (given, remedy) = (realizations.to_string(), "take fewer, or campaigns of other seeds");
+            return Err(Failure::refuse(file, "`realizations`", &given, &expected, remedy));
         }
         Ok(Settings { realizations, ..settings })
     }

@@ -1,4 +1,4 @@
-//! `report`: a study on one page; many studies in tables; a picture of one.
+//! `report`: a study on one page; many studies in tables; a picture of one. `export`: a model for other tools.
 
 use std::path::{Path, PathBuf};
 
@@ -137,10 +137,7 @@ impl Task for Results {
 
 impl Task for Picture {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let figure = |folder: &Path, name: &str| {
-            let path = folder.join("figures").join(name);
-            files::read_to_string(&path)
-        };
+        let figure = |folder: &Path, name: &str| files::read_to_string(folder.join("figures").join(name));
         let text = match &self.merit {
             Some(merit) => maneuvers_picture(&files::read_document(merit)?.data),
             None => {

@@ -18,12 +18,10 @@ use study::plan::{
 };
 use study::track::stage_track;
 
-use crate::cli::{Common, LimitFlags, beside, budget, check_positive, given};
+use crate::cli::{Common, LimitFlags, Limits, beside, budget, check_positive, given};
 use crate::failure::{Failure, on_stderr};
 use crate::inputs;
 use crate::stage::{Summary, Task};
-
-pub use crate::cli::Limits;
 
 /// Plans a trial on a chart: the provably shortest track, with routes for the bridge; or solves a lattice problem
 #[derive(Parser)]
@@ -61,7 +59,7 @@ pub struct PlanArguments {
 struct How {
     /// The dictionary of the trajectories: maneuvers that react to the ship are sailed by their own commands
     #[arg(long, value_name = "dictionary.toml")]
-    pub(super) dictionary: Option<PathBuf>,
+    dictionary: Option<PathBuf>,
     /// Write a plan whose check runs aground or breaks the margin, too; every output is labelled as unsafe
     #[arg(long)]
     allow_unsafe: bool,
@@ -70,7 +68,7 @@ struct How {
     export_problem: Option<PathBuf>,
     /// Allow inputs that the logs of a model from logs do not cover; plan and report say where maneuvers leave them
     #[arg(long)]
-    pub(super) beyond_range: bool,
+    beyond_range: bool,
     #[command(flatten)]
     limits: LimitFlags,
 }
@@ -98,7 +96,7 @@ impl Task for PlanArguments {
 
 impl How {
     /// Plans a trial on a chart.
-    pub(super) fn plan(
+    fn plan(
         &self,
         files: &VoyageFiles,
         out: &Path,
@@ -106,9 +104,8 @@ impl How {
         stage: &str,
     ) -> Result<Summary, Failure> {
         let (limits, seed) = (self.limits.limits(common)?, common.seed.unwrap_or(1));
-        let wanted =
-            WantedPlan { out, problem: self.export_problem.as_deref(), unsafe_too: self.allow_unsafe };
-        plan_voyage(files, &wanted, &limits, seed, common.provenance(stage))
+        let wanted = (out, self.export_problem.as_deref(), self.allow_unsafe);
+        plan_voyage(files, wanted, &limits, seed, common.provenance(stage))
     }
 }
 
@@ -209,21 +206,21 @@ impl Task for Follow {
 }
 
 /// The files of a plan on a chart.
-pub struct VoyageFiles<'a> {
+struct VoyageFiles<'a> {
     /// `vessel.toml`.
-    pub vessel: &'a Path,
+    vessel: &'a Path,
     /// `plan.toml`.
-    pub config: &'a Path,
+    config: &'a Path,
     /// The dictionary's trajectories.
-    pub trajectories: &'a Path,
+    trajectories: &'a Path,
     /// `dictionary.toml`, for maneuvers that react to the ship.
-    pub dictionary: Option<&'a Path>,
+    dictionary: Option<&'a Path>,
     /// `design.json`, for counts that follow from its shares.
-    pub design: Option<&'a Path>,
+    design: Option<&'a Path>,
     /// Whether inputs may leave the range of the model's logs.
-    pub beyond_range: bool,
+    beyond_range: bool,
     /// The plan of which this is the rest.
-    pub begun: Option<Begun<'a>>,
+    begun: Option<Begun<'a>>,
 }
 
 /// The usual name of a plan.
@@ -246,7 +243,7 @@ const ADDITIONAL: [&str; 8] = [
 
 impl<'a> VoyageFiles<'a> {
     /// The files that are read, but for the charts and the plan to be resumed.
-    pub fn inputs(&self) -> impl Iterator<Item = &'a Path> {
+    fn inputs(&self) -> impl Iterator<Item = &'a Path> {
         let others = self.dictionary.into_iter().chain(self.design);
         [self.vessel, self.config, self.trajectories].into_iter().chain(others)
     }
@@ -331,11 +328,9 @@ impl<'a> VoyageFiles<'a> {
 /// Refuses a main output with the name of an additional one.
 fn check_names(out: &Path) -> Result<(), Failure> {
     let name = ADDITIONAL.iter().find(|name| out.file_name().is_some_and(|last| last == **name));
-    name.map_or(Ok(()), |name| {
-        let message =
-            format!("--out: found {name}, which is written beside it, expected another name; take plan.json");
-        Err(Failure::Usage(message))
-    })
+    let Some(name) = name else { return Ok(()) };
+    let message = "which is written beside it, expected another name; take plan.json";
+    Err(Failure::Usage(format!("--out: found {name}, {message}")))
 }
 
 /// Why there is no plan of `plan.toml`, for the runs in `trajectories` and a design.
@@ -356,32 +351,22 @@ impl From<Unplanned> for Failure {
     }
 }
 
-/// The outputs.
-pub struct WantedPlan<'a> {
-    /// `plan.json`.
-    pub out: &'a Path,
-    /// The lattice problem that was solved.
-    pub problem: Option<&'a Path>,
-    /// Whether to write plans that fail their check.
-    pub unsafe_too: bool,
-}
-
-/// Plans a trial and writes `plan.json`, and next to it track, routes and map.
-pub fn plan_voyage(
+/// Plans a trial and writes `plan.json` to `out`, and next to it track, routes and map; the lattice problem that was solved to
+/// `problem`; with `unsafe_too` also a plan that fails its check.
+fn plan_voyage(
     files: &VoyageFiles,
-    wanted: &WantedPlan,
+    (out, problem, unsafe_too): (&Path, Option<&Path>, bool),
     limits: &Limits,
     seed: u64,
     mut provenance: Provenance,
 ) -> Result<Summary, Failure> {
-    let out = wanted.out;
     provenance.settings.insert("seed".into(), json!(seed));
     let refuse = |error| files.refused(error);
     let (brief, config, followed) = files.read(out, &mut provenance, seed)?;
     let means = (budget(), &(|| limits.keep_going()) as &(dyn Fn() -> bool + Sync));
     let trial = ChartedTrial::on_charts(brief, (files.config, &config), means, &mut provenance);
     let trial = trial.map_err(refuse)?;
-    files.check_inputs(&config, out, wanted.problem)?;
+    files.check_inputs(&config, out, problem)?;
     let mut said = String::new();
     let mut staged = Vec::new();
     if let (Some(followed), Some(Begun { so_far: SoFar::Positions(positions), .. })) =
@@ -394,24 +379,17 @@ pub fn plan_voyage(
         if followed.document.status != FollowStatus::UnderWay {
             commit(staged)?;
             let details = json!({"status": followed.document.status, "step": followed.document.step});
-            return Ok(Summary::of(
-                &beside(out, MAIN, FOLLOWED),
-                followed.document.statement.clone(),
-                details,
-            ));
+            return Ok(Summary::of(&beside(out, MAIN, FOLLOWED), &followed.document.statement, details));
         }
         said = format!("{}; ", followed.document.summary());
     }
     let searched = limits.before_check();
-    let search = Search {
-        options: limits.options(),
-        watch: &|| searched.watch(),
-        keep_going: &|| limits.keep_going(),
-    };
-    let mut planned = trial.plan(&search, wanted.unsafe_too).map_err(refuse)?;
+    let (watch, keep_going) = (&|| searched.watch(), &|| limits.keep_going());
+    let search = Search { options: limits.options(), watch, keep_going };
+    let mut planned = trial.plan(&search, unsafe_too).map_err(refuse)?;
     planned.document.beyond = study::beyond(files.vessel, files.trajectories, None)?;
     staged.extend(stage(&planned, out, &provenance)?);
-    if let Some(path) = wanted.problem {
+    if let Some(path) = problem {
         let cell_m = planned.prepared.brief.task.cell_m;
         let problem = ProblemFile::of(&planned.solved.problem, "trial on a chart", cell_m);
         let problem = problem.map_err(|e| Failure::invalid(files.config, &e))?;
@@ -463,7 +441,7 @@ fn stage_map(planned: &Planned, out: &Path, provenance: &Provenance) -> Result<V
 }
 
 /// Solves the problem in `file` and writes the plan to `out`.
-pub fn plan_problem(
+fn plan_problem(
     file: &Path,
     out: &Path,
     limits: &Limits,

@@ -176,12 +176,9 @@ impl Task for SearchArguments {
             ("runs", json!(self.of.runs)),
             ("leave_out", json!(self.of.leave_out)),
         ];
-        let bootstrap = options
-            .bootstrap
-            .map(|bootstrap| [("bootstrap", json!(bootstrap.resamples)), ("seed", json!(bootstrap.seed))]);
-        let average = options
-            .average
-            .map(|average| [("average", json!(average.models)), ("seed", json!(average.seed))]);
+        let bootstrap =
+            options.bootstrap.map(|of| [("bootstrap", json!(of.resamples)), ("seed", json!(of.seed))]);
+        let average = options.average.map(|of| [("average", json!(of.models)), ("seed", json!(of.seed))]);
         let core = self.core.then_some([("core", json!(true))]).into_iter().flatten();
         let settings = settings.into_iter().chain(core).chain(bootstrap.into_iter().chain(average).flatten());
         provenance.settings.extend(settings.map(|(key, value)| (key.to_owned(), value)));
@@ -310,11 +307,8 @@ impl SearchArguments {
 
     /// The bootstrap over recordings, only for a search for few terms.
     fn bootstrap(&self, common: &Common) -> Option<BootstrapOptions> {
-        let wanted = BootstrapOptions {
-            resamples: self.bootstrap.unwrap_or(RESAMPLES),
-            seed: common.seed.unwrap_or(1),
-        };
-        (self.compact && wanted.resamples > 0).then_some(wanted)
+        let (resamples, seed) = (self.bootstrap.unwrap_or(RESAMPLES), common.seed.unwrap_or(1));
+        (self.compact && resamples > 0).then_some(BootstrapOptions { resamples, seed })
     }
 
     /// The start of the search, and its candidate terms.
@@ -350,20 +344,19 @@ impl RoleFlags {
     }
 
     fn named(&self) -> NamedRoles {
-        let Self { rudder, propeller, ahead, astern, thrust, port, starboard, wind, wind_from, even, odd } =
-            self.clone();
+        let flags = self.clone();
         NamedRoles {
-            rudders: rudder,
-            propellers: propeller,
-            ahead,
-            astern,
-            thrusts: thrust,
-            ports: port,
-            starboards: starboard,
-            wind,
-            wind_from,
-            even,
-            odd,
+            rudders: flags.rudder,
+            propellers: flags.propeller,
+            ahead: flags.ahead,
+            astern: flags.astern,
+            thrusts: flags.thrust,
+            ports: flags.port,
+            starboards: flags.starboard,
+            wind: flags.wind,
+            wind_from: flags.wind_from,
+            even: flags.even,
+            odd: flags.odd,
         }
     }
 }
@@ -388,13 +381,10 @@ fn refused(file: &Path, error: &SearchError) -> Failure {
             &format!("at least {needed} for --average, of which 70 % without any fold are as many as folds"),
             "add recordings, or ask for fewer --folds",
         ),
-        SearchError::NoWindow => Failure::refuse(
-            file,
-            "windows",
-            "no run as long as a window",
-            "at least one",
-            "shorten --window-s",
-        ),
+        SearchError::NoWindow => {
+            let (lacking, remedy) = ("no run as long as a window", "shorten --window-s");
+            Failure::refuse(file, "windows", lacking, "at least one", remedy)
+        }
         SearchError::NoResample => {
             answer("models that can be searched for again; add recordings, or set --bootstrap 0")
         }

@@ -312,8 +312,7 @@ impl Task for Logs {
         DataLabel::SimulatedLogs.label(&mut provenance);
         let out =
             common.output_in_any_folder(SIMULATED_FILE, [&self.vessel, &self.dictionary, &self.logs])?;
-        let files = LogFiles { vessel: &self.vessel, dictionary: &self.dictionary, logs: &self.logs };
-        let entries = simulate(&files, &vessel, &generator, &config, seed)?;
+        let entries = simulate(self, &vessel, &generator, &config, seed)?;
         let document = SimulatedLogsDocument::of(&vessel, &config, &entries);
         publish(&out, &entries, &document, &provenance)?;
         let (recordings, samples) = (entries.len(), config.samples);
@@ -328,37 +327,27 @@ impl Task for Logs {
     }
 }
 
-/// The hand-written files, for messages.
-pub struct LogFiles<'a> {
-    /// `vessel.toml`.
-    pub vessel: &'a Path,
-    /// `dictionary.toml`.
-    pub dictionary: &'a Path,
-    /// `logs.toml`.
-    pub logs: &'a Path,
-}
-
-/// Simulates the logs of `config`.
-pub fn simulate(
-    files: &LogFiles,
+/// Simulates the logs of `config`, which is one of `files`.
+fn simulate(
+    files: &Logs,
     vessel: &Vessel,
     generator: &Generator,
     config: &LogsFile,
     seed: u64,
 ) -> Result<Vec<Entry>, Failure> {
     let names: Vec<&str> = generator.maneuvers().iter().map(|m| m.name.as_str()).collect();
-    config.check(&names, vessel.sample_rate_hz).map_err(|e| Failure::invalid(files.logs, &e))?;
-    check_room(files.logs, config, &names, vessel.sample_rate_hz)?;
-    let parameters = vessel.parameters(Source::Value).map_err(|e| Failure::invalid(files.vessel, &e))?;
+    config.check(&names, vessel.sample_rate_hz).map_err(|e| Failure::invalid(&files.logs, &e))?;
+    check_room(&files.logs, config, &names, vessel.sample_rate_hz)?;
+    let parameters = vessel.parameters(Source::Value).map_err(|e| Failure::invalid(&files.vessel, &e))?;
     let entries = || {
         let chain = config.chain(vessel, &parameters, force_factors(vessel)?);
         Logbook::new(chain, generator, config.schedule(), seed)?.entries()
     };
     entries().map_err(|NoLogs { fault, what }| {
         let file = match fault {
-            Fault::Vessel => files.vessel,
-            Fault::Maneuvers => files.dictionary,
-            Fault::Thrusters => files.logs,
+            Fault::Vessel => &files.vessel,
+            Fault::Maneuvers => &files.dictionary,
+            Fault::Thrusters => &files.logs,
         };
         Failure::invalid(file, &what)
     })
@@ -370,12 +359,12 @@ fn check_room(file: &Path, config: &LogsFile, maneuvers: &[&str], rate_hz: f64) 
     const CELL: f64 = 14.0;
     let rows = config.rows(maneuvers, rate_hz);
     let cells = rows * (4 + 2 * config.thruster.len()) as f64;
-    let (found, remedy) = (format!("logs of {rows} rows"), "take fewer `repeats` or `samples`");
-    Ok(budget().memory(Work { file, thing: "`repeats`", found: &found, remedy }, CELL * cells)?)
+    let (size, remedy) = (format!("logs of {rows} rows"), "take fewer `repeats` or `samples`");
+    Ok(budget().memory(Work { file, thing: "`repeats`", found: &size, remedy }, CELL * cells)?)
 }
 
 /// Writes the logs and `out` next to them: all or nothing.
-pub fn publish(
+fn publish(
     out: &Path,
     entries: &[Entry],
     document: &SimulatedLogsDocument,

@@ -190,11 +190,9 @@ impl Task for MeritArguments {
             || vessel.model.forces.as_ref().map(|forces| forces.forces.description().ship.length_m);
         let length_m = self.length_m.or_else(of_forces);
         let Some(length_m) = length_m.filter(|length_m| *length_m > 0.0 && *length_m <= 1e3) else {
-            let found = length_m.map_or("none".to_owned(), |length| length.to_string());
-            let expected = "more than 0, at most 1000 m";
-            return Err(Failure::Usage(format!(
-                "--length-m: found {found}, expected {expected}; correct it"
-            )));
+            let given = length_m.map_or("none".to_owned(), |length| length.to_string());
+            let expected = "more than 0, at most 1000 m; correct it";
+            return Err(Failure::Usage(format!("--length-m: found {given}, expected {expected}")));
         };
         let length = vessel.check_length(length_m, "--length-m", None);
         length.map_err(|e| Failure::invalid(&self.vessel, &e))?;
@@ -208,14 +206,8 @@ impl Task for MeritArguments {
                 let reader = inputs::trajectories(file, "trajectories", &vessel, &mut provenance)?;
                 let are_logged = !reader.true_states();
                 if self.dictionary.is_none() && !are_logged {
-                    let expected = "logs, as `ingest` writes them";
-                    return Err(Failure::refuse(
-                        file,
-                        "trajectories",
-                        "simulated ones",
-                        expected,
-                        "give --dictionary",
-                    ));
+                    let (expected, remedy) = ("logs, as `ingest` writes them", "give --dictionary");
+                    return Err(Failure::refuse(file, "trajectories", "simulated ones", expected, remedy));
                 }
                 for block in 0..reader.blocks() {
                     merits.add(&reader.runs(block)?, reader.poses(block)?.as_deref(), are_logged);

@@ -16,7 +16,7 @@ use seatrial::{Designing, Wish};
 use serde_json::json;
 use ship::model::Source;
 use study::design_files::read_stock;
-use study::documents::{Few, SolvedFigures};
+use study::documents::Few;
 use study::figure_goals::{FigureGoals, FigureWeight, StatedAccuracy};
 use study::files::{read_dictionary, read_planned};
 use trial::arranging::{Arranged, Arranging};
@@ -334,14 +334,14 @@ fn scarce(file: &Path, why: Scarce) -> Failure {
 
 /// Maneuvers and a criterion.
 struct Problem<'a> {
-    pub a: &'a DesignArguments,
+    a: &'a DesignArguments,
     /// Of random starts and random designs.
-    pub seed: u64,
-    pub of: Designing<'a>,
+    seed: u64,
+    of: Designing<'a>,
 }
 
 impl<'a> Problem<'a> {
-    pub fn read(
+    fn read(
         a: &'a DesignArguments,
         seed: u64,
         moments: &'a Moments,
@@ -362,12 +362,12 @@ impl<'a> Problem<'a> {
         Ok(Self { a, seed, of })
     }
 
-    pub fn refuse(&self, why: NoDesign) -> Failure {
+    fn refuse(&self, why: NoDesign) -> Failure {
         no_criterion(self.a, why.into())
     }
 
     /// A design of the shortest experiment for the requested accuracy.
-    pub fn shortest(&self, options: &Options) -> Result<Option<(Design, Accuracy)>, Failure> {
+    fn shortest(&self, options: &Options) -> Result<Option<(Design, Accuracy)>, Failure> {
         let a = self.a;
         let Some(wanted) = a.wanted() else { return Ok(None) };
         let how = (wanted, a.per_parameter && a.criterion.is_none());
@@ -376,7 +376,7 @@ impl<'a> Problem<'a> {
     }
 
     /// A design with few maneuvers, or long ones, if requested. `duration_s`: of the experiment, if known.
-    pub fn few(
+    fn few(
         &self,
         relaxed: &Design,
         bounds: &Bounds,
@@ -397,19 +397,8 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// The figures' standard errors after the experiment, if figures were given.
-    pub fn figures(
-        &self,
-        design: &Design,
-        bounds: &Bounds,
-        samples: Option<f64>,
-        options: &Options,
-    ) -> Result<Option<SolvedFigures<'_>>, Failure> {
-        self.of.figures(design, bounds, samples, options).map_err(|e| no_criterion(self.a, e))
-    }
-
     /// Order and lengths of the maneuvers of `design`, if requested.
-    pub fn arranged(
+    fn arranged(
         &self,
         design: &Design,
         samples: Option<f64>,

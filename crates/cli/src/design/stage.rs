@@ -21,7 +21,7 @@ use trial::moments::{Moments, check_constants};
 use trial::refining::{Limits, Refinement, Refusal, Start, StatedLimits};
 
 use crate::cli::{Common, beside};
-use crate::design::{DesignArguments, Problem, no_design, scarce};
+use crate::design::{DesignArguments, Problem, no_criterion, no_design, scarce};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs;
 use crate::simulate::Files;
@@ -126,7 +126,8 @@ fn design(
     let restricted = few.as_ref().map(|(_, found)| &found.design);
     let design = restricted.unwrap_or(&relaxed);
     let count_options = CountOptions { random_starts: a.starts, seed, ..CountOptions::default() };
-    let figures = problem.figures(design, &bounds, length.samples, &options)?;
+    let figures = problem.of.figures(design, &bounds, length.samples, &options);
+    let figures = figures.map_err(|e| no_criterion(a, e))?;
     let sequence = problem.arranged(design, length.samples, provenance)?;
     let segments = length.segments.map(|(total, samples)| {
         let segments = Segments::within((total, samples), available.as_ref(), restricted);
