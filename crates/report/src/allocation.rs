@@ -94,7 +94,10 @@ fn table(
     let mut table = HtmlTable::of(names.iter().copied())
         .mark("unused", |name| !used(design, name))
         .name("Maneuver", |name| name)
-        .number("Share", |name| share_of(design, name));
+        .number("Share", |name| {
+            let printed = |share: &f64| if used(design, name) { percent(*share) } else { "0".to_owned() };
+            or_dash(design.shares.get(name).map(printed))
+        });
     if let Some(length) = experiment_s {
         table = table.number("Time [s]", |name| time_of(design, name, length));
     }
@@ -110,11 +113,6 @@ fn table(
         .number("Sensitivity g", |name| three_or_dash(design.sensitivities.get(name).copied()))
         .number("Efficiency alone", |name| alone(design, name));
     html! { (table) (footnotes(design)) }
-}
-
-fn share_of(design: &DesignDocument, name: &str) -> String {
-    let printed = |share: &f64| if used(design, name) { percent(*share) } else { "0".to_owned() };
-    or_dash(design.shares.get(name).map(printed))
 }
 
 /// As it is sailed: where maneuvers are arranged, their pieces.

@@ -240,8 +240,12 @@ fn sailed(windows: &[&[Traced]], figures: &mut Figures) -> Markup {
     }
     let drawn = &all[..all.len().min(MOST)];
     let axes: Vec<Vec<[Vec<f64>; 2]>> = drawn.iter().map(Sailed::axes).collect();
-    let cells: Vec<TrackCell> =
-        drawn.iter().zip(&axes).map(|(sailed, axes)| sailed_track(sailed.source, axes)).collect();
+    let colour = |i: usize| (i > 0).then_some(palette::BLUE);
+    let cells = drawn.iter().zip(&axes).map(|(sailed, axes)| {
+        let lines = axes.iter().enumerate().map(|(i, [x, y])| TrackLine { x, y, colour: colour(i) });
+        TrackCell { name: sailed.source, lines: lines.collect() }
+    });
+    let cells: Vec<TrackCell> = cells.collect();
     let caption = html! {
         b { "Tracks as measured (black) and simulated (blue), seen from above." }
         " All at one scale, both axes alike; up is the heading at the start (the dot), right is starboard. No positions are \
@@ -250,12 +254,6 @@ fn sailed(windows: &[&[Traced]], figures: &mut Figures) -> Markup {
         @if drawn.len() < all.len() { " The first " (drawn.len()) " of " (all.len()) "." }
     };
     figures.place_wide("compared-tracks", tracks(&cells), &caption)
-}
-
-fn sailed_track<'a>(name: &'a str, axes: &'a [[Vec<f64>; 2]]) -> TrackCell<'a> {
-    let colour = |i: usize| (i > 0).then_some(palette::BLUE);
-    let lines = axes.iter().enumerate().map(|(i, [x, y])| TrackLine { x, y, colour: colour(i) });
-    TrackCell { name, lines: lines.collect() }
 }
 
 impl<'a> Sailed<'a> {

@@ -32,7 +32,8 @@ pub(super) fn delivered(measured: &MeasuredStudy) -> Section {
             (surroundings(model))
         },
     };
-    Section::new("model", "Model", &heading(measured.model.as_ref()), body)
+    let by = measured.model.as_ref().map_or(String::new(), |model| format!(", by {}", model.estimator));
+    Section::new("model", "Model", &format!("The delivered model{by}"), body)
 }
 
 /// Which model of a search this is.
@@ -53,12 +54,6 @@ fn by_search(found: &SearchDocument) -> Markup {
         }
         None => html! { p { "Found by the search above." } },
     }
-}
-
-fn heading(model: Option<&ModelDocument>) -> String {
-    model.map_or("The delivered model".to_owned(), |model| {
-        format!("The delivered model, by {}", model.estimator)
-    })
 }
 
 /// Whether cross-validation recommends the estimator of the model.

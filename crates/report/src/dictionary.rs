@@ -21,18 +21,21 @@ fn drawn(all: &[ManeuverTrace], design: Option<&DesignDocument>, figures: &mut F
     let names = shown(all.iter().map(|maneuver| maneuver.name.as_str()), design);
     let maneuvers: Vec<&ManeuverTrace> = all.iter().filter(|m| names.contains(&m.name.as_str())).collect();
     let over_time = small_multiples(&maneuvers, design);
-    let paths: Vec<TrackCell<'_>> = maneuvers.iter().copied().map(path).collect();
+    let paths = maneuvers.iter().map(|maneuver| {
+        let line = TrackLine { x: &maneuver.x, y: &maneuver.y, colour: Some(palette::BLUE) };
+        TrackCell { name: &maneuver.name, lines: vec![line] }
+    });
+    let paths: Vec<TrackCell<'_>> = paths.collect();
+    let track_caption = html! {
+        b { "Plan view of every maneuver at one scale." }
+        " Up is the heading at the start (x), right is starboard (y); the dot marks the start."
+    };
     html! {
         (omission(all.len(), maneuvers.len()))
         (figures.place_wide("dictionary", over_time, &time_caption(&maneuvers)))
-        (figures.place_wide("tracks", tracks(&paths), &track_caption()))
+        (figures.place_wide("tracks", tracks(&paths), &track_caption))
         (descriptions(&maneuvers))
     }
-}
-
-fn path(maneuver: &ManeuverTrace) -> TrackCell<'_> {
-    let line = TrackLine { x: &maneuver.x, y: &maneuver.y, colour: Some(palette::BLUE) };
-    TrackCell { name: &maneuver.name, lines: vec![line] }
 }
 
 /// The validation input as a single row of the same small multiples.
@@ -121,13 +124,6 @@ fn time_caption(maneuvers: &[&ManeuverTrace]) -> Markup {
         @if maneuvers.iter().any(|maneuver| !maneuver.commands.is_empty()) {
             " Thin lines are what was commanded, which the actuators followed."
         }
-    }
-}
-
-fn track_caption() -> Markup {
-    html! {
-        b { "Plan view of every maneuver at one scale." }
-        " Up is the heading at the start (x), right is starboard (y); the dot marks the start."
     }
 }
 

@@ -99,6 +99,8 @@ fn trust(design: &str, document: &EstimateDocument) -> Markup {
     let all = compared.iter().flat_map(|e| e.designs.iter().map(move |d| (e.estimator, d)));
     let rows: Vec<(Estimator, &DesignSummary)> = all.filter(|(_, d)| d.design == design).collect();
     let Some((_, first)) = rows.first() else { return html! {} };
+    // Whether standard errors cannot be trusted.
+    let off = |parameter: &ParameterSummary| parameter.se_trusted == Some(false);
     let wrong: Vec<String> = rows
         .iter()
         .filter_map(|(estimator, d)| {
@@ -107,6 +109,10 @@ fn trust(design: &str, document: &EstimateDocument) -> Markup {
         })
         .collect();
     let within = percent(document.trusted_within.unwrap_or(f64::NAN));
+    let cell = |parameter: &ParameterSummary| {
+        let ratio = three_or_dash(parameter.se_ratio);
+        html! { @if off(parameter) { b { (ratio) } } @else { (ratio) } }
+    };
     let named = HtmlTable::of(rows.iter().copied())
         .compact()
         .name("Predicted / observed standard error", |(estimator, _)| display(estimator));
@@ -121,16 +127,6 @@ fn trust(design: &str, document: &EstimateDocument) -> Markup {
             p.note { "More than " (within) " off (bold): " (wrong.join("; ")) ". " (REASON) }
         }
     }
-}
-
-/// Whether standard errors cannot be trusted.
-fn off(parameter: &ParameterSummary) -> bool {
-    parameter.se_trusted == Some(false)
-}
-
-fn cell(parameter: &ParameterSummary) -> Markup {
-    let ratio = three_or_dash(parameter.se_ratio);
-    html! { @if off(parameter) { b { (ratio) } } @else { (ratio) } }
 }
 
 const REASON: &str = "Standard errors hold to first order around the truth: where a few runs are far off, the runs of a design are different \
@@ -283,13 +279,12 @@ fn estimator(estimator: Estimator) -> &'static str {
 fn error_rows<'a>(designs: &[&'a DesignSummary]) -> Vec<ErrorRow<'a>> {
     let parameters = designs.first().map_or(&[][..], |d| &d.parameters);
     let known = parameters.iter().filter(|parameter| parameter.relative_bias.is_some());
+    let relative = |design: &DesignSummary, name: &str| {
+        let parameter = design.parameters.iter().find(|p| p.name == name)?;
+        parameter.relative_bias.zip(parameter.relative_spread)
+    };
     let errors = |name: &str| designs.iter().map(|d| relative(d, name)).collect();
     known.map(|parameter| ErrorRow { name: &parameter.name, errors: errors(&parameter.name) }).collect()
-}
-
-fn relative(design: &DesignSummary, name: &str) -> Option<(f64, f64)> {
-    let parameter = design.parameters.iter().find(|p| p.name == name)?;
-    parameter.relative_bias.zip(parameter.relative_spread)
 }
 
 fn parameters_table(design: &DesignSummary, vessel: Option<&Vessel>) -> Markup {

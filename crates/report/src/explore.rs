@@ -47,8 +47,12 @@ fn page(study: &Study, report: &str, panels: &[Panel]) -> Markup {
                     (head(study, report))
                     nav aria-label="Contents" { @for panel in panels { a href={ "#" (panel.id) } { (panel.title) } } }
                     noscript { p.missing { "This page needs JavaScript. " (link(report, "The report")) " does without." } }
-                    @for panel in panels { (section(panel)) }
-                    @if panels.is_empty() { (nothing()) }
+                    @for panel in panels { section id=(panel.id) { h2 { (panel.title) } (panel.about) div.panel {} } }
+                    @if panels.is_empty() {
+                        (missing("Trials are", "scores.parquet", "validate"))
+                        (missing("Measured and simulated motion is", "compare.parquet", "validate compare"))
+                        (missing("A plan on its map is", "map.json", "plan"))
+                    }
                 }
                 script #data type="application/json" { (PreEscaped(self::script(&Value::Array(data)))) }
                 @for library in &libraries { script { (PreEscaped(library.script())) } }
@@ -77,25 +81,6 @@ fn head(study: &Study, report: &str) -> Markup {
 /// A link to a file beside the page; `./` keeps a name with a colon from being read as another address.
 fn link(file: &str, words: &str) -> Markup {
     html! { a href={ "./" (file.replace('%', "%25").replace('#', "%23").replace('?', "%3F")) } { (words) } }
-}
-
-fn section(panel: &Panel) -> Markup {
-    html! {
-        section id=(panel.id) {
-            h2 { (panel.title) }
-            (panel.about)
-            div.panel {}
-        }
-    }
-}
-
-/// The files that a panel each would be drawn from.
-fn nothing() -> Markup {
-    html! {
-        (missing("Trials are", "scores.parquet", "validate"))
-        (missing("Measured and simulated motion is", "compare.parquet", "validate compare"))
-        (missing("A plan on its map is", "map.json", "plan"))
-    }
 }
 
 /// Samples beyond this many are not in the page.
@@ -134,7 +119,7 @@ fn window(rows: &[Traced], every: usize) -> Value {
     json!({
         "source": first.map(|row| row.source.as_str()),
         "window": first.map(|row| row.window + 1),
-        "t": numbers(rows().map(|row| row.t)),
+        "t": rows().map(|row| number(row.t)).collect::<Value>(),
         "measured": all(&|row, d| Some(row.measured[d])),
         "simulated": all(&|row, d| Some(row.simulated[d])),
         "half": all(&|row, d| row.half[d]),
@@ -150,11 +135,6 @@ fn script(data: &Value) -> String {
 fn number(value: impl Into<Option<f64>>) -> Value {
     let short = |value: f64| format!("{value:.4e}").parse::<f64>().ok();
     value.into().filter(|value| value.is_finite()).and_then(short).map_or(Value::Null, Value::from)
-}
-
-/// The numbers of a column.
-fn numbers(values: impl Iterator<Item = f64>) -> Value {
-    values.map(number).collect()
 }
 
 /// The places of a line in tenths of a metre: the first east and north, then differences to the place before.
@@ -466,13 +446,16 @@ fn sheet(study: &Study, plan: &PlanDocument, voyage: &Voyage) -> Value {
 ///
 /// A basic step has one part. An informative one has its approach, the maneuver and, unless it ends with it, its recovery.
 fn steps_of(tracks: &[MapTrack], legs: &[VoyageLeg]) -> Option<Vec<usize>> {
+    // Whether an approach leads to a maneuver, and whether a part is an approach: a maneuver follows.
+    let is =
+        |index: Option<usize>, kind| index.and_then(|i| tracks.get(i)).is_some_and(|part| part.kind == kind);
     let mut next = 0;
     let mut steps = Vec::with_capacity(tracks.len());
     for (index, track) in tracks.iter().enumerate() {
         let begins = match track.kind {
             MapTrackKind::Basic => true,
-            MapTrackKind::Maneuver => !approached(tracks, index),
-            MapTrackKind::RunIn => leads(tracks, index),
+            MapTrackKind::Maneuver => !is(index.checked_sub(1), MapTrackKind::RunIn),
+            MapTrackKind::RunIn => is(Some(index + 1), MapTrackKind::Maneuver),
         };
         next += usize::from(begins);
         let leg = legs.get(next.checked_sub(1)?)?;
@@ -482,14 +465,4 @@ fn steps_of(tracks: &[MapTrack], legs: &[VoyageLeg]) -> Option<Vec<usize>> {
         steps.push(next - 1);
     }
     (next == legs.len()).then_some(steps)
-}
-
-/// Whether an approach leads to the maneuver at `index`.
-fn approached(tracks: &[MapTrack], index: usize) -> bool {
-    index.checked_sub(1).is_some_and(|before| tracks[before].kind == MapTrackKind::RunIn)
-}
-
-/// Whether the part at `index` is an approach: a maneuver follows.
-fn leads(tracks: &[MapTrack], index: usize) -> bool {
-    tracks.get(index + 1).is_some_and(|after| after.kind == MapTrackKind::Maneuver)
 }

@@ -11,7 +11,16 @@ pub(super) fn merit(study: &Study, figures: &mut Figures) -> Option<Section> {
     // Logs may show no standard maneuver.
     let merit =
         study.merit.as_ref().filter(|merit| merit.maneuvers.iter().any(|maneuver| maneuver.runs > 0))?;
-    let body = html! { (table(merit)) (tracked(merit, figures)) (over_time(merit, figures)) };
+    let caption = html! {
+        b { "Track of every standard maneuver, the first run." }
+        " Up is the course of the approach, right is starboard; the dot marks the start."
+    };
+    let tracks = tracks_of(&merit.maneuvers.iter().collect::<Vec<_>>(), merit.length_m);
+    let body = html! {
+        (table(merit))
+        (figures.place_wide("merit-tracks", tracks, &caption))
+        (over_time(merit, figures))
+    };
     Some(Section::new("merit", "Figures of merit", "Figures of merit", body))
 }
 
@@ -24,7 +33,9 @@ fn table(found: &MeritDocument) -> Markup {
         .number("Without current", |(.., figure)| {
             or_dash(figure.corrected.map(|corrected| value(corrected, figure)))
         })
-        .number("95 % interval", |(.., figure)| interval(ends(figure)))
+        .number("95 % interval", |(.., figure)| {
+            interval(figure.low.zip(figure.high).map(|(low, high)| [low, high]))
+        })
         .number("IMO allows", |(.., figure)| or_dash(figure.most.map(three)))
         .text("Verdict", |(.., figure)| verdict(figure));
     let of = match found.intervals.as_str() {
@@ -61,10 +72,6 @@ fn value(value: f64, figure: &FigureMerit) -> String {
     format!("{} {}", three(value), unit.replace("deg", "°")).trim_end().to_owned()
 }
 
-fn ends(figure: &FigureMerit) -> Option<[f64; 2]> {
-    figure.low.zip(figure.high).map(|(low, high)| [low, high])
-}
-
 fn verdict(figure: &FigureMerit) -> &'static str {
     match (figure.most, figure.passes) {
         (Some(_), Some(true)) => "passes",
@@ -89,29 +96,13 @@ fn first_tracks(found: &MeritDocument) -> String {
 /// Tracks of maneuvers of a ship of this length \[m\].
 fn tracks_of(maneuvers: &[&ManeuverMerit], length_m: f64) -> String {
     let metres = |of: &[f64]| of.iter().map(|lengths| lengths * length_m).collect::<Vec<_>>();
-    let all: Vec<(&str, [Vec<f64>; 2])> = maneuvers
-        .iter()
-        .map(|maneuver| {
-            (maneuver.name.as_str(), [metres(&maneuver.track.ahead), metres(&maneuver.track.abeam)])
-        })
-        .collect();
-    let drawn: Vec<TrackCell<'_>> = all
-        .iter()
-        .map(|(name, [x, y])| TrackCell {
-            name,
-            lines: vec![TrackLine { x, y, colour: Some(palette::BLUE) }],
-        })
-        .collect();
-    tracks(&drawn)
-}
-
-fn tracked(found: &MeritDocument, figures: &mut Figures) -> Markup {
-    let caption = html! {
-        b { "Track of every standard maneuver, the first run." }
-        " Up is the course of the approach, right is starboard; the dot marks the start."
-    };
-    let all: Vec<&ManeuverMerit> = found.maneuvers.iter().collect();
-    figures.place_wide("merit-tracks", tracks_of(&all, found.length_m), &caption)
+    let placed = |maneuver: &&ManeuverMerit| [metres(&maneuver.track.ahead), metres(&maneuver.track.abeam)];
+    let placed: Vec<[Vec<f64>; 2]> = maneuvers.iter().map(placed).collect();
+    let drawn = maneuvers.iter().zip(&placed).map(|(maneuver, [x, y])| TrackCell {
+        name: &maneuver.name,
+        lines: vec![TrackLine { x, y, colour: Some(palette::BLUE) }],
+    });
+    tracks(&drawn.collect::<Vec<_>>())
 }
 
 fn over_time(found: &MeritDocument, figures: &mut Figures) -> Markup {

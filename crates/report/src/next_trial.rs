@@ -114,6 +114,10 @@ fn shares(next: &NextTrial) -> Markup {
 /// Formats a quantile.
 type FormatQuantile = fn(&Quantiles) -> String;
 
+/// Takes an RMSE and its fit from the errors of the model itself, or the same RMSE of simulated trials.
+type ErrorsOfModel = fn(FreeRunErrors) -> (f64, Option<f64>);
+type ErrorsOfTrials = fn(&DesignScores) -> &Quantiles;
+
 /// The effect of parameter errors on free simulations, next to the errors of the model itself.
 fn free_runs(next: &NextTrial) -> Markup {
     let Some(tally) = &next.tally else { return html! {} };
@@ -136,8 +140,7 @@ fn free_runs(next: &NextTrial) -> Markup {
         }
     });
     let table = HtmlTable::of(measured.into_iter().chain(scored)).compact().name("Model", |(what, ..)| what);
-    type ErrorsOfModel = fn(FreeRunErrors) -> (f64, Option<f64>);
-    let columns: [(&str, ErrorsOfModel, fn(&DesignScores) -> &Quantiles); 3] = [
+    let columns: [(&str, ErrorsOfModel, ErrorsOfTrials); 3] = [
         ("RMSE u [m/s]", |e| (e.rmse_u, e.fit_u), |s| &s.rmse_u),
         ("RMSE v [m/s]", |e| (e.rmse_v, e.fit_v), |s| &s.rmse_v),
         ("RMSE r [rad/s]", |e| (e.rmse_r, e.fit_r), |s| &s.rmse_r),

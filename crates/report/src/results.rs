@@ -7,7 +7,7 @@ use serde_json::Value;
 use study::documents::{
     Bounds, CrossvalDocument, DesignScores, EstimateDocument, Estimator, EstimatorScore, EstimatorScores,
     PublishedShare, Quantiles, Reference, SelectionDocument, SequentialDocument, SimulatedLogsDocument,
-    Stopping, ValidationDocument,
+    ValidationDocument,
 };
 use study::files::{read_campaign, read_reference};
 use study::trajectories;
@@ -335,7 +335,10 @@ fn stopping(document: &SequentialDocument) -> Option<String> {
     let table = MarkdownTable::of(&document.stopping)
         .column("", |arm| arm.arm.name().to_owned())
         .column("promised in time", |arm| format!("{} of {}", arm.stopped, document.realizations))
-        .column("mean time", |arm| mean_time(arm))
+        .column("mean time", |arm| {
+            let within = arm.mean_time_interval_s.map(|[low, high]| format!("{low:.0} to {high:.0}"));
+            format!("{:.0} s ({})", arm.mean_time_s, or_dash(within))
+        })
         .column(&within, |arm| {
             or_dash(arm.within_stopped.map(|value| share(value, arm.within_stopped_interval)))
         })
@@ -344,11 +347,6 @@ fn stopping(document: &SequentialDocument) -> Option<String> {
             quantile(arm.rms_over_accuracy, arm.rms_over_accuracy_interval.map(|ends| ends.map(Some)))
         });
     table.text()
-}
-
-fn mean_time(arm: &Stopping) -> String {
-    let within = arm.mean_time_interval_s.map(|[low, high]| format!("{low:.0} to {high:.0}"));
-    format!("{:.0} s ({})", arm.mean_time_s, within.as_deref().unwrap_or("–"))
 }
 
 /// Models from sub-experiments that a design picked against random picks.

@@ -60,6 +60,10 @@ fn about(found: &SequentialDocument) -> Markup {
 }
 
 fn figure(found: &SequentialDocument, figures: &mut Figures) -> Markup {
+    let curve = |arm: &ArmSummary| AccuracyCurve {
+        label: label(arm.name),
+        points: arm.points.iter().filter_map(|point| Some((point.time_s, point.median?))).collect(),
+    };
     let curves: Vec<AccuracyCurve> = found.arms.iter().map(curve).collect();
     let stop = found.stopping.first().map_or(found.duration_s, |s| s.mean_time_s);
     let figure = accuracy(&curves, (stop, found.accuracy), "median parameter error [1]");
@@ -67,11 +71,6 @@ fn figure(found: &SequentialDocument, figures: &mut Figures) -> Markup {
         b { "Median parameter error against time at sea." }
         " The dot is the wanted accuracy, " (exact(found.accuracy)) ", and the mean time after which trials in rounds stop."
     })
-}
-
-fn curve(arm: &ArmSummary) -> AccuracyCurve<'static> {
-    let points = arm.points.iter().filter_map(|point| Some((point.time_s, point.median?))).collect();
-    AccuracyCurve { label: label(arm.name), points }
 }
 
 fn gains(gains: &[RoundGain]) -> Markup {

@@ -74,7 +74,12 @@ fn tests(found: &TrustDocument) -> Markup {
             three_or_dash(d.whiteness.as_ref().map(|w| w.first_autocorrelation))
         })
         .number("White, p", |d| or_dash(d.whiteness.as_ref().map(|w| probability(w.p_value))))
-        .with(html! { th scope="col" { "Residual and instrument" } }, leak);
+        .with(html! { th scope="col" { "Residual and instrument" } }, |d| match &d.instrument_residual {
+            Some(c) => html! {
+                td.wrap { (three(c.strongest)) " with " (c.instrument) " at lag " (c.lag) ", p " (probability(c.p_value)) }
+            },
+            None => html! { td { "–" } },
+        });
     html! {
         (table)
         p.note {
@@ -84,16 +89,6 @@ fn tests(found: &TrustDocument) -> Markup {
         }
         h3 { "Weakest directions" }
         ul { @for d in &found.degrees { li { (coded(&d.weakest)) } } }
-    }
-}
-
-/// The correlation of residuals with an instrument.
-fn leak(degree: &DegreeTrust) -> Markup {
-    match &degree.instrument_residual {
-        Some(c) => html! {
-            td.wrap { (three(c.strongest)) " with " (c.instrument) " at lag " (c.lag) ", p " (probability(c.p_value)) }
-        },
-        None => html! { td { "–" } },
     }
 }
 

@@ -157,7 +157,8 @@ pub(crate) struct NamedRows {
     row: f64,
 }
 
-const TOP: f64 = 26.0;
+/// Pixel of the upper end of the first row.
+pub(crate) const TOP: f64 = 26.0;
 const FOOT: f64 = 46.0;
 const LONGEST_NAME: usize = 26;
 
@@ -176,10 +177,6 @@ impl NamedRows {
     /// Pixel of the centre of row `index`.
     pub(crate) fn middle(&self, index: usize) -> f64 {
         TOP + (index as f64 + 0.5) * self.row
-    }
-
-    pub(crate) fn top(&self) -> f64 {
-        TOP
     }
 
     pub(crate) fn bottom(&self) -> f64 {
@@ -230,15 +227,12 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_inside() {
-        let labels: Vec<_> =
-            Axis::linear(0.0, 26.0, 0.0, 1.0).ticks(5).into_iter().map(|t| t.label).collect();
-        assert_eq!(labels, ["0", "5", "10", "15", "20", "25"]);
-        let labels: Vec<_> =
-            Axis::linear(-0.41, 0.41, 0.0, 1.0).ticks(4).into_iter().map(|t| t.label).collect();
-        assert_eq!(labels, ["−0.4", "−0.2", "0", "0.2", "0.4"]);
-        let labels: Vec<_> =
-            Axis::linear(-0.38, 0.38, 0.0, 1.0).ticks(2).into_iter().map(|t| t.label).collect();
-        assert_eq!(labels, ["−0.2", "0", "0.2"]);
+        let labels = |low, high, wanted| -> Vec<_> {
+            Axis::linear(low, high, 0.0, 1.0).ticks(wanted).into_iter().map(|t| t.label).collect()
+        };
+        assert_eq!(labels(0.0, 26.0, 5), ["0", "5", "10", "15", "20", "25"]);
+        assert_eq!(labels(-0.41, 0.41, 4), ["−0.4", "−0.2", "0", "0.2", "0.4"]);
+        assert_eq!(labels(-0.38, 0.38, 2), ["−0.2", "0", "0.2"]);
     }
 
     #[test]

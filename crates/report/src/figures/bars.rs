@@ -1,4 +1,4 @@
-use crate::figures::axis::{Axis, BASE, COLUMN, LABEL, NamedRows, Tick, extent, note, round_step};
+use crate::figures::axis::{Axis, BASE, COLUMN, LABEL, NamedRows, TOP, Tick, extent, note, round_step};
 use crate::figures::palette::{BLUE, series};
 use crate::figures::svg::{Anchor, Lettering, Paint, Sheet};
 use crate::figures::text::{self, percent};
@@ -25,19 +25,16 @@ pub fn shares(rows: &[ShareRow<'_>]) -> String {
     let published = rows.iter().any(|row| row.published.is_some());
     Sheet::figure(COLUMN, layout.height(), "Optimal share of the experiment time per maneuver", |sheet| {
         let (left, right) = layout.span();
-        let axis = Axis::linear(0.0, 100.0 * greatest(rows), left, right);
+        let both = rows.iter().flat_map(|row| [Some(row.share), row.published]).flatten();
+        let greatest = both.filter(|share| share.is_finite()).fold(0.05, f64::max);
+        let axis = Axis::linear(0.0, 100.0 * greatest, left, right);
         layout.draw(sheet, &axis, &axis.ticks(5), "share of the experiment time [%]");
-        sheet.line((left, layout.top()), (left, layout.bottom()), (BASE, 1.0));
+        sheet.line((left, TOP), (left, layout.bottom()), (BASE, 1.0));
         for (index, row) in rows.iter().enumerate() {
             draw_row(sheet, &axis, layout.middle(index), row, published);
         }
         key(sheet, left, published);
     })
-}
-
-fn greatest(rows: &[ShareRow<'_>]) -> f64 {
-    let both = rows.iter().flat_map(|row| [Some(row.share), row.published]).flatten();
-    both.filter(|share| share.is_finite()).fold(0.05, f64::max)
 }
 
 fn draw_row(sheet: &mut Sheet, axis: &Axis, middle: f64, row: &ShareRow<'_>, published: bool) {
@@ -46,25 +43,19 @@ fn draw_row(sheet: &mut Sheet, axis: &Axis, middle: f64, row: &ShareRow<'_>, pub
         bar(sheet, axis, middle - lift, row.share);
     }
     if let Some(share) = row.published.filter(|share| *share > 0.0 && share.is_finite()) {
-        outline(sheet, axis, middle - lift + 0.5 * OURS + 0.5, share);
+        let (top, end) = (middle - lift + 0.5 * OURS + 0.5, axis.inside(100.0 * share));
+        sheet.bar((axis.at(0.0), top), (end, top + PUBLISHED), (Paint::ink(0.6), 1.2));
     }
 }
 
 fn bar(sheet: &mut Sheet, axis: &Axis, middle: f64, share: f64) {
     let (from, to) = (axis.at(0.0), axis.inside(100.0 * share));
     sheet.bar((from, middle - 0.5 * OURS), (to, middle + 0.5 * OURS), Paint::solid(BLUE));
-    let (label, weight) =
-        if share < 5e-4 { ("0".to_owned(), note(Anchor::Start)) } else { (percent(share), value()) };
+    let (label, weight) = match share < 5e-4 {
+        true => ("0".to_owned(), note(Anchor::Start)),
+        false => (percent(share), Lettering::new(LABEL - 1.0, Anchor::Start).bold()),
+    };
     sheet.text(&label, (to + 5.0, middle), weight);
-}
-
-fn value() -> Lettering {
-    Lettering::new(LABEL - 1.0, Anchor::Start).bold()
-}
-
-fn outline(sheet: &mut Sheet, axis: &Axis, top: f64, share: f64) {
-    let end = axis.inside(100.0 * share);
-    sheet.bar((axis.at(0.0), top), (end, top + PUBLISHED), (Paint::ink(0.6), 1.2));
 }
 
 fn key(sheet: &mut Sheet, left: f64, published: bool) {
@@ -99,7 +90,7 @@ pub fn relative_errors(designs: &[&str], rows: &[ErrorRow<'_>]) -> String {
         let axis = Axis::symmetric(most(rows), LINEAR, left, right);
         layout.draw(sheet, &axis, &ticks(&axis), "relative error of the estimates [%]");
         let zero = axis.at(0.0);
-        sheet.line((zero, layout.top()), (zero, layout.bottom()), (Paint::ink(0.7), 1.2));
+        sheet.line((zero, TOP), (zero, layout.bottom()), (Paint::ink(0.7), 1.2));
         for (index, row) in rows.iter().enumerate() {
             draw_error_row(sheet, &axis, layout.middle(index), row);
         }
@@ -179,7 +170,10 @@ pub fn sensitivities(rows: &[SensitivityRow<'_>], dimension: f64) -> String {
     Sheet::figure(COLUMN, layout.height(), "Sensitivity per maneuver", |sheet| {
         let axis = axis(rows, dimension, layout.span());
         layout.draw(sheet, &axis, &axis.ticks(6), "sensitivity g [1]");
-        threshold(sheet, &layout, axis.at(dimension), dimension);
+        let x = axis.at(dimension);
+        sheet.line((x, TOP - 5.0), (x, layout.bottom()), (Paint::ink(0.8), 1.4));
+        let label = format!("worth its time: g = p = {}", text::number(dimension, 1.0));
+        sheet.text(&label, (x + 2.0, 11.0), note(Anchor::End));
         for (index, row) in rows.iter().enumerate() {
             draw_sensitivity_row(sheet, &axis, layout.middle(index), row, dimension);
         }
@@ -191,12 +185,6 @@ fn axis(rows: &[SensitivityRow<'_>], dimension: f64, (left, right): (f64, f64)) 
     let (low, high) = extent(values).unwrap_or((0.0, 1.0));
     let air = 0.06 * (high - low);
     Axis::linear(if low < 0.0 { low - air } else { 0.0 }, high + air, left, right)
-}
-
-fn threshold(sheet: &mut Sheet, layout: &NamedRows, x: f64, dimension: f64) {
-    sheet.line((x, layout.top() - 5.0), (x, layout.bottom()), (Paint::ink(0.8), 1.4));
-    let label = format!("worth its time: g = p = {}", text::number(dimension, 1.0));
-    sheet.text(&label, (x + 2.0, 11.0), note(Anchor::End));
 }
 
 fn draw_sensitivity_row(sheet: &mut Sheet, axis: &Axis, y: f64, row: &SensitivityRow<'_>, dimension: f64) {

@@ -46,9 +46,8 @@ pub fn correlations(columns: &[&str], rows: &[CorrelationRow<'_>]) -> String {
         for (i, row) in rows.iter().enumerate() {
             grid.row(sheet, HEAD + i as f64 * ROW, row);
         }
-        if let Some(row) = rows.last() {
-            let across = row.cells.iter().enumerate().map(|(i, cell)| grid.across(i, cell));
-            across.for_each(|across| foot(sheet, &across, HEAD + rows.len() as f64 * ROW));
+        for (i, cell) in rows.last().iter().flat_map(|row| &row.cells).enumerate() {
+            foot(sheet, &grid.across(i, cell), HEAD + rows.len() as f64 * ROW);
         }
     })
 }

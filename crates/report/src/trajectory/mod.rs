@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use maud::{Markup, html};
 use sheet::{facts, information, sheet};
 use study::documents::{
-    Check, DroppedMove, FrontPoint, Handling, LeftOut, PlanChart, PlanDocument, PlanHandling, PlanLattice,
+    DroppedMove, FrontPoint, Handling, LeftOut, PlanChart, PlanDocument, PlanHandling, PlanLattice,
     Primitive, Voyage,
 };
 use trials::{passage, trials};
@@ -40,6 +40,9 @@ pub(super) fn trajectory(study: &Study, figures: &mut Figures) -> Option<Section
 pub(super) fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures) -> Markup {
     let map = map(main, figures);
     let voyage = main.plan.voyage.as_ref();
+    // Unit and datum of the depths of each chart.
+    let depths = main.plan.charts.iter().filter_map(|chart| Some((&chart.file, chart.depths.as_ref()?)));
+    let depths: Vec<String> = depths.map(|(file, depths)| format!("{file}: {}", depths.words())).collect();
     html! {
         p.caution {
             b { "Not for navigation." }
@@ -49,9 +52,19 @@ pub(super) fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures)
             @if let Some(uncharted) = voyage.and_then(Voyage::uncharted) { " " (uncharted) "." }
             " The master decides."
         }
-        (measured(&main.plan))
-        @if let Some(voyage) = voyage { (unsafe_note(&voyage.check)) }
-        (outdated(main))
+        @if !depths.is_empty() { p.note { b { "Depths and heights." } " " (depths.join("; ")) "." } }
+        @if let Some(check) = voyage.map(|voyage| &voyage.check).filter(|check| !check.safe) {
+            p.caution {
+                b { "Unsafe." }
+                " The plan fails its own check and was written by " code { "--allow-unsafe" } " only: " (check.faults.join(", ")) "."
+            }
+        }
+        @if !main.stale.is_empty() {
+            p.missing {
+                "The plan is older than this study: it was made from another " code { (main.stale.join(", ")) }
+                "; run the stage " code { "plan" } " again."
+            }
+        }
         div.map-and-facts { (map) div { (facts(&main.plan)) } }
         @match voyage {
             Some(voyage) => {
@@ -64,36 +77,6 @@ pub(super) fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures)
                 (charts(&main.plan.charts))
             }
             None => p.missing { "Times, places and clearances not shown: the plan solves a lattice problem without a chart or a vessel." }
-        }
-    }
-}
-
-/// Unit and datum of the depths of each chart.
-fn measured(plan: &PlanDocument) -> Markup {
-    let depths = plan.charts.iter().filter_map(|chart| Some((&chart.file, chart.depths.as_ref()?)));
-    let depths: Vec<String> = depths.map(|(file, depths)| format!("{file}: {}", depths.words())).collect();
-    html! { @if !depths.is_empty() { p.note { b { "Depths and heights." } " " (depths.join("; ")) "." } } }
-}
-
-/// The requirements violated by a plan that was written although its check fails.
-fn unsafe_note(check: &Check) -> Markup {
-    html! {
-        @if !check.safe {
-            p.caution {
-                b { "Unsafe." }
-                " The plan fails its own check and was written by " code { "--allow-unsafe" } " only: " (check.faults.join(", ")) "."
-            }
-        }
-    }
-}
-
-fn outdated(main: &PlannedTrial) -> Markup {
-    html! {
-        @if !main.stale.is_empty() {
-            p.missing {
-                "The plan is older than this study: it was made from another " code { (main.stale.join(", ")) }
-                "; run the stage " code { "plan" } " again."
-            }
         }
     }
 }
@@ -144,7 +127,14 @@ fn in_one_line(variant: &PlannedTrial) -> Markup {
 
 /// The electronic charts of the plan, remarks on their files, and the objects that were omitted, with reasons.
 fn charts(charts: &[PlanChart]) -> Markup {
-    let rows = || charts.iter().flat_map(|chart| chart.left_out().map(move |left_out| (chart, left_out)));
+    let rows: Vec<(&PlanChart, LeftOut)> =
+        charts.iter().flat_map(|chart| chart.left_out().map(move |left_out| (chart, left_out))).collect();
+    let table = HtmlTable::of(rows.iter())
+        .compact()
+        .name("Chart", |(chart, _)| &chart.file)
+        .text("Class", |(_, left_out)| left_out.class)
+        .number("Objects", |(_, left_out)| left_out.objects)
+        .text("Why", |(_, left_out)| left_out.why);
     html! {
         @if !charts.is_empty() {
             details {
@@ -152,21 +142,10 @@ fn charts(charts: &[PlanChart]) -> Markup {
                 @for chart in charts {
                     p.note { (chart.named()) @for note in &chart.notes { "; " (note) } "." }
                 }
-                @if rows().next().is_some() { (table(rows())) } @else { p.note { "No object was left out." } }
+                @if !rows.is_empty() { (table) } @else { p.note { "No object was left out." } }
             }
         }
     }
-}
-
-fn table<'a>(
-    rows: impl Iterator<Item = (&'a PlanChart, LeftOut<'a>)>,
-) -> HtmlTable<(&'a PlanChart, LeftOut<'a>)> {
-    HtmlTable::of(rows)
-        .compact()
-        .name("Chart", |(chart, _)| &chart.file)
-        .text("Class", |(_, left_out)| left_out.class)
-        .number("Objects", |(_, left_out)| left_out.objects)
-        .text("Why", |(_, left_out)| left_out.why)
 }
 
 /// How the maneuvers became moves of the lattice, folded.

@@ -42,21 +42,15 @@ pub(super) fn sheet(study: &Study, plan: &PlanDocument, voyage: &Voyage) -> Mark
     }
 }
 
-/// One step with its number in the plan and, for an informative one, on the map.
-struct SheetRow<'a> {
-    number: Option<usize>,
-    /// Index of the maneuver among the counts, for its colour on the map.
-    colour: usize,
-    step: &'a PlanStep,
-    leg: &'a VoyageLeg,
-}
+/// A step and, for an informative one, its number on the map with its colour there.
+type SheetRow<'a> = (&'a PlanStep, &'a VoyageLeg, Option<(usize, palette::Rgb)>);
 
 fn rows<'a>(plan: &'a PlanDocument, voyage: &'a Voyage) -> Vec<SheetRow<'a>> {
     let mut informative = 0;
     let row = |(step, leg): (&'a PlanStep, &'a VoyageLeg)| {
         informative += usize::from(leg.informative);
-        let colour = plan.counts.keys().position(|name| *name == leg.name).unwrap_or(0);
-        SheetRow { number: leg.informative.then_some(informative), colour, step, leg }
+        let maneuver = plan.counts.keys().position(|name| *name == leg.name).unwrap_or(0);
+        (step, leg, leg.informative.then(|| (informative, palette::series(maneuver))))
     };
     plan.steps.iter().zip(&voyage.legs).map(row).collect()
 }
@@ -120,30 +114,33 @@ fn head(inputs: &InputColumns) -> Markup {
 }
 
 fn line(row: &SheetRow, voyage: &Voyage, inputs: &InputColumns) -> Markup {
-    let SheetRow { step, leg, .. } = row;
+    let (step, leg, number) = row;
+    let largest = |name: &str, decimals: usize| {
+        let value = leg.largest_inputs.get(name).filter(|v| v.is_finite());
+        or_dash(value.map(|v| format!("{v:.decimals$}")))
+    };
     html! {
         tr.informative[leg.informative] {
-            th scope="row" { (badge(row)) }
+            th scope="row" { (badge(*number)) }
             td.time { (clock(leg.start_s)) }
             td.place { (latitude(leg.latitude_deg)) br; (longitude(leg.longitude_deg)) }
             td.number { (heading(leg.heading_deg)) }
-            td.number { (rounded(leg.speed_m_s)) }
+            td.number { (or_dash(Some(leg.speed_m_s).filter(|v| v.is_finite()).map(|v| format!("{v:.1}")))) }
             td.number { (knots(leg.speed_m_s)) }
             td.wrap { (action(step, leg, &voyage.lattice)) }
             td.number { (seconds(leg.maneuver_start_s.map(|start| start - leg.start_s))) }
             td.number { (seconds(leg.maneuver_s)) }
             td.number { (seconds(Some(leg.duration_s))) }
-            @for (name, _, decimals) in &inputs.all { td.number { (largest(leg, name, *decimals)) } }
+            @for (name, _, decimals) in &inputs.all { td.number { (largest(name, *decimals)) } }
         }
     }
 }
 
 /// The number as on the map, or a grey dot for a basic move.
-fn badge(row: &SheetRow) -> Markup {
-    match row.number {
-        Some(number) => {
-            let ring = format!("border-color:{}", palette::hex(palette::series(row.colour)));
-            html! { span.badge style=(ring) { (number) } }
+fn badge(number: Option<(usize, palette::Rgb)>) -> Markup {
+    match number {
+        Some((number, colour)) => {
+            html! { span.badge style={ "border-color:" (palette::hex(colour)) } { (number) } }
         }
         None => html! { span.basic aria-label="basic move" { "·" } },
     }
@@ -162,17 +159,8 @@ fn end(plan: &PlanDocument, voyage: &Voyage, inputs: &InputColumns) -> Markup {
     }
 }
 
-fn rounded(speed_m_s: f64) -> String {
-    if speed_m_s.is_finite() { format!("{speed_m_s:.1}") } else { three(speed_m_s) }
-}
-
 fn seconds(value: Option<f64>) -> String {
     or_dash(value.filter(|s| s.is_finite()).map(|s| format!("{s:.0}")))
-}
-
-fn largest(leg: &VoyageLeg, name: &str, decimals: usize) -> String {
-    let value = leg.largest_inputs.get(name).filter(|v| v.is_finite());
-    or_dash(value.map(|v| format!("{v:.decimals$}")))
 }
 
 /// Facts about the plan and about the vessel at sea.
@@ -249,6 +237,10 @@ fn currents(check: &Check) -> Markup {
     }
     let [least, low, median] = check.clearance_quantiles_m.map(three);
     let [from, to] = check.aground_interval.map(percent);
+    let searches = match check.rounds {
+        1 => "of the first plan that was found".to_owned(),
+        rounds => format!("{rounds} searches, each with what the check before taught"),
+    };
     // On the probability if no run is aground, with 95 % confidence.
     let bound =
         check.aground_bound.map_or("not bounded".to_owned(), |bound| format!("below {}", percent(bound)));
@@ -266,7 +258,7 @@ fn currents(check: &Check) -> Markup {
             (fact("Nearer than the margin", &part(check.below_margin, check.runs), &format!("of {}\u{a0}m, those aground among them", exact(check.margin_m))))
             (fact("Going aground", &bound, "for a vessel and a current drawn like these"))
             (fact("Ends of moves beyond a tolerance", &part(check.ends_astray, check.ends),
-                &searches(check.rounds)))
+                &searches))
             (fact("Outside of the area", &part(check.left_area, check.runs), "its edge is no obstacle"))
             (fact("Aground if sailed open loop", &part(check.aground_open_loop, check.runs), "the planned inputs, never corrected"))
             (fact("Least clearance of a run", &format!("{least}\u{a0}m"),
@@ -307,14 +299,6 @@ fn searched(worst: &WorstVessels, margin_m: f64) -> Markup {
     }
 }
 
-/// The number of searches of the plan.
-fn searches(rounds: u64) -> String {
-    match rounds {
-        1 => "of the first plan that was found".to_owned(),
-        _ => format!("{rounds} searches, each with what the check before taught"),
-    }
-}
-
 /// The information of the trial compared with that promised by its counts.
 pub(super) fn information(information: &Information, designed: bool) -> Markup {
     let dimension = information.dimension;
@@ -324,13 +308,18 @@ pub(super) fn information(information: &Information, designed: bool) -> Markup {
         .zip(information.predicted_log_det)
         .map(|(whole, promised)| whole - promised);
     let whole = gain.map(|gain| libm::exp(gain / dimension as f64));
+    let reason = match (information.design_efficiency, designed) {
+        (Some(_), _) => "against the design's shares over the same time in maneuvers",
+        (None, false) => "no design was given to compare with",
+        (None, true) => "not compared: plan.json was made without design.json",
+    };
     html! {
         h3 { "Information of the trial, log|det|" }
         dl.facts.information {
             (fact("Promised by the counts", &three_or_dash(information.predicted_log_det), ""))
             (fact("In the maneuvers as sailed", &three_or_dash(information.realised_log_det), &against(information.efficiency)))
             (fact("In the whole track", &three_or_dash(information.whole_log_det), &against(whole)))
-            (fact("Efficiency of the counts", &or_dash(information.design_efficiency.map(percent)), &reason(information.design_efficiency, designed)))
+            (fact("Efficiency of the counts", &or_dash(information.design_efficiency.map(percent)), reason))
         }
         p.note {
             "Efficiency: the ratio of the determinants to the power 1/" (dimension) ". Above 100\u{a0}%, what is sailed tells more than \
@@ -343,12 +332,4 @@ fn against(efficiency: Option<f64>) -> String {
     efficiency.map_or("not comparable: a direction is not excited".to_owned(), |e| {
         format!("{} of the promise", percent(e))
     })
-}
-
-fn reason(efficiency: Option<f64>, designed: bool) -> String {
-    match (efficiency, designed) {
-        (Some(_), _) => "against the design's shares over the same time in maneuvers".to_owned(),
-        (None, false) => "no design was given to compare with".to_owned(),
-        (None, true) => "not compared: plan.json was made without design.json".to_owned(),
-    }
 }
