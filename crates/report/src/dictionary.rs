@@ -1,5 +1,3 @@
-use std::cmp::Ordering;
-
 use maud::{Markup, html};
 use study::documents::{DesignDocument, EstimateDocument, MomentsDocument};
 
@@ -160,7 +158,12 @@ pub(super) fn shown<'a>(
     let mut ranked: Vec<usize> = (0..names.len()).collect();
     let mut most = MOST;
     if let Some(design) = design {
-        ranked.sort_by(|a, b| rank(design, names[*a], names[*b]));
+        let sensitivity = |name| design.sensitivities.get(name).copied().unwrap_or(f64::NEG_INFINITY);
+        ranked.sort_by(|a, b| {
+            let (a, b) = (names[*a], names[*b]);
+            let by_use = used(design, b).cmp(&used(design, a));
+            by_use.then(sensitivity(b).total_cmp(&sensitivity(a)))
+        });
         most = most.max(names.iter().filter(|name| used(design, name)).count());
     }
     ranked.truncate(most);
@@ -177,12 +180,6 @@ pub(super) fn omission(all: usize, shown: usize) -> Markup {
             }
         }
     }
-}
-
-fn rank(design: &DesignDocument, a: &str, b: &str) -> Ordering {
-    let sensitivity = |name| design.sensitivities.get(name).copied().unwrap_or(f64::NEG_INFINITY);
-    let by_use = used(design, b).cmp(&used(design, a));
-    by_use.then(sensitivity(b).total_cmp(&sensitivity(a)))
 }
 
 /// The excitation of every degree of freedom, and the nonstationarity of the maneuvers.

@@ -30,7 +30,9 @@ pub fn explore(study: &Study, report: &str) -> String {
 fn page(study: &Study, report: &str, panels: &[Panel]) -> Markup {
     let of = |library: Library| panels.iter().any(|panel| panel.library == library).then_some(library);
     let libraries: Vec<Library> = [Library::Plots, Library::Maps].into_iter().filter_map(of).collect();
-    let data: Vec<Value> = panels.iter().map(|panel| json!({"id": panel.id, "data": panel.data})).collect();
+    let data: Value = panels.iter().map(|panel| json!({"id": panel.id, "data": panel.data})).collect();
+    // JSON that no tag can end.
+    let data = data.to_string().replace('<', "\\u003c");
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -54,7 +56,7 @@ fn page(study: &Study, report: &str, panels: &[Panel]) -> Markup {
                         (missing("A plan on its map is", "map.json", "plan"))
                     }
                 }
-                script #data type="application/json" { (PreEscaped(self::script(&Value::Array(data)))) }
+                script #data type="application/json" { (PreEscaped(data)) }
                 @for library in &libraries { script { (PreEscaped(library.script())) } }
                 script { (PreEscaped(SCRIPT)) }
             }
@@ -126,11 +128,6 @@ fn window(rows: &[Traced], every: usize) -> Value {
     })
 }
 
-/// JSON that no tag can end.
-fn script(data: &Value) -> String {
-    data.to_string().replace('<', "\\u003c")
-}
-
 /// `value` with five significant digits; null if it is missing or not finite.
 fn number(value: impl Into<Option<f64>>) -> Value {
     let short = |value: f64| format!("{value:.4e}").parse::<f64>().ok();
@@ -139,6 +136,8 @@ fn number(value: impl Into<Option<f64>>) -> Value {
 
 /// The places of a line in tenths of a metre: the first east and north, then differences to the place before.
 fn line(line: &MapLine) -> Value {
+    #[expect(clippy::cast_possible_truncation, reason = "a map is smaller than the Earth")]
+    let tenths = |metres: f64| (10.0 * metres).round() as i64;
     let mut last = [0; 2];
     let places = line.east_m.iter().zip(&line.north_m);
     let steps = places.flat_map(|(east, north)| {
@@ -148,11 +147,6 @@ fn line(line: &MapLine) -> Value {
         step
     });
     steps.collect::<Vec<i64>>().into()
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "a map is smaller than the Earth")]
-fn tenths(metres: f64) -> i64 {
-    (10.0 * metres).round() as i64
 }
 
 /// The head of a column of a table; `kind` is `text`, `number` or `clock`.

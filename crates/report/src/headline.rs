@@ -19,12 +19,10 @@ const PRACTISED: &str = "Practice is today's practice: the maneuvers of the dict
 
 /// The kind of the page.
 pub(super) fn kind(study: &Study) -> &'static str {
-    if study.data.is_some() {
-        "Report on simulated logs"
-    } else if study.measured.is_some() {
-        "Report on measured logs"
-    } else {
-        "Experiment design report"
+    match (&study.data, &study.measured) {
+        (Some(_), _) => "Report on simulated logs",
+        (None, Some(_)) => "Report on measured logs",
+        (None, None) => "Experiment design report",
     }
 }
 

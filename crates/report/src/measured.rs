@@ -182,11 +182,13 @@ impl MeasuredStudy {
 
     /// Key figures.
     pub(super) fn cards(&self, selection: Option<&SelectionStudy>) -> Markup {
+        let fits = |errors: FreeRunErrors, by: &str| {
+            let all = [("surge", errors.fit_u), ("sway", errors.fit_v), ("yaw rate", errors.fit_r)];
+            all.map(|(what, value)| card(&format!("Fit of {what}, left out"), fit(value), by, &[]))
+        };
         html! {
             @if let Some((score, errors)) = self.best() {
-                @for (what, value) in [("surge", errors.fit_u), ("sway", errors.fit_v), ("yaw rate", errors.fit_r)] {
-                    (card(&format!("Fit of {what}, left out"), fit(value), display(score.name), &[]))
-                }
+                @for card in fits(errors, &score.name.to_string()) { (card) }
             }
             @if let Some((search, errors)) = self.delivered_search() {
                 @let name = match search.beside.as_ref().map(|beside| beside.delivered) {
@@ -194,9 +196,7 @@ impl MeasuredStudy {
                     Some(DeliveredKind::Forces) => "forces",
                     _ => "search",
                 };
-                @for (what, value) in [("surge", errors.fit_u), ("sway", errors.fit_v), ("yaw rate", errors.fit_r)] {
-                    (card(&format!("Fit of {what}, left out"), fit(value), name, &[]))
-                }
+                @for card in fits(errors, name) { (card) }
             }
             @if let Some(study) = selection { (selection_card(study)) }
             @if let Some(trust) = &self.trust {

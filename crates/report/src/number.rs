@@ -42,10 +42,7 @@ pub(super) fn exact(value: f64) -> String {
 
 /// A share (0 to 1) in percent with one decimal.
 pub(super) fn percent(share: f64) -> String {
-    match share.is_finite() {
-        true => format!("{}\u{a0}%", minus(&format!("{:.1}", 100.0 * share))),
-        false => MISSING.to_owned(),
-    }
+    or_dash(share.is_finite().then(|| format!("{}\u{a0}%", minus(&format!("{:.1}", 100.0 * share)))))
 }
 
 /// What is simulated at once: `windows of 60 s`, or whole recordings.

@@ -1,5 +1,4 @@
 use maud::{DOCTYPE, Markup, PreEscaped, Render, display, html};
-use study::documents::{DesignScores, Estimator, EstimatorScores};
 
 use crate::allocation::{allocation, certificate};
 use crate::compared::compared;
@@ -120,7 +119,9 @@ fn realizations(study: &Study) -> Option<Section> {
     if tally.scores.len() < 2 && study.scored().iter().map(|design| design.runs).sum::<u64>() == counted {
         return None;
     }
-    let rows: Vec<(Estimator, &DesignScores)> = tally.scores.iter().flat_map(designs).collect();
+    let rows = tally.scores.iter().flat_map(|by| {
+        optimized_first(&by.designs, |d| &d.design).into_iter().map(|scores| (by.estimator, scores))
+    });
     let share = |share: f64, interval: Option<[f64; 2]>| {
         let half = |[low, high]: [f64; 2]| 50.0 * (high - low);
         or_dash(interval.map(|ends| format!("{:.2} ± {:.2} %", 100.0 * share, half(ends))))
@@ -150,10 +151,6 @@ fn realizations(study: &Study) -> Option<Section> {
         }
     };
     Some(Section::new("realizations", "Realizations", "Many realizations", body))
-}
-
-fn designs(by: &EstimatorScores) -> impl Iterator<Item = (Estimator, &DesignScores)> {
-    optimized_first(&by.designs, |d| &d.design).into_iter().map(|scores| (by.estimator, scores))
 }
 
 /// The notation.

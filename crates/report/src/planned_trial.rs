@@ -3,8 +3,8 @@
 use files::{Digest, Error, Work, budget, is_written, read_written};
 use refusal::Invalid;
 use study::documents::{
-    MapArea, MapCellClass, MapCells, MapClass, MapContour, MapDocument, MapLine, MapMargin, MapPlace,
-    MapPurpose, MapRaster, MapRuns, MapSpot, MapSymbol, MapTrack, MapTrackKind, PlanDocument,
+    MapArea, MapCellClass, MapCells, MapClass, MapContour, MapDocument, MapFrame, MapLine, MapMargin,
+    MapPlace, MapPurpose, MapRaster, MapRuns, MapSpot, MapSymbol, MapTrack, MapTrackKind, PlanDocument,
 };
 
 use crate::figures::map as figure;
@@ -136,7 +136,7 @@ pub fn plan_map(document: &MapDocument) -> Result<String, Invalid> {
 }
 
 fn figure_of(document: &MapDocument) -> figure::Map {
-    let frame = document.frame;
+    let MapFrame { west_m: west, south_m: south, east_m: east, north_m: north, .. } = document.frame;
     let names: Vec<&String> = document.counts.keys().collect();
     let contour =
         |contour: &MapContour| figure::Contour { depth_m: contour.depth_m, line: points(&contour.line) };
@@ -145,12 +145,7 @@ fn figure_of(document: &MapDocument) -> figure::Map {
         title: if document.safe { "Planned trial" } else { "Planned trial, unsafe" }.to_owned(),
         description: document.statement.clone(),
         warning: (!document.safe).then(|| "Unsafe: the plan fails its own check".to_owned()),
-        frame: figure::Frame {
-            west: frame.west_m,
-            south: frame.south_m,
-            east: frame.east_m,
-            north: frame.north_m,
-        },
+        frame: figure::Frame { west, south, east, north },
         uncharted: !document.uncharted_is_water,
         depth_limits_m: document.depth_limits_m.clone(),
         cells: document.cells.as_ref().map(cells),

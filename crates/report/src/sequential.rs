@@ -25,14 +25,13 @@ pub(super) fn sequential(found: &SequentialDocument, figures: &mut Figures) -> V
     ]
 }
 
+/// Each with a capital first letter.
 fn sentences(statements: &[String]) -> Markup {
+    let capital = |said: &String| -> String {
+        let mut letters = said.chars();
+        letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+    };
     html! { @for said in statements { p { (capital(said)) "." } } }
-}
-
-/// With a capital first letter.
-fn capital(said: &str) -> String {
-    let mut letters = said.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// The label of an arm.

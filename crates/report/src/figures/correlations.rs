@@ -39,8 +39,10 @@ pub fn correlations(columns: &[&str], rows: &[CorrelationRow<'_>]) -> String {
     let height = HEAD + rows.len() as f64 * ROW + FOOT;
     let grid = CorrelationGrid::new(columns.len(), rows);
     Sheet::figure(WIDTH, height, "Correlations of errors over lags", |sheet| {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful")]
+        let letters = (grid.width / LETTER) as usize;
         for (i, title) in columns.iter().enumerate() {
-            let title = text::shortened(title, grid.letters());
+            let title = text::shortened(title, letters);
             sheet.text(&title, (grid.left(i), 12.0), Lettering::new(LABEL, Anchor::Start).bold());
         }
         for (i, row) in rows.iter().enumerate() {
@@ -71,13 +73,6 @@ impl CorrelationGrid {
     fn left(&self, column: usize) -> f64 {
         let further = if column > 0 { MARGIN } else { 0.0 };
         MARGIN + further + column as f64 * (self.width + GAP)
-    }
-
-    /// Maximum length of a title.
-    fn letters(&self) -> usize {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful")]
-        let most = (self.width / LETTER) as usize;
-        most
     }
 
     fn across(&self, column: usize, cell: &CorrelationCell<'_>) -> Axis {

@@ -132,7 +132,9 @@ impl<'a> Plot<'a> {
         self.bins(sheet, counted, paint);
         self.overflow(sheet, counted.beyond, paint);
         sheet.line((LEFT, self.floor), (self.right, self.floor), (BASE, 1.0));
-        self.heading(sheet, panel.label, paint);
+        let y = self.floor - PLOT - 14.0;
+        sheet.bar((LEFT, y - 5.0), (LEFT + 10.0, y + 5.0), paint);
+        sheet.text(panel.label, (LEFT + 16.0, y), Lettering::new(LABEL, Anchor::Start).bold());
         if let Some(bound) = self.axis.bound.filter(|bound| *bound < self.axis.limit) {
             self.bound(sheet, bound, panel.note.as_deref());
         }
@@ -166,23 +168,13 @@ impl<'a> Plot<'a> {
             sheet.bar((from, self.floor), (to, top), (paint, 1.4));
         }
         if beyond as f64 > self.up.high {
-            self.breaks(sheet, from, to);
+            // Two slanted strokes: it continues beyond the axis.
+            for drop in [14.0, 20.0] {
+                let y = self.floor - PLOT + drop;
+                sheet.line((from - 5.0, y + 4.0), (to + 5.0, y - 4.0), (Paint::ink(0.8), 1.6));
+            }
         }
         sheet.text(&beyond.to_string(), ((from + to) / 2.0, top - 9.0), note(Anchor::Middle));
-    }
-
-    /// Two slanted strokes across the last bar: it continues beyond the axis.
-    fn breaks(&self, sheet: &mut Sheet, from: f64, to: f64) {
-        for drop in [14.0, 20.0] {
-            let y = self.floor - PLOT + drop;
-            sheet.line((from - 5.0, y + 4.0), (to + 5.0, y - 4.0), (Paint::ink(0.8), 1.6));
-        }
-    }
-
-    fn heading(&self, sheet: &mut Sheet, label: &str, paint: Paint) {
-        let y = self.floor - PLOT - 14.0;
-        sheet.bar((LEFT, y - 5.0), (LEFT + 10.0, y + 5.0), paint);
-        sheet.text(label, (LEFT + 16.0, y), Lettering::new(LABEL, Anchor::Start).bold());
     }
 
     fn bound(&self, sheet: &mut Sheet, bound: f64, text: Option<&str>) {

@@ -90,7 +90,7 @@ fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
     areas::draw_outlines(sheet, view, &map.speed_limits, input::SPEED_LIMIT);
     areas::draw_outlines(sheet, view, &map.corridors, input::CORRIDOR);
     areas::draw_tracks(sheet, view, map);
-    spots::hulls(sheet, view, &map.hulls);
+    areas::draw_outlines(sheet, view, &map.hulls, input::HULL);
     spots::ends(sheet, view, map);
     spots::draw_numbers(sheet, view, map);
 }

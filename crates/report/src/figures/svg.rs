@@ -50,7 +50,13 @@ impl Paint {
             opacity if opacity < 1.0 => format!(" {name}-opacity=\"{opacity}\""),
             _ => String::new(),
         };
-        format!(" {name}=\"{}\"{opacity}", colours.written(self.rgb))
+        let colour = match colours {
+            // Ink follows the page in any case.
+            _ if self.rgb == INK => "currentColor".to_owned(),
+            Colours::Restyled => hex(self.rgb),
+            Colours::Kept => hex(self.rgb).to_lowercase(),
+        };
+        format!(" {name}=\"{colour}\"{opacity}")
     }
 }
 
@@ -61,17 +67,6 @@ pub(crate) enum Colours {
     Restyled,
     /// They are kept: written in small letters, which no rule matches.
     Kept,
-}
-
-impl Colours {
-    /// Ink follows the page in any case.
-    fn written(self, rgb: Rgb) -> String {
-        match self {
-            _ if rgb == INK => "currentColor".to_owned(),
-            Self::Restyled => hex(rgb),
-            Self::Kept => hex(rgb).to_lowercase(),
-        }
-    }
 }
 
 /// Fill and stroke of a shape. Widths in pixels.

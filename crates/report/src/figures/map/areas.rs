@@ -357,7 +357,7 @@ pub(crate) fn draw_tracks(sheet: &mut Sheet, view: &View, map: &Map) {
     map.tracks.iter().for_each(|track| maneuver(sheet, view, map, track));
 }
 
-/// Outlines of corridors and of areas.
+/// Outlines of corridors, of areas and of the hull.
 pub(crate) fn draw_outlines(sheet: &mut Sheet, view: &View, rings: &[Vec<[f64; 2]>], look: Look) {
     let mut path = Path::default();
     rings.iter().for_each(|ring| path.ring(&view::ring(view, &view.placed(ring))));

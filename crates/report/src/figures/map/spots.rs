@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::figures::map::input::{self, Contour, Map, Spot, Symbol, TrackStyle};
 use crate::figures::map::view::{self, View};
-use crate::figures::svg::{Anchor, Lettering, Look, Path, Point, Sheet};
+use crate::figures::svg::{Anchor, Lettering, Look, Point, Sheet};
 use crate::figures::text;
 
 /// Size of depths and names \[px\].
@@ -133,13 +133,6 @@ impl Room {
 pub(crate) const START: f64 = 5.0;
 /// Radius of the goal's disc [px].
 pub(crate) const GOAL: f64 = 8.0;
-
-/// Outlines of the hull.
-pub(crate) fn hulls(sheet: &mut Sheet, view: &View, hulls: &[Vec<[f64; 2]>]) {
-    let mut path = Path::default();
-    hulls.iter().for_each(|hull| path.ring(&view::ring(view, &view.placed(hull))));
-    sheet.path(&path, input::HULL);
-}
 
 /// Goal and start, if they are in the frame.
 pub(crate) fn ends(sheet: &mut Sheet, view: &View, map: &Map) {
