@@ -111,7 +111,10 @@ fn table(
     }
     table = table
         .number("Sensitivity g", |name| three_or_dash(design.sensitivities.get(name).copied()))
-        .number("Efficiency alone", |name| alone(design, name));
+        .number("Efficiency alone", |name| {
+            let alone = design.efficiency.as_ref().and_then(|all| all.single.get(name));
+            or_dash(alone.map(|alone| if *alone <= 1e-9 { "0".to_owned() } else { percent(*alone) }))
+        });
     html! { (table) (footnotes(design)) }
 }
 
@@ -124,11 +127,6 @@ fn time_of(design: &DesignDocument, name: &str, length: f64) -> String {
     }
     let share = design.shares.get(name).filter(|_| used(design, name));
     three_or_dash(share.map(|share| share * length))
-}
-
-fn alone(design: &DesignDocument, name: &str) -> String {
-    let printed = |efficiency: &f64| if *efficiency <= 1e-9 { "0".to_owned() } else { percent(*efficiency) };
-    or_dash(design.efficiency.as_ref().and_then(|all| all.single.get(name)).map(printed))
 }
 
 fn footnotes(design: &DesignDocument) -> Markup {

@@ -4,7 +4,7 @@ use files::{Digest, Error, Work, budget, is_written, read_written};
 use refusal::Invalid;
 use study::documents::{
     MapArea, MapCellClass, MapCells, MapClass, MapContour, MapDocument, MapFrame, MapLine, MapMargin,
-    MapPlace, MapPurpose, MapRaster, MapRuns, MapSpot, MapSymbol, MapTrack, MapTrackKind, PlanDocument,
+    MapPlace, MapRaster, MapRuns, MapSpot, MapTrack, MapTrackKind, PlanDocument,
 };
 
 use crate::figures::map as figure;
@@ -221,19 +221,13 @@ fn area(area: &MapArea) -> Option<figure::ChartedArea> {
 }
 
 fn margin(margin: &MapMargin) -> figure::Margin {
-    let purpose = match margin.purpose {
-        MapPurpose::Trial => figure::Purpose::Trial,
-        MapPurpose::Transit => figure::Purpose::Transit,
-    };
-    figure::Margin { purpose, grid: raster(&margin.raster), blocked: set(&margin.runs) }
+    let MapMargin { purpose, raster: grid, runs } = margin;
+    figure::Margin { purpose: *purpose, grid: raster(grid), blocked: set(runs) }
 }
 
 fn spot(spot: &MapSpot) -> figure::Spot {
-    let symbol = match spot.symbol {
-        MapSymbol::Sounding => figure::Symbol::Sounding,
-        MapSymbol::Danger => figure::Symbol::Danger,
-    };
-    figure::Spot { at: place(spot.place), symbol, depth_m: spot.depth_m, title: spot.title.clone() }
+    let MapSpot { symbol, depth_m, .. } = *spot;
+    figure::Spot { at: place(spot.place), symbol, depth_m, title: spot.title.clone() }
 }
 
 /// A track in the colour of its maneuver among `names`.

@@ -181,21 +181,18 @@ fn fact(term: &str, value: &str, note: &str) -> Markup {
 fn search(plan: &PlanDocument) -> Markup {
     let unit = plan.cost_unit;
     let proof = gap(plan).unwrap_or("proved".to_owned());
+    let uses: Vec<String> =
+        plan.counts.iter().map(|(name, count)| format!("{count}\u{a0}× {name}")).collect();
+    let uses = if uses.is_empty() { String::new() } else { format!("with {}", uses.join(", ")) };
     html! {
         h3 { "Plan" }
         dl.facts {
             (fact("Status", plan.status.name(), &proof))
             (fact("Cost", &cost(plan.cost, unit), &format!("no plan costs less than {}", cost(plan.lower_bound, unit))))
-            (fact("Steps", &plan.steps.len().to_string(), &uses(plan)))
+            (fact("Steps", &plan.steps.len().to_string(), &uses))
             @if let Some(secondary) = &plan.secondary { (ties(secondary)) }
         }
     }
-}
-
-fn uses(plan: &PlanDocument) -> String {
-    let each: Vec<String> =
-        plan.counts.iter().map(|(name, count)| format!("{count}\u{a0}× {name}")).collect();
-    if each.is_empty() { String::new() } else { format!("with {}", each.join(", ")) }
 }
 
 fn ties(secondary: &SecondaryCost) -> Markup {

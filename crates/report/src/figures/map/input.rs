@@ -1,6 +1,8 @@
 use crate::figures::palette;
 use crate::figures::svg::{Look, Paint};
 
+pub use study::documents::{MapPurpose as Purpose, MapSymbol as Symbol};
+
 /// The contents of a map. Positions are `[x, y]` in metres, x east, y north.
 #[derive(Clone, Debug, Default)]
 pub struct Map {
@@ -127,19 +129,10 @@ pub struct Cells {
     pub classes: Vec<Option<Class>>,
 }
 
-/// The purpose of a margin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Purpose {
-    /// Passing through: drawn in pale red.
-    Transit,
-    /// Informative maneuvers: drawn hatched.
-    Trial,
-}
-
 /// Cells that only the safety margin blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Margin {
-    /// Its purpose.
+    /// Its purpose: in pale red for transit, hatched for trial.
     pub purpose: Purpose,
     /// The raster of the cells.
     pub grid: Raster,
@@ -158,15 +151,6 @@ pub struct Spot {
     pub depth_m: Option<f64>,
     /// Its title.
     pub title: String,
-}
-
-/// How a charted point is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Symbol {
-    /// As a depth.
-    Sounding,
-    /// As an object to keep clear of.
-    Danger,
 }
 
 /// Cells that hulls swept.
