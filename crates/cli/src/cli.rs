@@ -1,16 +1,24 @@
 //! Flags that all stages share.
 
+use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use files::{Change, Changes, Provenance, Shard};
+use estimation::Estimator;
+use estimation::runs::{AdditionalUnknowns, Intercepts, UnknownCurrent};
+use files::{Change, Changes, PROGRAM_BYTES, Provenance, Shard};
+use plan::lattice::{Options, Progress};
+use plan::voyage::Watch;
+use serde_json::{Value, json};
+use study::check_kind;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, on_stderr};
 
 pub use files::{budget, set_budget};
 pub use study::beside;
-use study::check_kind;
 
 /// Flags of every stage.
 #[derive(Clone, Debug, Args)]
@@ -62,9 +70,6 @@ impl Sharding {
 }
 
 /// The value of a flag that clap requires unless files are gathered.
-///
-/// # Errors
-/// A usage error that names the flag.
 pub fn given<'a>(path: &'a Option<PathBuf>, flag: &str) -> Result<&'a Path, Failure> {
     path.as_deref()
         .ok_or_else(|| Failure::Usage(format!("--{flag}: found none, expected a path; name the file")))
@@ -88,9 +93,6 @@ impl Common {
 
     /// The main output: `--out`, or `name` in it if it is a folder. It must not be one of `inputs`, and its folder
     /// must exist, so that a missing folder is reported before the work.
-    ///
-    /// # Errors
-    /// A usage error: an input that would be overwritten, the name of another kind of file; no such folder.
     pub fn main_output<I: AsRef<Path>>(
         &self,
         name: &str,
@@ -106,9 +108,6 @@ impl Common {
     }
 
     /// [`Common::main_output`] for stages that create the folder.
-    ///
-    /// # Errors
-    /// A usage error: an input that would be overwritten, the name of another kind of file.
     pub fn output_in_any_folder<I: AsRef<Path>>(
         &self,
         name: &str,
@@ -130,9 +129,6 @@ impl Common {
 
 /// The path of `name` in the set with the main file `out`, usually called `usual`. It must not be one of `inputs`: a
 /// model that is made from another would overwrite it.
-///
-/// # Errors
-/// A usage error that names the input that would be overwritten.
 pub fn member<I: AsRef<Path>>(
     out: &Path,
     usual: &str,
@@ -163,9 +159,6 @@ pub fn folder_of(main: &Path) -> &Path {
 }
 
 /// Calls `write` with an existing `folder`: created if missing, and removed again if nothing was written.
-///
-/// # Errors
-/// A folder that cannot be created; those of `write`.
 pub fn in_folder<T>(folder: &Path, write: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     if folder.as_os_str().is_empty() || folder.is_dir() {
         return write();
@@ -180,30 +173,21 @@ pub fn in_folder<T>(folder: &Path, write: impl FnOnce() -> Result<T, Failure>) -
 
 /// Refuses a folder that contains anything but files of these `names`, since its contents are used as a whole. Names
 /// that begin with a dot are ignored.
-///
-/// # Errors
-/// A folder that contains other files, or a file in its place.
 pub fn only_folder_of(folder: &Path, names: &[String]) -> Result<(), Failure> {
     let entries = match std::fs::read_dir(folder) {
         Ok(entries) => entries,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
         Err(error) => return Err(files::Error::io(folder, "list", error).into()),
     };
-    let found = entries.filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()));
+    let there = entries.filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()));
     let mut others: Vec<String> =
-        found.filter(|name| !name.starts_with('.') && !names.contains(name)).collect();
+        there.filter(|name| !name.starts_with('.') && !names.contains(name)).collect();
     others.sort();
     match others.first() {
         None => Ok(()),
         Some(other) => {
-            let expected = format!("none but {}", names.join(", "));
-            Err(Failure::refuse(
-                folder,
-                "folder",
-                &format!("`{other}` in it"),
-                &expected,
-                "name another folder with --out",
-            ))
+            let (other, expected) = (format!("`{other}` in it"), format!("none but {}", names.join(", ")));
+            Err(Failure::refuse(folder, "folder", &other, &expected, "name another folder with --out"))
         }
     }
 }
@@ -212,9 +196,6 @@ pub fn only_folder_of(folder: &Path, names: &[String]) -> Result<(), Failure> {
 const LARGEST: f64 = 1e12;
 
 /// Refuses a number that is not positive, or unreasonably large.
-///
-/// # Errors
-/// A usage error that names the flag.
 pub fn check_positive(flag: &str, value: Option<f64>) -> Result<(), Failure> {
     let refuse = |value: f64, expected: &str| {
         Err(Failure::Usage(format!("{flag}: found {value:?}, expected {expected}; correct it")))
@@ -229,9 +210,6 @@ pub fn check_positive(flag: &str, value: Option<f64>) -> Result<(), Failure> {
 }
 
 /// Refuses the first of `flags` that is given where there is `found`.
-///
-/// # Errors
-/// A usage error that names the flag.
 pub fn none_given<'a>(
     flags: impl IntoIterator<Item = (&'a str, bool)>,
     found: &str,
@@ -246,9 +224,6 @@ pub fn none_given<'a>(
 }
 
 /// `value`, which must not be below `least`.
-///
-/// # Errors
-/// A usage error that names the flag.
 pub fn not_below(flag: &str, value: f64, least: f64) -> Result<f64, Failure> {
     if value.is_finite() && value >= least && value <= LARGEST {
         return Ok(value);
@@ -258,9 +233,6 @@ pub fn not_below(flag: &str, value: f64, least: f64) -> Result<f64, Failure> {
 }
 
 /// Seconds in samples.
-///
-/// # Errors
-/// A usage error: less than a sample.
 pub fn samples(flag: &str, seconds: f64, rate_hz: f64) -> Result<usize, Failure> {
     let samples = (seconds * rate_hz).round();
     if (1.0..1e9).contains(&samples) {
@@ -268,4 +240,151 @@ pub fn samples(flag: &str, seconds: f64, rate_hz: f64) -> Result<usize, Failure>
     }
     let expected = format!("at least a sample, {} s", 1.0 / rate_hz);
     Err(Failure::Usage(format!("{flag}: found {seconds}, expected {expected}; correct it")))
+}
+
+/// Parses one of `all` by its name; `help` is its line in `--help`.
+pub fn choice<T: Copy + Send + Sync + 'static>(
+    all: &'static [T],
+    name: fn(T) -> &'static str,
+    help: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    let values = all.iter().map(|one| PossibleValue::new(name(*one)).help(help(*one)));
+    PossibleValuesParser::new(values.collect::<Vec<_>>()).try_map(move |given| {
+        let known = all.iter().copied().find(|one| name(*one) == given);
+        known.ok_or_else(|| format!("unknown value {given}"))
+    })
+}
+
+/// Share of the time for a search, so that the rest is left to check its plan.
+const SEARCHED: f64 = 0.7;
+/// The same if there is nothing to check.
+const FOUND: f64 = 0.95;
+
+/// The flags.
+#[derive(Args)]
+pub struct LimitFlags {
+    /// Stop after this time, all phases counted, with a plan that is found in a moment and its gap, if there is one
+    #[arg(long, value_name = "SECONDS")]
+    time_limit_s: Option<f64>,
+}
+
+impl LimitFlags {
+    /// The limits of the flags, starting now.
+    pub fn limits(&self, common: &Common) -> Result<Limits, Failure> {
+        let time = match self.time_limit_s {
+            Some(s) if !(s.is_finite() && s > 0.0 && s < 1e9) => {
+                let message = format!("--time-limit-s: found {s}, expected seconds above 0; correct it");
+                return Err(Failure::Usage(message));
+            }
+            time => time.map(Duration::from_secs_f64),
+        };
+        Ok(Limits { memory_bytes: memory_bytes(common), started: Instant::now(), time, quiet: common.quiet })
+    }
+}
+
+/// Memory of chart, lattice, search and check, without the program: by default no more than a fixed limit even if
+/// more is available, since a search uses all that it may have, and a plan should not depend on the machine.
+fn memory_bytes(common: &Common) -> u64 {
+    let usual = common.memory_mib.map_or(Options::default().memory_bytes as f64, |_| f64::INFINITY);
+    (budget().bytes().min(usual) as u64).saturating_sub(PROGRAM_BYTES)
+}
+
+/// Limits of a search.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Memory it may take \[bytes\].
+    pub memory_bytes: u64,
+    /// The start of all phases, for their common time limit.
+    pub started: Instant,
+    /// Time it may take.
+    pub time: Option<Duration>,
+    /// Whether to report no progress.
+    pub quiet: bool,
+}
+
+impl Limits {
+    /// As options of the search.
+    pub fn options(&self) -> Options {
+        Options { memory_bytes: self.memory_bytes, ..Options::default() }
+    }
+
+    /// Whether there is time left.
+    pub fn keep_going(&self) -> bool {
+        self.time.is_none_or(|time| self.started.elapsed() < time)
+    }
+
+    /// Limits of a search that leaves time to check what it finds.
+    pub fn before_check(&self) -> Self {
+        Self { time: self.time.map(|time| time.mul_f64(SEARCHED)), ..*self }
+    }
+
+    /// Limits of a search that leaves time to free its memory and to write its result.
+    pub fn before_writing(&self) -> Self {
+        Self { time: self.time.map(|time| time.mul_f64(FOUND)), ..*self }
+    }
+
+    /// A watch that stops the search when its time is over, and reports progress every few seconds.
+    pub fn watch(&self) -> Watch {
+        let limits = *self;
+        let mut reported = Instant::now();
+        Box::new(move |progress: Progress| {
+            if !limits.quiet && reported.elapsed() > Duration::from_secs(2) {
+                reported = Instant::now();
+                let bound = progress.lower_bound.primary;
+                let seconds = limits.started.elapsed().as_secs_f64();
+                on_stderr(format_args!("plan: {seconds:.0} s, at least {bound}"));
+            }
+            limits.keep_going()
+        })
+    }
+}
+
+/// The flags.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct AdditionalFlags {
+    /// Forces that stay, as unknowns of `output-error` and `prediction-error`
+    #[arg(long, value_parser = choice(&Intercepts::ALL, Intercepts::name, Intercepts::description), default_value_t = Intercepts::Each)]
+    intercepts: Intercepts,
+    /// A current of every run, as two more unknowns of `output-error`
+    #[arg(long, value_name = "AXES", value_parser = choice(&UnknownCurrent::ALL, UnknownCurrent::name, UnknownCurrent::description), default_value_t = UnknownCurrent::None)]
+    unknown_current: UnknownCurrent,
+}
+
+impl AdditionalFlags {
+    /// The unknowns of the flags.
+    pub fn unknown(self) -> AdditionalUnknowns {
+        AdditionalUnknowns { intercepts: self.intercepts, current: self.unknown_current }
+    }
+
+    /// Refuses flags that none of the `estimators` uses.
+    pub fn check(self, estimators: &[Estimator]) -> Result<(), Failure> {
+        let simulated = estimators.contains(&Estimator::OutputError);
+        let searched = estimators.iter().any(|estimator| estimator.searches());
+        let asked = estimators.iter().map(|e| e.name()).collect::<Vec<_>>().join(", ");
+        if self.unknown_current != UnknownCurrent::None && !simulated {
+            return Err(Failure::Usage(format!(
+                "--unknown-current {} is for `output-error`: found {asked}; add it to --estimator or leave the flag out",
+                self.unknown_current
+            )));
+        }
+        if self.intercepts != Intercepts::Each && !searched {
+            return Err(Failure::Usage(format!(
+                "--intercepts {} is for `output-error` and `prediction-error`: found {asked}; --mean-removal is for the others",
+                self.intercepts
+            )));
+        }
+        Ok(())
+    }
+
+    /// Notes values that are not the default.
+    pub fn note(self, settings: &mut BTreeMap<String, Value>) {
+        let (usual, AdditionalUnknowns { intercepts, current }) =
+            (AdditionalUnknowns::default(), self.unknown());
+        if intercepts != usual.intercepts {
+            settings.insert("intercepts".into(), json!(intercepts));
+        }
+        if current != usual.current {
+            settings.insert("unknown_current".into(), json!(current));
+        }
+    }
 }

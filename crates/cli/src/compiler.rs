@@ -12,9 +12,6 @@ use crate::failure::Failure;
 
 /// The library that `compiler` builds from the sources `files` (name and text) with `flags`; `None` if there is no
 /// such program. It works in a private folder whose name leaves no trace in the output.
-///
-/// # Errors
-/// A folder that cannot be written, sources that do not compile.
 pub fn compiled(
     compiler: &str,
     flags: &[&str],
@@ -62,11 +59,11 @@ struct UnderWay {
 /// Ends the compilers of this process and removes their folders; the process must end after that.
 pub(crate) fn abandon() {
     let under_way = under_way();
-    for own in &*under_way {
-        own.group.into_iter().for_each(end);
+    for work in &*under_way {
+        work.group.into_iter().for_each(end);
         // A process that is ending may still write a file.
         for _ in 0..50 {
-            if fs::remove_dir_all(&own.folder).is_ok() || !own.folder.exists() {
+            if fs::remove_dir_all(&work.folder).is_ok() || !work.folder.exists() {
                 break;
             }
             std::thread::sleep(std::time::Duration::from_millis(10));
@@ -101,15 +98,15 @@ impl Work {
     fn noted(&self, spawn: impl FnOnce() -> io::Result<Child>) -> io::Result<Child> {
         let mut under_way = under_way();
         let child = spawn()?;
-        let own = under_way.iter_mut().find(|own| own.folder == self.folder.path());
-        own.into_iter().for_each(|own| own.group = Some(child.id()));
+        let work = under_way.iter_mut().find(|work| work.folder == self.folder.path());
+        work.into_iter().for_each(|work| work.group = Some(child.id()));
         Ok(child)
     }
 }
 
 impl Drop for Work {
     fn drop(&mut self) {
-        under_way().retain(|own| own.folder != self.folder.path());
+        under_way().retain(|work| work.folder != self.folder.path());
     }
 }
 

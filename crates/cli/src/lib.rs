@@ -3,35 +3,19 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-pub mod additional;
-mod changed;
-pub mod choice;
-pub mod cli;
+mod cli;
 pub mod commands;
-pub mod compiler;
-mod crossed;
-pub mod design;
-pub mod failure;
+mod compiler;
+mod design;
+mod failure;
 pub mod inputs;
-mod interrupted;
-pub mod limits;
-pub mod manual;
-pub mod monte_carlo;
-pub mod new;
-pub mod ordered;
-pub mod physical;
+mod physical;
 pub mod pipeline;
-pub mod plan;
-pub mod pool;
-pub mod progress;
-pub mod run;
-pub mod said;
-pub mod sharded;
-pub mod ships;
-pub mod simulate;
-pub mod stage;
+mod pool;
+mod ships;
+mod simulate;
+mod stage;
 pub mod umbrella;
-pub mod verify;
 
 #[doc(hidden)]
 pub use mimalloc::MiMalloc;

@@ -14,10 +14,8 @@ use study::documents::{CrossvalDocument, ModelDocument};
 use study::files::read_reference;
 
 use crate::cli::{Common, none_given, not_below, samples};
-use crate::crossed::written;
-use crate::failure::Failure;
+use crate::failure::{Failure, WorkProgress};
 use crate::pool::{Held, PoolFlags};
-use crate::progress::Progress;
 use crate::stage::Summary;
 
 /// The usual name of the document.
@@ -70,9 +68,6 @@ pub fn absent<const N: usize>(flags: [(&str, bool); N]) -> Result<(), Failure> {
 
 impl PhysicalFlags {
     /// Refuses these flags for terms per sample.
-    ///
-    /// # Errors
-    /// A usage error that names the first of them.
     pub fn check_absent(&self) -> Result<(), Failure> {
         absent([
             ("--window-s", self.window_s.is_some()),
@@ -85,9 +80,6 @@ impl PhysicalFlags {
 
 impl FittingFlags {
     /// Refuses these flags for terms per sample.
-    ///
-    /// # Errors
-    /// A usage error that names the first of them.
     pub fn check_absent(&self) -> Result<(), Failure> {
         absent([("--fitted-window-s", self.fitted_window_s.is_some())])?;
         self.weights.check_absent()
@@ -96,17 +88,11 @@ impl FittingFlags {
 
 impl WeightFlags {
     /// Refuses these flags for terms per sample.
-    ///
-    /// # Errors
-    /// A usage error that names the first of them.
     pub fn check_absent(&self) -> Result<(), Failure> {
         absent([("--prior-weight", self.prior_weight.is_some()), ("--measured-starts", self.measured_starts)])
     }
 
     /// With the length of windows, by its flag.
-    ///
-    /// # Errors
-    /// A number out of range; two weights.
     pub fn settings(
         &self,
         sample_s: f64,
@@ -118,8 +104,9 @@ impl WeightFlags {
         samples(flag, window_s, 1.0 / sample_s)?;
         let weight = match (self.prior_weight, held) {
             (Some(weight), Some(Held::Strength(_))) => {
-                let found = format!("--prior-weight: found {weight} beside a number as --prior");
-                return Err(Failure::Usage(format!("{found}, expected one of them; leave one out")));
+                return Err(Failure::Usage(format!(
+                    "--prior-weight: found {weight} beside a number as --prior, expected one of them; leave one out"
+                )));
             }
             (Some(weight), _) => not_below("--prior-weight", weight, 0.0)?,
             (None, Some(Held::Strength(weight))) => not_below("--prior", *weight, 0.0)?,
@@ -132,28 +119,28 @@ impl WeightFlags {
 }
 
 /// Fits `vessel`, which has forces, to the runs of `flags`, and writes model.json.
-///
-/// # Errors
-/// Flags or an estimator that need terms per sample; files that are refused; no fit.
 pub fn fit(
-    (flags, own): (&PoolFlags, &PhysicalFlags),
+    (flags, fitting): (&PoolFlags, &PhysicalFlags),
     (estimator, most_added): (Option<Estimator>, usize),
     vessel: &Vessel,
     (common, mut provenance): (&Common, Provenance),
 ) -> Result<Summary, Failure> {
     check(flags, estimator.as_slice(), vessel)?;
-    let out = common.main_output(MAIN, flags.inputs().chain(&own.reference))?;
-    let window = ("--window-s", own.window_s);
-    let settings = own.weights.settings(1.0 / vessel.sample_rate_hz, window, flags.prior.as_ref())?;
+    let out = common.main_output(MAIN, flags.inputs().chain(&fitting.reference))?;
+    let window = ("--window-s", fitting.window_s);
+    let settings = fitting.weights.settings(1.0 / vessel.sample_rate_hz, window, flags.prior.as_ref())?;
     let former = read_former(flags, vessel, &mut provenance)?;
-    let reference =
-        own.reference.as_ref().map(|path| read_reference(path, "reference", &mut provenance)).transpose()?;
-    if let (Some(path), Some(reference)) = (&own.reference, &reference) {
+    let reference = fitting
+        .reference
+        .as_ref()
+        .map(|path| read_reference(path, "reference", &mut provenance))
+        .transpose()?;
+    if let (Some(path), Some(reference)) = (&fitting.reference, &reference) {
         check_captive(reference, vessel).map_err(|e| Failure::invalid(path, &e))?;
     }
     let runs = flags.of.read_of_forces(vessel, &mut provenance)?;
     let (former, reference) = (former.as_deref(), reference.as_ref());
-    let criticise = !own.no_criticism;
+    let criticise = !fitting.no_criticism;
     let physical = Physical { vessel, settings, former, reference, criticise, most_added };
     let model = physical.model(&runs).map_err(|e| unfit(e, &flags.vessel, flags.of.file()))?;
     let noted = [
@@ -163,14 +150,14 @@ pub fn fit(
         ("leave_out", json!(flags.of.leave_out)),
         ("window_s", json!(settings.window_s)),
         ("prior_weight", json!(settings.prior_weight)),
-        ("measured_starts", json!(own.weights.measured_starts)),
+        ("measured_starts", json!(fitting.weights.measured_starts)),
         ("criticised", json!(criticise)),
         ("add_terms", json!(most_added)),
     ];
     note(noted, &mut provenance);
     commit(vec![stage_document(&out, &provenance, &model)?])?;
     let (windows, free, steps) =
-        model.forces.as_ref().map_or((0, 0, 0), |own| (own.windows, own.parameters.len(), own.steps));
+        model.forces.as_ref().map_or((0, 0, 0), |fit| (fit.windows, fit.parameters.len(), fit.steps));
     let statements = &model.statements;
     let said = format!("output-error from {windows} windows, {free} parameters, {steps} steps");
     let all: Vec<&str> = [said.as_str()].into_iter().chain(statements.iter().map(String::as_str)).collect();
@@ -193,25 +180,22 @@ pub struct Scored<'a> {
 }
 
 /// Leaves runs of `flags` out of fits of `vessel`, which has forces, and writes crossval.json.
-///
-/// # Errors
-/// Flags or an estimator that need terms per sample; files that are refused; nothing to leave out.
 pub fn cross(
-    (flags, own, estimators): (&PoolFlags, &FittingFlags, &[Estimator]),
+    (flags, fitting, estimators): (&PoolFlags, &FittingFlags, &[Estimator]),
     vessel: &Vessel,
     scored: Scored,
     (common, mut provenance): (&Common, Provenance),
 ) -> Result<Summary, Failure> {
     check(flags, estimators, vessel)?;
-    let (rate_hz, window) = (vessel.sample_rate_hz, ("--fitted-window-s", own.fitted_window_s));
-    let settings = own.weights.settings(1.0 / rate_hz, window, flags.prior.as_ref())?;
+    let (rate_hz, window) = (vessel.sample_rate_hz, ("--fitted-window-s", fitting.fitted_window_s));
+    let settings = fitting.weights.settings(1.0 / rate_hz, window, flags.prior.as_ref())?;
     let former = read_former(flags, vessel, &mut provenance)?;
     let runs = flags.of.read_of_forces(vessel, &mut provenance)?;
-    let progress = Progress::new("folds", (scored.number)(runs.sources()), common.quiet);
+    let progress = WorkProgress::new("folds", (scored.number)(runs.sources()), common.quiet);
     let (former, reference) = (former.as_deref(), None);
     let physical = Physical { vessel, settings, former, reference, criticise: false, most_added: 0 };
-    let found = physical.cross(&runs, (scored.window, scored.folds), &|count| progress.advance(count));
-    let found = found.map_err(|e| Failure::invalid(flags.of.file(), &e.invalid()))?;
+    let folds = physical.cross(&runs, (scored.window, scored.folds), &|count| progress.advance(count));
+    let folds = folds.map_err(|e| Failure::invalid(flags.of.file(), &e.invalid()))?;
     let noted = [
         ("estimators", json!([Estimator::OutputError])),
         ("runs", json!(flags.of.runs)),
@@ -219,18 +203,18 @@ pub fn cross(
         ("window_samples", json!(scored.window)),
         ("fitted_window_s", json!(settings.window_s)),
         ("prior_weight", json!(settings.prior_weight)),
-        ("measured_starts", json!(own.weights.measured_starts)),
+        ("measured_starts", json!(fitting.weights.measured_starts)),
     ];
     note(noted.into_iter().chain(scored.settings), &mut provenance);
     let window_s = scored.window.map(|samples| samples as f64 / rate_hz);
-    let document = CrossvalDocument::of_forces(settings.prior_weight, window_s, &found);
+    let document = CrossvalDocument::of_forces(settings.prior_weight, window_s, &folds);
     written(&scored.out, &provenance, &document)
 }
 
 /// Refuses flags and estimators that need terms per sample.
 fn check(flags: &PoolFlags, estimators: &[Estimator], vessel: &Vessel) -> Result<(), Failure> {
     let refused = |e| Failure::invalid(&flags.vessel, &e);
-    estimators.iter().try_for_each(|own| own.check(vessel)).map_err(refused)?;
+    estimators.iter().try_for_each(|estimator| estimator.check(vessel)).map_err(refused)?;
     flags.check_forces()
 }
 
@@ -259,4 +243,16 @@ pub fn unfit(error: PhysicalError, vessel: &Path, runs: &Path) -> Failure {
         PhysicalError::Unfit(Unfit::NoParameter) => Failure::invalid(vessel, &Unfit::NoParameter.invalid()),
         PhysicalError::Unfit(other) => Failure::NoAnswer(format!("{}: {}", runs.display(), other.invalid())),
     }
+}
+
+/// Writes the result, and says it in short.
+pub fn written(out: &Path, provenance: &Provenance, document: &CrossvalDocument) -> Result<Summary, Failure> {
+    commit(vec![stage_document(out, provenance, document)?])?;
+    let (windows, folds, said) = (document.windows, document.folds, document.statements.join("; "));
+    Ok(Summary::of(
+        out,
+        format!("{windows} windows, {folds} folds; {said}"),
+        json!({"windows": windows, "folds": folds,
+            "recommended": document.recommended, "statements": document.statements}),
+    ))
 }

@@ -16,8 +16,7 @@ use study::Doubtful;
 use study::documents::{EstimateDocument, IngestDocument};
 use study::trajectories::label;
 
-use crate::choice::choice;
-use crate::cli::{none_given, not_below, samples};
+use crate::cli::{choice, none_given, not_below, samples};
 use crate::failure::Failure;
 use crate::inputs;
 
@@ -73,9 +72,6 @@ pub struct RunFlags {
 impl RunFlags {
     /// Reads the runs with `recorded`, and finds their constant logged channels. Results from simulated logs are
     /// labelled so.
-    ///
-    /// # Errors
-    /// Files that are refused; names that no run has.
     pub fn read<R: Recorded>(
         &self,
         vessel: &Vessel,
@@ -100,9 +96,6 @@ impl RunFlags {
     }
 
     /// As [`Self::read`], for forces: inputs of simulated runs are held during samples.
-    ///
-    /// # Errors
-    /// As [`Self::read`].
     pub fn read_of_forces(
         &self,
         vessel: &Vessel,
@@ -152,8 +145,8 @@ pub struct PoolFlags {
 }
 
 impl PoolFlags {
-    /// Notes a stage's `own` settings, and the pooled runs and their parts; omits empty or absent ones.
-    pub fn note<const N: usize>(&self, own: [(&str, Value); N], provenance: &mut Provenance) {
+    /// Notes a stage's `settings`, and the pooled runs and their parts; omits empty or absent ones.
+    pub fn note<const N: usize>(&self, settings: [(&str, Value); N], provenance: &mut Provenance) {
         let pooled = [
             ("runs", json!(self.of.runs)),
             ("leave_out", json!(self.of.leave_out)),
@@ -163,14 +156,11 @@ impl PoolFlags {
             ("core", json!(Some(true).filter(|_| self.core))),
         ];
         let given = |(_, value): &(&str, Value)| *value != json!([]) && !value.is_null();
-        let all = own.into_iter().chain(pooled).filter(given);
+        let all = settings.into_iter().chain(pooled).filter(given);
         provenance.settings.extend(all.map(|(key, value)| (key.to_owned(), value)));
     }
 
     /// `vessel`, or her core of terms per sample where that is asked for.
-    ///
-    /// # Errors
-    /// A core of a ship with forces, which are fitted themselves.
     pub fn cored(&self, vessel: Vessel) -> Result<Vessel, Failure> {
         if !self.core {
             return Ok(vessel);
@@ -193,9 +183,6 @@ impl PoolFlags {
     }
 
     /// Reads the runs with `recorded`, and the model for instruments. Results from simulated logs are labelled so.
-    ///
-    /// # Errors
-    /// Invalid values; files that are refused; names that no run has.
     pub fn read<'a, R: Recorded>(
         &self,
         vessel: &'a Vessel,
@@ -206,8 +193,10 @@ impl PoolFlags {
         files::Error: From<R::Error>,
     {
         if let Some(Held::Former(path)) = &self.prior {
-            let found = format!("--prior: found {} for a vessel with terms per sample", path.display());
-            return Err(Failure::Usage(format!("{found}, expected a number from 0.0 on; correct it")));
+            return Err(Failure::Usage(format!(
+                "--prior: found {} for a vessel with terms per sample, expected a number from 0.0 on; correct it",
+                path.display()
+            )));
         }
         let strength = not_below("--prior", self.strength(), 0.0)?;
         let nominal = self.nominal().read(vessel, provenance)?;
@@ -222,16 +211,10 @@ impl PoolFlags {
 
     /// The pull to nominal values.
     fn strength(&self) -> f64 {
-        match self.prior {
-            Some(Held::Strength(own)) => own,
-            _ => 0.0,
-        }
+        if let Some(Held::Strength(strength)) = self.prior { strength } else { 0.0 }
     }
 
     /// Refuses flags of regressions for a ship with forces.
-    ///
-    /// # Errors
-    /// A usage error that names the first of them.
     pub fn check_forces(&self) -> Result<(), Failure> {
         let flags = [
             ("--nominal", self.nominal.is_some()),
@@ -258,9 +241,6 @@ impl Nominal {
     }
 
     /// The model that it names.
-    ///
-    /// # Errors
-    /// A file that is refused, of several designs, or of other parameters.
     pub fn read(&self, vessel: &Vessel, provenance: &mut Provenance) -> Result<NominalModel, Failure> {
         provenance.settings.insert("nominal".into(), json!(self.source()));
         match self {

@@ -8,16 +8,13 @@ use std::process::ExitCode;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser};
-use files::Change;
 use files::fault::{Fault, inject};
-use refusal::with_remedy;
+use files::{Change, Changes};
+use refusal::{Invalid, with_remedy};
 use serde_json::{Value, json};
 
-use crate::changed::check_changes;
 use crate::cli::{Common, set_budget};
-use crate::failure::Failure;
-use crate::interrupted::listen;
-use crate::said::{on_stderr, on_stdout, printed};
+use crate::failure::{Failure, on_stderr, on_stdout, printed};
 
 /// The end of every help.
 const EXIT_CODES: &str =
@@ -35,8 +32,8 @@ impl Summary {
     /// The summary of the output `out`: `said` for people, the entries of `details` for programs.
     pub fn of(out: &Path, said: impl Display, details: Value) -> Self {
         let mut json = json!({"out": out.to_string_lossy()});
-        if let (Value::Object(all), Value::Object(own)) = (&mut json, details) {
-            all.extend(own);
+        if let (Value::Object(all), Value::Object(more)) = (&mut json, details) {
+            all.extend(more);
         }
         Self { line: format!("{}: {said}", out.display()), json }
     }
@@ -51,9 +48,6 @@ impl Summary {
 /// The flags of a stage, parsed.
 pub trait Task {
     /// Reads, calls the other crates, writes.
-    ///
-    /// # Errors
-    /// Any failure that leaves nothing written.
     fn run(&self, common: &Common) -> Result<Summary, Failure>;
 }
 
@@ -114,12 +108,9 @@ impl Stage {
     }
 
     /// The task that `matches` of [`Stage::command`] ask for.
-    ///
-    /// # Errors
-    /// A usage error: flags that exclude each other, changes of files that are not named.
     pub fn task(&self, matches: &ArgMatches) -> Result<(Box<dyn Task>, Common), Failure> {
-        if let Some((stage, own)) = self.chosen(matches) {
-            return stage.task(own);
+        if let Some((stage, below)) = self.chosen(matches) {
+            return stage.task(below);
         }
         let parsed = (self.parse)(matches).and_then(|task| Ok((task, Common::from_arg_matches(matches)?)));
         let (task, common) = parsed.map_err(|error| misused(&error))?;
@@ -130,15 +121,15 @@ impl Stage {
     /// Whether the command line of `matches` names the file of `change`.
     pub fn takes(&self, matches: &ArgMatches, change: &Change) -> bool {
         match self.chosen(matches) {
-            Some((stage, own)) => stage.takes(own, change),
+            Some((stage, below)) => stage.takes(below, change),
             None => check_changes(&(self.command)(), matches, std::slice::from_ref(change)).is_ok(),
         }
     }
 
     /// The stage below this one that `matches` name, and its part of them.
     fn chosen<'a>(&self, matches: &'a ArgMatches) -> Option<(&'static Self, &'a ArgMatches)> {
-        let (name, own) = matches.subcommand()?;
-        Some((self.below.iter().find(|stage| stage.bare().get_name() == name)?, own))
+        let (name, below) = matches.subcommand()?;
+        Some((self.below.iter().find(|stage| stage.bare().get_name() == name)?, below))
     }
 }
 
@@ -161,10 +152,10 @@ pub fn dressed(command: Command) -> Command {
 }
 
 fn with_exit_codes(command: Command) -> Command {
-    let own = command.get_after_help().map(ToString::to_string).unwrap_or_default();
-    let own = own.strip_suffix(EXIT_CODES).unwrap_or(&own).trim_end();
-    let gap = if own.is_empty() { "" } else { "\n\n" };
-    let help = format!("{own}{gap}{EXIT_CODES}");
+    let examples = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+    let examples = examples.strip_suffix(EXIT_CODES).unwrap_or(&examples).trim_end();
+    let gap = if examples.is_empty() { "" } else { "\n\n" };
+    let help = format!("{examples}{gap}{EXIT_CODES}");
     // A negative number is a value that the flag's own bounds refuse, no unknown flag.
     let command = command.mut_args(|arg| match arg.get_action().takes_values() {
         true => arg.allow_negative_numbers(true),
@@ -174,9 +165,6 @@ fn with_exit_codes(command: Command) -> Command {
 }
 
 /// Parses `words`, the first of which is the program, or reports what is wrong with them.
-///
-/// # Errors
-/// The exit code of the program: after the requested help or version, or after a refusal.
 pub fn matches(
     command: &mut Command,
     words: impl IntoIterator<Item = OsString>,
@@ -221,12 +209,10 @@ pub fn run(task: &dyn Task, common: &Common) -> ExitCode {
 
 /// Refuses a processor for which the loops over lanes were not compiled.
 fn check_processor() -> Result<(), Failure> {
-    let refused = |missing: &str| {
-        Failure::Failed(format!(
-            "processor: found no {missing}, expected them, as x86-64 processors have them since 2013; use another machine"
-        ))
-    };
-    numerics::missing_instructions().map_or(Ok(()), |missing| Err(refused(missing)))
+    let Some(missing) = numerics::missing_instructions() else { return Ok(()) };
+    Err(Failure::Failed(format!(
+        "processor: found no {missing}, expected them, as x86-64 processors have them since 2013; use another machine"
+    )))
 }
 
 /// Prints the requested help, or what is wrong with the command line, in one line.
@@ -318,4 +304,62 @@ fn inject_fault() {
     if let (Some((kind, count)), true) = (parsed, cfg!(debug_assertions)) {
         inject(if kind == "kill" { Fault::Kill } else { Fault::Error }, count);
     }
+}
+
+/// Installs the handler, so that signals first remove unfinished files.
+#[cfg(unix)]
+fn listen() {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    // Without a handler the signal ends the process as usual; the next start removes the files that it leaves.
+    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP]) else { return };
+    std::thread::spawn(move || {
+        if let Some(signal) = signals.forever().next() {
+            files::abandon();
+            crate::compiler::abandon();
+            on_stderr("error: interrupted");
+            std::process::exit(128 + signal);
+        }
+    });
+}
+
+#[cfg(not(unix))]
+fn listen() {}
+
+/// The hand-written files that a folder given as `--study` may contain.
+const IN_STUDIES: [&str; 4] = ["vessel", "dictionary", "campaign", "reference"];
+
+/// Those that the stages of a whole study read together; each stage is told those of its own.
+const IN_RUNS: [&str; 7] = ["vessel", "dictionary", "campaign", "reference", "plan", "ingest", "logs"];
+
+/// Refuses `changes` of a file that `matches` of `command` do not name, and a key that is given twice: a change
+/// without effect would go unnoticed.
+fn check_changes(command: &Command, matches: &ArgMatches, changes: &[Change]) -> Result<(), Failure> {
+    let usage = |invalid: Invalid| Err(Failure::Usage(format!("--set: {invalid}")));
+    let files: Vec<String> = command.get_arguments().flat_map(|arg| named(arg, matches)).collect();
+    let known = || files.iter().map(String::as_str);
+    match changes.iter().find(|change| !files.iter().any(|file| file == change.file())) {
+        Some(change) if files.is_empty() => {
+            let (expected, remedy) =
+                ("no change, for no TOML file is named here", "remove it, or name the file");
+            usage(Invalid::new("file", format!("`{}`", change.file()), expected, remedy))
+        }
+        Some(change) => usage(Invalid::unknown("file", change.file(), known())),
+        None => Changes::new(changes.to_vec()).map_or_else(usage, |_| Ok(())),
+    }
+}
+
+/// Usual names, without `.toml`, of the hand-written files that `arg` was given.
+fn named(arg: &Arg, matches: &ArgMatches) -> Vec<String> {
+    let given = matches.try_get_raw(arg.get_id().as_str()).ok().flatten().and_then(|mut given| given.next());
+    let Some(given) = given else { return Vec::new() };
+    if arg.get_id() == "study" {
+        return IN_STUDIES.map(str::to_owned).to_vec();
+    }
+    if arg.get_id() == "whole_study" {
+        return IN_RUNS.map(str::to_owned).to_vec();
+    }
+    let json = Path::new(given).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+    let names = arg.get_value_names().unwrap_or_default().iter().flat_map(|name| name.split('|'));
+    let files = names.filter_map(|name| name.strip_suffix(".toml")).map(str::to_owned);
+    if json { Vec::new() } else { files.collect() }
 }

@@ -1,6 +1,6 @@
 //! Clocks: the order of their times, where they begin anew, and rows that share a time.
 
-use numerics::statistics::median_again;
+use numerics::statistics::streamed_median;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -174,7 +174,7 @@ pub(crate) fn unrolled(times: Samples, of_day: bool, max_gap_s: f64) -> (Samples
     if !steps(known()).any(|step| step < 0.0 || is_late(step)) {
         return (times, 0);
     }
-    let usual = median_again(|| steps(known()).filter(|step| *step > 0.0)).unwrap_or(0.0);
+    let usual = streamed_median(|| steps(known()).filter(|step| *step > 0.0)).unwrap_or(0.0);
     let mut clock = Unrolling {
         of_day,
         usual,
@@ -278,9 +278,9 @@ pub(crate) fn spread(times: Samples, is_stamped: bool) -> (Samples, usize) {
     let shared = shared(&times);
     let known = times.iter().filter(|time| time.is_finite()).count();
     let steps = || shared.windows(2).map(|pair| pair[1].time - pair[0].time);
-    let step = median_again(|| steps().filter(|step| *step > 0.0));
+    let step = streamed_median(|| steps().filter(|step| *step > 0.0));
     let (Some(step), true) = (step, known > shared.len()) else { return (times, 0) };
-    let usual = median_again(|| shared.iter().map(|group| group.rows as f64)).unwrap_or(1.0);
+    let usual = streamed_median(|| shared.iter().map(|group| group.rows as f64)).unwrap_or(1.0);
     let afters = steps().map(Some).chain([None]);
     let befores = [None].into_iter().chain(steps().map(Some));
     let gap = |other: Option<f64>| other.is_none_or(|distance| !(distance > 0.0 && distance <= GAP * step));

@@ -1,7 +1,7 @@
 use std::fmt::Display;
 use std::sync::Arc;
 
-use numerics::statistics::median_again;
+use numerics::statistics::streamed_median;
 use refusal::{Invalid, foreign, nearest, some_of};
 
 use crate::samples::steps;
@@ -345,7 +345,7 @@ fn is_more_even(times: &Samples, others: &Samples) -> bool {
     let [first, other] = [times, others].map(|times| {
         let steps = || steps(times.iter().filter(|time| time.is_finite()));
         let back = steps().filter(|step| *step < 0.0).count();
-        let usual = median_again(steps).unwrap_or(0.0);
+        let usual = streamed_median(steps).unwrap_or(0.0);
         (back, steps().map(|step| (step - usual).abs()).sum::<f64>())
     });
     other.0 > MORE_EVEN as usize * first.0 || other.0 == first.0 && other.1 > MORE_EVEN * first.1

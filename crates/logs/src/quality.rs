@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use numerics::statistics::streamed_median as median_again;
+use numerics::statistics::streamed_median;
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -30,14 +30,14 @@ pub fn noise_std(series: &Series) -> Option<f64> {
             }
         });
     }
-    let median = median_again(|| residuals.iter())?;
+    let median = streamed_median(|| residuals.iter())?;
     Some(FROM_MEDIAN * median / (1.0 - FOLLOWED).sqrt())
 }
 
 /// Median distance from the median; 0 for no values.
 fn robust_deviation(values: &Samples) -> f64 {
-    let centre = median_again(|| values.iter()).unwrap_or(0.0);
-    median_again(|| values.iter().map(|value| (value - centre).abs())).unwrap_or(0.0)
+    let centre = streamed_median(|| values.iter()).unwrap_or(0.0);
+    streamed_median(|| values.iter().map(|value| (value - centre).abs())).unwrap_or(0.0)
 }
 
 /// One channel of a recording.

@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
-use numerics::statistics::streamed_median as median_again;
+use numerics::statistics::streamed_median;
 
 use crate::samples::{Samples, View, steps};
 
@@ -56,7 +56,7 @@ impl Series {
 
     /// Samples per second: the inverse of the median step. None for fewer than two samples.
     pub fn rate_hz(&self) -> Option<f64> {
-        median_again(|| steps(self.t.iter())).map(|step| 1.0 / step)
+        streamed_median(|| steps(self.t.iter())).map(|step| 1.0 / step)
     }
 
     /// The sections of samples without a gap between neighbours.

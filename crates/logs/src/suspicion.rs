@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use numerics::statistics::streamed_median as median_again;
+use numerics::statistics::streamed_median;
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -244,7 +244,7 @@ fn slow(common_hz: f64, channel: &ChannelSummary) -> Option<Oddity> {
 fn jumps(channels: &Channels) -> Option<Oddity> {
     let psi = &channels.get("psi")?.values;
     let turned = || steps(psi.iter()).map(f64::abs);
-    let above = (12.0 * median_again(turned)?).max(0.2);
+    let above = (12.0 * streamed_median(turned)?).max(0.2);
     let count = turned().filter(|step| *step > above).count();
     let text = format!("jumps by more than {:.1} deg {count} times", above.to_degrees());
     (count > 0).then_some((WarningKind::Jump, count as u64, text))
@@ -268,7 +268,7 @@ fn place_jumps(channels: &Channels) -> Option<Oddity> {
             change.is_finite().then_some(change)
         })
     };
-    let above = (12.0 * median_again(changes)?).max(1.0);
+    let above = (12.0 * streamed_median(changes)?).max(1.0);
     let count = changes().filter(|change| *change > above).count();
     let text = format!("and `y` jump, by their speed, by more than {above:.1} m/s {count} times");
     (count > 0).then_some((WarningKind::Jump, count as u64, text))

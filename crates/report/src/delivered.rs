@@ -1,18 +1,17 @@
 use maud::{Markup, html};
-
-use super::derivatives::derivatives;
-use super::measured::Measured;
-use super::number::{or_dash, three, three_or_dash, unit};
-use super::parts::{Section, missing};
-use super::table::Table;
-use crate::figures::text::signed;
 use refusal::listed;
 use study::documents::{
-    CrossvalDocument, DeliveredKind, Estimator, ModelDegree, ModelDocument, ModelParameter, SearchDocument,
+    CaptiveValue, CrossvalDocument, DeliveredKind, Estimator, FittedForces, FittedParameter, ModelDegree,
+    ModelDocument, ModelParameter, SailedSum, SailedSums, SearchDocument,
 };
 
+use crate::figures::text::signed;
+use crate::measured::MeasuredStudy;
+use crate::number::{interval, or_dash, percent, three, three_or_dash, unit};
+use crate::parts::{HtmlTable, Section, missing};
+
 /// Parameters of the resulting model, and whether its estimator is the recommended one.
-pub(super) fn delivered(measured: &Measured) -> Section {
+pub(super) fn delivered(measured: &MeasuredStudy) -> Section {
     let body = match &measured.model {
         None if measured.trust.is_some() => html! {
             p { "The estimate delivers no model: a degree of freedom has no estimate, or the free simulation of a recording diverges. See below." }
@@ -20,7 +19,7 @@ pub(super) fn delivered(measured: &Measured) -> Section {
         None => missing("The model is", "model.json", "estimate pool"),
         Some(model) => html! {
             @match measured.searched.as_ref().filter(|_| measured.crossval.is_none()) {
-                Some(found) => (by_search(found)),
+                Some(search) => (by_search(search)),
                 None => (chosen(model.estimator, measured.crossval.as_ref())),
             }
             @match &model.forces {
@@ -33,13 +32,14 @@ pub(super) fn delivered(measured: &Measured) -> Section {
             (surroundings(model))
         },
     };
-    Section::new("model", "Model", &heading(measured.model.as_ref()), body)
+    let by = measured.model.as_ref().map_or(String::new(), |model| format!(", by {}", model.estimator));
+    Section::new("model", "Model", &format!("The delivered model{by}"), body)
 }
 
 /// Which model of a search this is.
 fn by_search(found: &SearchDocument) -> Markup {
-    let average = code("average.json");
-    match found.beside.as_ref().map(|own| own.delivered) {
+    let average = html! { code { "average.json" } };
+    match found.beside.as_ref().map(|beside| beside.delivered) {
         Some(DeliveredKind::Average) => html! {
             p {
                 "The delivered model is the mean trajectory of two, which are in " (average) ": the terms that the search found, and these \
@@ -56,22 +56,12 @@ fn by_search(found: &SearchDocument) -> Markup {
     }
 }
 
-fn code(text: &str) -> Markup {
-    html! { code { (text) } }
-}
-
-fn heading(model: Option<&ModelDocument>) -> String {
-    model.map_or("The delivered model".to_owned(), |model| {
-        format!("The delivered model, by {}", model.estimator)
-    })
-}
-
 /// Whether cross-validation recommends the estimator of the model.
 fn chosen(estimator: Estimator, crossval: Option<&CrossvalDocument>) -> Markup {
-    let Some(found) = crossval else {
+    let Some(crossval) = crossval else {
         return html! { p { "Estimated by " (estimator) ". No cross-validation says which estimator to take." } };
     };
-    match found.recommended {
+    match crossval.recommended {
         Some(best) if best == estimator => {
             html! { p { "Estimated by " (estimator) ", which cross-validation recommends." } }
         }
@@ -81,7 +71,7 @@ fn chosen(estimator: Estimator, crossval: Option<&CrossvalDocument>) -> Markup {
                 " run " code { "estimate pool --estimator " (best) } "."
             }
         },
-        None => html! { p { (undecided(estimator, &found.candidates)) } },
+        None => html! { p { (undecided(estimator, &crossval.candidates)) } },
     }
 }
 
@@ -109,69 +99,47 @@ fn undecided(estimator: Estimator, candidates: &[Estimator]) -> String {
     }
 }
 
-/// A row of the table: a term, or the constant of a degree of freedom.
-#[derive(Clone, Copy)]
-struct Row<'a> {
-    degree: &'a ModelDegree,
-    /// `None`: the constant.
-    parameter: Option<&'a ModelParameter>,
-}
-
-fn parameters(model: &ModelDocument) -> Markup {
-    let rows: Vec<Row> = model.degrees.iter().flat_map(Row::all).collect();
-    let known = rows.iter().any(|row| row.truth().is_some());
-    let mut table = Table::of(rows)
+/// A row per term and per constant of a degree of freedom, which is no parameter.
+fn parameters(model: &ModelDocument) -> HtmlTable<(&ModelDegree, Option<&ModelParameter>)> {
+    let rows = model.degrees.iter().flat_map(|degree| {
+        degree.parameters.iter().map(Some).chain([None]).map(move |parameter| (degree, parameter))
+    });
+    let truth = |parameter: Option<&ModelParameter>| parameter.and_then(|p| p.truth);
+    // Estimate less truth in standard errors.
+    let off =
+        |p: &ModelParameter| Some((p.value - p.truth?) / p.standard_error.filter(|error| *error > 0.0)?);
+    let known = rows.clone().any(|(_, p)| truth(p).is_some());
+    let mut table = HtmlTable::of(rows)
         .compact()
-        .name("Parameter", |row| row.name())
-        .text("Degree", |row| row.degree.name.as_str())
-        .text("Term", |row| row.parameter.map_or("1", |p| p.term.as_str()))
-        .text("Unit", |row| unit(row.parameter.map_or(&row.degree.unit, |p| &p.unit)))
-        .number("Estimate", |row| three(row.parameter.map_or(row.degree.constant, |p| p.value)))
-        .number("Standard error", |row| three_or_dash(row.parameter.and_then(|p| p.standard_error)));
+        .name("Parameter", |(d, p)| p.map_or(format!("{} constant", d.name), |p| p.name.clone()))
+        .text("Degree", |(d, _)| d.name.as_str())
+        .text("Term", |(_, p)| p.map_or("1", |p| p.term.as_str()))
+        .text("Unit", |(d, p)| unit(p.map_or(&d.unit, |p| &p.unit)))
+        .number("Estimate", |(d, p)| three(p.map_or(d.constant, |p| p.value)))
+        .number("Standard error", |(_, p)| three_or_dash(p.and_then(|p| p.standard_error)));
     if known {
-        table =
-            table.number("True", |row| three_or_dash(row.truth())).number("Off by, standard errors", |row| {
-                or_dash(row.off().map(|off| signed(&format!("{off:.1}"))))
+        table = table
+            .number("True", |(_, p)| three_or_dash(truth(p)))
+            .number("Off by, standard errors", |(_, p)| {
+                or_dash(p.and_then(off).map(|off| signed(&format!("{off:.1}"))))
             });
     }
-    let table = table.number("Least squares", |row| three_or_dash(row.least_squares()));
-    html! { (table) }
-}
-
-impl<'a> Row<'a> {
-    fn all(degree: &'a ModelDegree) -> impl Iterator<Item = Self> {
-        (0..=degree.parameters.len()).map(move |i| Self { degree, parameter: degree.parameters.get(i) })
-    }
-
-    fn name(self) -> String {
-        self.parameter.map_or(format!("{} constant", self.degree.name), |p| p.name.clone())
-    }
-
-    fn truth(self) -> Option<f64> {
-        self.parameter.and_then(|p| p.truth)
-    }
-
-    /// Estimate less truth in standard errors.
-    fn off(self) -> Option<f64> {
-        let p = self.parameter?;
-        Some((p.value - p.truth?) / p.standard_error.filter(|error| *error > 0.0)?)
-    }
-
-    fn least_squares(self) -> Option<f64> {
-        self.parameter.map_or(self.degree.constant_least_squares, |p| p.least_squares)
-    }
+    table.number("Least squares", |(d, p)| {
+        three_or_dash(p.map_or(d.constant_least_squares, |p| p.least_squares))
+    })
 }
 
 /// The current that was found with the model, if it was unknown, a row per part.
 fn surroundings(model: &ModelDocument) -> Markup {
     let Some(first) = model.surroundings.first() else { return html! {} };
-    let named = Table::of(&model.surroundings)
+    let named = HtmlTable::of(&model.surroundings)
         .compact()
-        .name("Found around", |own| own.source.clone())
-        .number("Part", |own| own.part.to_string());
+        .name("Found around", |part| part.source.clone())
+        .number("Part", |part| part.part.to_string());
     let table = first.found.iter().enumerate().fold(named, |table, (i, head)| {
-        table.classed("number broken", format!("{} {}", head.name, unit(&head.unit)), |own| {
-            let told = own.found.get(i).map(|own| (three(own.value), three_or_dash(own.standard_error)));
+        table.classed("number broken", format!("{} {}", head.name, unit(&head.unit)), |part| {
+            let told =
+                part.found.get(i).map(|value| (three(value.value), three_or_dash(value.standard_error)));
             or_dash(told.map(|(value, error)| format!("{value} ±\u{a0}{error}")))
         })
     });
@@ -196,4 +164,93 @@ fn note(model: &ModelDocument) -> Markup {
             }
         }
     }
+}
+
+/// The ship's free numbers, then what the recordings know of sway and yaw.
+fn derivatives(found: &FittedForces) -> Markup {
+    html! {
+        (numbers(&found.parameters))
+        p.note {
+            "In the prime system where a number has one (unit 1), else in SI units, with 95\u{a0}% intervals. Prior: how much of the \
+             estimate is the prior's. Entangled: the recordings know sums of such numbers, not one alone. The ship with these numbers, \
+             and their covariance, is in " code { "model.json" } ", which stands for a " code { "vessel.toml" } "."
+            @if let Some(source) = &found.captive_source {
+                " Captive tests: " (source) ". They change no estimate; outside means outside the 95\u{a0}% interval."
+            }
+        }
+        @if let Some(sailed) = &found.sailed { (sums(sailed)) }
+    }
+}
+
+/// A number as it is shown: the estimate, its interval and its unit.
+fn shown(parameter: &FittedParameter) -> (f64, Option<[f64; 2]>, &str) {
+    match parameter.prime_value {
+        Some(value) => (value, parameter.prime_interval, "1"),
+        None => (parameter.si_value, parameter.si_interval, &parameter.si_unit),
+    }
+}
+
+fn numbers(all: &[FittedParameter]) -> HtmlTable<&FittedParameter> {
+    let mut table = HtmlTable::of(all)
+        .compact()
+        .mark("main", |parameter| outside(parameter.captive))
+        .name("Number", |parameter| html! { code { (parameter.name) } })
+        .text("Unit", |parameter| unit(shown(parameter).2))
+        .number("Estimate", |parameter| three(shown(parameter).0))
+        .number("Interval", |parameter| interval(shown(parameter).1))
+        .number("Prior", |parameter| percent(parameter.prior_share))
+        .text("Entangled", |parameter| if parameter.entangled { "yes" } else { "–" });
+    if all.iter().any(|parameter| parameter.captive.is_some()) {
+        table = captive(table, |parameter| parameter.captive);
+    }
+    if all.iter().any(|parameter| parameter.truth.is_some()) {
+        table = table
+            .number("As written", |parameter| three(parameter.value))
+            .number("True, as written", |parameter| three_or_dash(parameter.truth));
+    }
+    table
+}
+
+fn sums(sailed: &SailedSums) -> Markup {
+    let order = |sum: &SailedSum| match sum.order {
+        1 => "linear".to_owned(),
+        2 => "quadratic".to_owned(),
+        3 => "cubic".to_owned(),
+        other => format!("order {other}"),
+    };
+    let mut table = HtmlTable::of(&sailed.sums)
+        .compact()
+        .mark("main", |sum| outside(sum.captive))
+        .name("Sum", |sum| format!("{}, {}", sum.degree, order(sum)))
+        .text("Of", |sum| html! { code { (sum.terms.join(" ")) } })
+        .number("Estimate", |sum| three(sum.value))
+        .number("Interval", |sum| interval(Some(sum.interval)))
+        .number("Deviation by priors", |sum| three_or_dash(sum.prior_deviation));
+    if sailed.sums.iter().any(|sum| sum.captive.is_some()) {
+        table = captive(table, |sum| sum.captive);
+    }
+    html! {
+        h3 { "What was sailed" }
+        (table)
+        p.note {
+            "Sums of terms of one order where v = " (three(sailed.drift)) " r L, as these recordings have it on average, in the prime \
+             system. Free runs know such sums better than their terms."
+        }
+    }
+}
+
+/// With columns for the captive value and whether the interval holds it.
+fn captive<'a, R>(table: HtmlTable<&'a R>, of: impl Fn(&'a R) -> Option<CaptiveValue>) -> HtmlTable<&'a R> {
+    let verdict = |captive_value: CaptiveValue| match captive_value.within {
+        Some(true) => "within",
+        Some(false) => "outside",
+        None => "–",
+    };
+    table
+        .number("Captive tests", |row| three_or_dash(of(row).map(|captive| captive.value)))
+        .text("In the interval", |row| of(row).map_or("–", verdict))
+}
+
+fn outside(captive: Option<CaptiveValue>) -> bool {
+    captive.is_some_and(|captive| captive.within == Some(false))
 }

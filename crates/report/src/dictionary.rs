@@ -1,11 +1,10 @@
-use crate::figures::{Curve, TraceColumn, TraceRow, Track, TrackLine, palette, traces, tracks};
 use maud::{Markup, html};
+use study::documents::{DesignDocument, EstimateDocument, MomentsDocument};
 
-use super::number::{percent, three};
-use super::parts::{Figures, Section, entry, missing};
-use super::shown::{omission, shown, used};
-use super::study::{ManeuverTrace, Study};
-use study::documents::DesignDocument;
+use crate::figures::{Curve, TraceColumn, TraceRow, TrackCell, TrackLine, palette, traces, tracks};
+use crate::number::{percent, percent_within, three, three_or_dash, three_within};
+use crate::parts::{Figures, HtmlTable, Section, entry, grouped, missing};
+use crate::study::{ManeuverTrace, Study, optimized_first};
 
 /// Every maneuver over time and in the plane.
 pub(super) fn dictionary(study: &Study, figures: &mut Figures) -> Section {
@@ -20,18 +19,21 @@ fn drawn(all: &[ManeuverTrace], design: Option<&DesignDocument>, figures: &mut F
     let names = shown(all.iter().map(|maneuver| maneuver.name.as_str()), design);
     let maneuvers: Vec<&ManeuverTrace> = all.iter().filter(|m| names.contains(&m.name.as_str())).collect();
     let over_time = small_multiples(&maneuvers, design);
-    let paths: Vec<Track<'_>> = maneuvers.iter().copied().map(path).collect();
+    let paths = maneuvers.iter().map(|maneuver| {
+        let line = TrackLine { x: &maneuver.x, y: &maneuver.y, colour: Some(palette::BLUE) };
+        TrackCell { name: &maneuver.name, lines: vec![line] }
+    });
+    let paths: Vec<TrackCell<'_>> = paths.collect();
+    let track_caption = html! {
+        b { "Plan view of every maneuver at one scale." }
+        " Up is the heading at the start (x), right is starboard (y); the dot marks the start."
+    };
     html! {
         (omission(all.len(), maneuvers.len()))
         (figures.place_wide("dictionary", over_time, &time_caption(&maneuvers)))
-        (figures.place_wide("tracks", tracks(&paths), &track_caption()))
+        (figures.place_wide("tracks", tracks(&paths), &track_caption))
         (descriptions(&maneuvers))
     }
-}
-
-fn path(maneuver: &ManeuverTrace) -> Track<'_> {
-    let line = TrackLine { x: &maneuver.x, y: &maneuver.y, colour: Some(palette::BLUE) };
-    Track { name: &maneuver.name, lines: vec![line] }
 }
 
 /// The validation input as a single row of the same small multiples.
@@ -45,7 +47,7 @@ pub(super) fn validation_input(trace: &ManeuverTrace, figures: &mut Figures) -> 
 }
 
 fn small_multiples(maneuvers: &[&ManeuverTrace], design: Option<&DesignDocument>) -> String {
-    let inputs = Inputs::of(maneuvers);
+    let inputs = InputScales::of(maneuvers);
     let columns = [
         TraceColumn { title: "inputs, each over its largest", legend: inputs.legend() },
         TraceColumn { title: "surge speed u [m/s]", legend: Vec::new() },
@@ -58,7 +60,7 @@ fn small_multiples(maneuvers: &[&ManeuverTrace], design: Option<&DesignDocument>
 
 fn row<'a>(
     maneuver: &'a ManeuverTrace,
-    inputs: &Inputs<'_>,
+    inputs: &InputScales<'_>,
     design: Option<&DesignDocument>,
 ) -> TraceRow<'a> {
     let design = design.filter(|design| used(design, &maneuver.name));
@@ -74,11 +76,11 @@ fn row<'a>(
 }
 
 /// The inputs of all maneuvers: name, unit and largest modulus.
-struct Inputs<'a> {
+struct InputScales<'a> {
     all: Vec<(&'a str, &'a str, f64)>,
 }
 
-impl<'a> Inputs<'a> {
+impl<'a> InputScales<'a> {
     fn of(maneuvers: &[&'a ManeuverTrace]) -> Self {
         let mut all: Vec<(&str, &str, f64)> = Vec::new();
         for (name, unit, values) in maneuvers.iter().flat_map(|maneuver| &maneuver.inputs) {
@@ -123,22 +125,116 @@ fn time_caption(maneuvers: &[&ManeuverTrace]) -> Markup {
     }
 }
 
-fn track_caption() -> Markup {
-    html! {
-        b { "Plan view of every maneuver at one scale." }
-        " Up is the heading at the start (x), right is starboard (y); the dot marks the start."
-    }
-}
-
 fn descriptions(maneuvers: &[&ManeuverTrace]) -> Markup {
-    let words = |maneuver_trace: &ManeuverTrace| {
-        let parts = [maneuver_trace.description.as_str(), maneuver_trace.reached.as_str()];
+    let words = |maneuver: &ManeuverTrace| {
+        let parts = [maneuver.description.as_str(), maneuver.reached.as_str()];
         parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("; ")
     };
     let described: Vec<_> = maneuvers.iter().filter(|maneuver| !words(maneuver).is_empty()).collect();
     html! {
         @if !described.is_empty() {
             dl.names { @for maneuver in described { (entry(&maneuver.name, words(maneuver))) } }
+        }
+    }
+}
+
+/// A dictionary with more maneuvers is not shown completely.
+const MOST: usize = 40;
+/// A maneuver with a smaller share counts as not used.
+const LEAST: f64 = 5e-4;
+
+/// Whether the design spends time on maneuver `name`.
+pub(super) fn used(design: &DesignDocument, name: &str) -> bool {
+    design.shares.get(name).is_some_and(|share| *share > LEAST)
+}
+
+/// The names that the page shows, in their order: all of a small dictionary; of a large one those in use and those
+/// with the highest efficiency, or just the first without a design.
+pub(super) fn shown<'a>(
+    names: impl Iterator<Item = &'a str>,
+    design: Option<&DesignDocument>,
+) -> Vec<&'a str> {
+    let names: Vec<&str> = names.collect();
+    let mut ranked: Vec<usize> = (0..names.len()).collect();
+    let mut most = MOST;
+    if let Some(design) = design {
+        let sensitivity = |name| design.sensitivities.get(name).copied().unwrap_or(f64::NEG_INFINITY);
+        ranked.sort_by(|a, b| {
+            let (a, b) = (names[*a], names[*b]);
+            let by_use = used(design, b).cmp(&used(design, a));
+            by_use.then(sensitivity(b).total_cmp(&sensitivity(a)))
+        });
+        most = most.max(names.iter().filter(|name| used(design, name)).count());
+    }
+    ranked.truncate(most);
+    ranked.sort_unstable();
+    ranked.into_iter().map(|index| names[index]).collect()
+}
+
+/// Says that a large dictionary is not shown completely.
+pub(super) fn omission(all: usize, shown: usize) -> Markup {
+    html! {
+        @if shown < all {
+            p.note {
+                (shown) " of " (all) " maneuvers are shown: those in use and those closest to being worth their time."
+            }
+        }
+    }
+}
+
+/// The excitation of every degree of freedom, and the nonstationarity of the maneuvers.
+pub(super) fn excitation(study: &Study) -> Section {
+    let conditions = match &study.estimate {
+        Some(estimate) => conditioning(estimate),
+        None => missing("Condition numbers are", "estimate.json", "estimate"),
+    };
+    let changes = match &study.moments {
+        Some(moments) => nonstationarity(moments, study.design.as_ref()),
+        None => missing("Nonstationarity is", "moments.json", "moments"),
+    };
+    let body = html! { div.pair { div { (conditions) } div { (changes) } } };
+    Section::new("excitation", "Excitation", "Excitation", body)
+}
+
+fn conditioning(estimate: &EstimateDocument) -> Markup {
+    let designs = optimized_first(&estimate.designs, |d| &d.design);
+    let table = HtmlTable::of(grouped(designs, |d| &d.degrees))
+        .compact()
+        .mark("first", |(first, ..)| first)
+        .name("Design", |(first, d, _)| if first { d.design.as_str() } else { "" })
+        .text("Degree", |(.., degree)| &degree.name)
+        .number("Condition, median", |(.., degree)| {
+            three_within(degree.condition_median, degree.condition_median_interval)
+        })
+        .number("Largest", |(.., degree)| three_or_dash(degree.condition_max))
+        .text("Weakest parameter, runs", |(.., degree)| {
+            let share = percent_within(degree.weakest_share, degree.weakest_share_interval);
+            format!("{}, {share}", degree.weakest_parameter)
+        });
+    html! {
+        h3 { "Condition of the estimation" }
+        (table)
+        p.note { "Condition number of the column-scaled normal matrix; the weakest parameter dominates its weakest direction." }
+    }
+}
+
+fn nonstationarity(MomentsDocument(moments): &MomentsDocument, design: Option<&DesignDocument>) -> Markup {
+    let names = shown(moments.maneuvers.iter().map(|maneuver| maneuver.name.as_str()), design);
+    let maneuvers = moments.maneuvers.iter().filter(|maneuver| names.contains(&maneuver.name.as_str()));
+    let named = HtmlTable::of(maneuvers).compact().name("Maneuver", |maneuver| &maneuver.name);
+    let table = moments.degrees.iter().fold(named, |table, degree| {
+        table.number(&degree.name, |maneuver| {
+            let moments = maneuver.degrees.iter().find(|d| d.name == degree.name);
+            three_or_dash(moments.map(|d| d.nonstationarity))
+        })
+    });
+    html! {
+        h3 { "Nonstationarity of the maneuvers" }
+        (table.number("Samples", |maneuver| maneuver.samples))
+        (omission(moments.maneuvers.len(), names.len()))
+        p.note {
+            "Largest change of a moment between the first and the second half: 0 is stationary. Near 1 the moments hold for \
+             the maneuver as a whole only, and a share that is run as a part of it gives other information."
         }
     }
 }

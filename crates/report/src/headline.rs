@@ -1,15 +1,14 @@
 use maud::{Markup, html};
-
-use super::card::card;
-use super::number::{exact, parameter_share, percent, percent_within, simulation_share, three};
-use super::parts::EXPLORE;
-use super::shown::used as is_used;
-use super::study::Study;
-use super::trajectory::words::{clearance, cost, gap, minutes};
 use study::documents::{
     Arm, Check, DesignDocument, DesignScores, PlanDocument, RoundGain, SequentialDocument,
     ValidationDocument, Voyage, WorstVessels,
 };
+
+use crate::dictionary::used as is_used;
+use crate::number::{exact, parameter_share, percent, percent_within, simulation_share, three};
+use crate::parts::{EXPLORE, card};
+use crate::study::Study;
+use crate::trajectory::words::{clearance, cost, gap, minutes};
 
 /// Name of the design that is today's practice.
 const PRACTICE: &str = "practice";
@@ -20,12 +19,10 @@ const PRACTISED: &str = "Practice is today's practice: the maneuvers of the dict
 
 /// The kind of the page.
 pub(super) fn kind(study: &Study) -> &'static str {
-    if study.data.is_some() {
-        "Report on simulated logs"
-    } else if study.measured.is_some() {
-        "Report on measured logs"
-    } else {
-        "Experiment design report"
+    match (&study.data, &study.measured) {
+        (Some(_), _) => "Report on simulated logs",
+        (None, Some(_)) => "Report on measured logs",
+        (None, None) => "Experiment design report",
     }
 }
 
@@ -62,8 +59,8 @@ fn answer(study: &Study) -> String {
     if let Some(measured) = &study.measured {
         return measured.answer(study.selection.as_ref());
     }
-    if let (Some(found), None) = (&study.sequential, &study.design) {
-        return in_rounds(found);
+    if let (Some(rounds), None) = (&study.sequential, &study.design) {
+        return in_rounds(rounds);
     }
     match (&study.validation, &study.design) {
         (Some(validation), _) if !validation.designs.is_empty() => compared(study, validation),
@@ -114,6 +111,10 @@ fn planned(plan: &PlanDocument) -> String {
     };
     let check = &voyage.check;
     let hull = if check.clear { format!("stays {}", clear(check)) } else { clear(check) };
+    let worst = |WorstVessels { aground, searched, .. }: &WorstVessels| match aground {
+        0 => format!(", nor does any of {searched} vessels that a search for the worst tried"),
+        _ => format!(", and {aground} of {searched} vessels that a search for the worst tried"),
+    };
     format!(
         "The planned trial of {} holds {uses} informative maneuvers and costs {cost}{proof}. In simulation the hull {hull}; \
          in unknown current of up to {}\u{a0}m/s, with parameters off by up to {}, {} of {} runs touch an obstacle{}.{}",
@@ -122,7 +123,7 @@ fn planned(plan: &PlanDocument) -> String {
         errors(check),
         check.aground,
         check.runs,
-        check.worst.as_ref().map_or(String::new(), searched),
+        check.worst.as_ref().map_or(String::new(), worst),
         if check.safe { "" } else { " The plan is unsafe: it fails its own check." },
     )
 }
@@ -132,14 +133,6 @@ fn errors(check: &Check) -> String {
     match check.standard_errors {
         Some(errors) => format!("{} {}", exact(errors), check.errors_of()),
         None => percent(check.parameter_error),
-    }
-}
-
-/// What a search for the worst vessels found.
-fn searched(worst: &WorstVessels) -> String {
-    match worst.aground {
-        0 => format!(", nor does any of {} vessels that a search for the worst tried", worst.searched),
-        aground => format!(", and {aground} of {} vessels that a search for the worst tried", worst.searched),
     }
 }
 
@@ -154,13 +147,18 @@ fn compared(study: &Study, validation: &ValidationDocument) -> String {
     let (bounds, first, others) = (validation.bounds, scored[0], &scored[1..]);
     let length = study.experiment_s.map_or(String::new(), |s| format!(" of {}\u{a0}s", three(s)));
     let seed = validation.seed.map_or(String::new(), |seed| format!(" (seed {seed})"));
+    let same_length = if study.experiment_s.is_some() { " of the same length" } else { "" };
+    let others_errors = |d: &&DesignScores| {
+        format!("; {} experiments{same_length} do so in {}", d.design, parameter_share(d))
+    };
+    let counterparts: String = others.iter().map(others_errors).collect();
     let parameters = format!(
         "The {} experiment{length} keeps the parameter error below {} in {} of {} realizations{seed}{}.",
         first.design,
         exact(bounds.parameter_error),
         parameter_share(first),
         first.runs,
-        counterparts(others, study.experiment_s.is_some()),
+        counterparts,
     );
     let simulation = format!(
         "The error of the free simulation stays below {} in {}{}.",
@@ -171,22 +169,13 @@ fn compared(study: &Study, validation: &ValidationDocument) -> String {
     format!("{parameters} {simulation}")
 }
 
-/// The parameter errors of the other designs.
-fn counterparts(others: &[&DesignScores], same_length: bool) -> String {
-    let length = if same_length { " of the same length" } else { "" };
-    let sentence =
-        |d: &&DesignScores| format!("; {} experiments{length} do so in {}", d.design, parameter_share(d));
-    others.iter().map(sentence).collect()
-}
-
 /// Their errors in free simulation.
 fn against(others: &[&DesignScores]) -> String {
     let sentence = |d: &&DesignScores| format!("{} ({})", simulation_share(d), d.design);
-    let each: Vec<String> = others.iter().map(sentence).collect();
-    if each.is_empty() {
-        return String::new();
+    match others.iter().map(sentence).collect::<Vec<_>>().as_slice() {
+        [] => String::new(),
+        each => format!(" of the realizations, against {}", each.join(" and ")),
     }
-    format!(" of the realizations, against {}", each.join(" and "))
 }
 
 /// The first sentence about a design that has not been validated.
@@ -194,14 +183,9 @@ fn mix(design: &DesignDocument) -> String {
     let mut used: Vec<(&String, f64)> = design.shares.iter().map(|(name, share)| (name, *share)).collect();
     used.retain(|(name, _)| is_used(design, name));
     used.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let listed: Vec<String> =
-        used.iter().take(3).map(|(name, share)| format!("{name} {}", percent(*share))).collect();
-    format!(
-        "The optimal experiment uses {} of {} maneuvers, most of all {}.",
-        used.len(),
-        design.order.len(),
-        listed.join(", ")
-    )
+    let listed = used.iter().take(3).map(|(name, share)| format!("{name} {}", percent(*share)));
+    let (listed, all) = (listed.collect::<Vec<_>>().join(", "), design.order.len());
+    format!("The optimal experiment uses {} of {all} maneuvers, most of all {listed}.", used.len())
 }
 
 /// The time that equal shares waste.

@@ -1,21 +1,21 @@
-use maud::{Markup, display, html};
-
-use super::SelectionStudy;
-use super::card::card;
-use super::loader::Loader;
-use super::next_trial::NextTrial;
-use super::number::{fit, or_dash, percent_within, three_or_dash};
-use super::table::Table;
 use files::Error;
+use maud::{Markup, display, html};
 use refusal::listed;
 use study::documents::{
     COLLINEAR, CompareDocument, CrossvalDocument, DegreeTrust, DeliveredKind, EstimatorScore, FreeRunErrors,
-    IngestDocument, ModelDocument, SearchDocument, SelectionScores, Traced, TrustDocument,
+    IngestDocument, ModelDocument, RecordingSummary, SearchDocument, SelectionScores, Traced, TrustDocument,
+    WarningSummary,
 };
+
+use crate::SelectionStudy;
+use crate::loader::Loader;
+use crate::next_trial::NextTrial;
+use crate::number::{fit, or_dash, percent_within, three, three_or_dash, windows_of};
+use crate::parts::{HtmlTable, Section, card, grouped, missing};
 
 /// The results from measured logs.
 #[derive(Clone, Debug, Default)]
-pub struct Measured {
+pub struct MeasuredStudy {
     /// `ingest.json`.
     pub ingest: Option<IngestDocument>,
     /// `trust.json`.
@@ -34,7 +34,7 @@ pub struct Measured {
 
 /// Reads `ingest.json`, `trust.json`, `crossval.json`, `compare.json` and `search.json`; `None` if the last four are
 /// all missing.
-pub(super) fn load(loader: &mut Loader) -> Result<Option<Measured>, Error> {
+pub(super) fn load(loader: &mut Loader) -> Result<Option<MeasuredStudy>, Error> {
     let crossval = loader.document("crossval.json", "free simulation over recordings left out")?;
     let trust = loader.document("trust.json", "how far the pooled estimate can be trusted")?;
     let compared = super::compared::load(loader)?;
@@ -45,11 +45,14 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<Measured>, Error> {
     let ingest = loader.document("ingest.json", "what was read from the logs, and its quality")?;
     let model = loader.document("model.json", "the model that the estimate delivers")?;
     let next = super::next_trial::load(loader)?;
-    Ok(Some(Measured { ingest, trust, crossval, model, compared, searched, next }))
+    Ok(Some(MeasuredStudy { ingest, trust, crossval, model, compared, searched, next }))
 }
 
 /// Adds fits and errors of free simulations.
-pub(super) fn free_runs<R: Copy>(table: Table<R>, errors: impl Fn(R) -> Option<FreeRunErrors>) -> Table<R> {
+pub(super) fn free_runs<R: Copy>(
+    table: HtmlTable<R>,
+    errors: impl Fn(R) -> Option<FreeRunErrors>,
+) -> HtmlTable<R> {
     let error = |of: fn(FreeRunErrors) -> f64| {
         let errors = &errors;
         move |row| three_or_dash(errors(row).map(of))
@@ -71,7 +74,7 @@ impl SelectionStudy {
     }
 }
 
-impl Measured {
+impl MeasuredStudy {
     /// The estimator of least error in cross-validation, with its errors.
     pub(super) fn best(&self) -> Option<(&EstimatorScore, FreeRunErrors)> {
         let crossval = self.crossval.as_ref()?;
@@ -82,31 +85,31 @@ impl Measured {
 
     /// Whether the estimate of all recordings is judged: how far it can be trusted, or what is wrong with forces.
     pub(super) fn is_judged(&self) -> bool {
-        let forces = self.model.as_ref().and_then(|own| own.forces.as_ref());
-        self.trust.is_some() || forces.is_some_and(|own| own.criticism.is_some())
+        let forces = self.model.as_ref().and_then(|model| model.forces.as_ref());
+        self.trust.is_some() || forces.is_some_and(|forces| forces.criticism.is_some())
     }
 
     /// The search whose model is delivered, with its errors where recordings were left out.
-    fn found(&self) -> Option<(&SearchDocument, FreeRunErrors)> {
-        let found = self.searched.as_ref().filter(|_| self.crossval.is_none())?;
-        Some((found, found.delivered_errors()?))
+    fn delivered_search(&self) -> Option<(&SearchDocument, FreeRunErrors)> {
+        let search = self.searched.as_ref().filter(|_| self.crossval.is_none())?;
+        Some((search, search.delivered_errors()?))
     }
 
     /// What the delivered model of a search predicts, and beside it the others.
     fn delivered(&self) -> Option<String> {
-        let (found, errors) = self.found()?;
-        let over = found.window_s.map_or("whole recordings".to_owned(), |s| format!("windows of {s} s"));
-        let beside = found.beside.as_ref();
-        let kind = beside.map(|own| own.delivered);
+        let (search, errors) = self.delivered_search()?;
+        let over = windows_of(search.window_s);
+        let beside = search.beside.as_ref();
+        let kind = beside.map(|beside| beside.delivered);
         let what = match kind {
             Some(DeliveredKind::Average) => "the average of searched terms and of forces",
             Some(DeliveredKind::Forces) => "of forces",
             _ => "found by a search",
         };
         let others = [
-            ("the searched terms", found.nested.search, kind == Some(DeliveredKind::Average)),
-            ("the forces", beside.and_then(|own| own.errors), kind != Some(DeliveredKind::Forces)),
-            ("the terms that the search began with", found.nested.base, true),
+            ("the searched terms", search.nested.search, kind == Some(DeliveredKind::Average)),
+            ("the forces", beside.and_then(|beside| beside.errors), kind != Some(DeliveredKind::Forces)),
+            ("the terms that the search began with", search.nested.base, true),
         ];
         let other = |(name, errors, _): (&str, Option<FreeRunErrors>, bool)| {
             Some(format!("{} by {name}", mean_fit(&errors?)))
@@ -127,8 +130,7 @@ impl Measured {
     pub(super) fn answer(&self, selection: Option<&SelectionStudy>) -> String {
         let mut sentences = Vec::new();
         if let (Some((score, errors)), Some(crossval)) = (self.best(), &self.crossval) {
-            let over =
-                crossval.window_s.map_or("whole recordings".to_owned(), |s| format!("windows of {s} s"));
+            let over = windows_of(crossval.window_s);
             sentences.push(format!(
                 "Fitted by {} to the other recordings, the model follows those left out, over {over}, with a fit of {} in \
                  surge, {} in sway and {} in yaw rate.",
@@ -140,11 +142,13 @@ impl Measured {
         }
         if let Some(delivered) = self.delivered() {
             sentences.push(delivered);
-        } else if let Some((found, errors)) =
-            self.searched.as_ref().and_then(|searched| Some((searched, searched.delivered_errors()?)))
+        } else if let Some((search, errors)) =
+            self.searched.as_ref().and_then(|search| Some((search, search.delivered_errors()?)))
         {
-            let what = match &found.forces {
-                Some(own) if !own.delivered => "The ship as she was, without forces that a search found,",
+            let what = match &search.forces {
+                Some(forces) if !forces.delivered => {
+                    "The ship as she was, without forces that a search found,"
+                }
                 _ => "A structure found by a search",
             };
             sentences.push(format!(
@@ -154,13 +158,13 @@ impl Measured {
                 fit(errors.fit_r)
             ));
         }
-        if let Some(found) = selection {
+        if let Some(study) = selection {
             sentences.push(format!(
                 "Of models from {} sub-experiments, 90 % have an error norm below {} where the design picks them; picked at \
                  random the bound is {}.",
-                found.summary.picks,
-                found.q90(0),
-                found.q90(1)
+                study.summary.picks,
+                study.q90(0),
+                study.q90(1)
             ));
         }
         let degrees = || self.trust.iter().flat_map(|trust| &trust.degrees);
@@ -178,23 +182,23 @@ impl Measured {
 
     /// Key figures.
     pub(super) fn cards(&self, selection: Option<&SelectionStudy>) -> Markup {
+        let fits = |errors: FreeRunErrors, by: &str| {
+            let all = [("surge", errors.fit_u), ("sway", errors.fit_v), ("yaw rate", errors.fit_r)];
+            all.map(|(what, value)| card(&format!("Fit of {what}, left out"), fit(value), by, &[]))
+        };
         html! {
             @if let Some((score, errors)) = self.best() {
-                @for (what, own) in [("surge", errors.fit_u), ("sway", errors.fit_v), ("yaw rate", errors.fit_r)] {
-                    (card(&format!("Fit of {what}, left out"), fit(own), display(score.name), &[]))
-                }
+                @for card in fits(errors, &score.name.to_string()) { (card) }
             }
-            @if let Some((found, errors)) = self.found() {
-                @let name = match found.beside.as_ref().map(|own| own.delivered) {
+            @if let Some((search, errors)) = self.delivered_search() {
+                @let name = match search.beside.as_ref().map(|beside| beside.delivered) {
                     Some(DeliveredKind::Average) => "average",
                     Some(DeliveredKind::Forces) => "forces",
                     _ => "search",
                 };
-                @for (what, own) in [("surge", errors.fit_u), ("sway", errors.fit_v), ("yaw rate", errors.fit_r)] {
-                    (card(&format!("Fit of {what}, left out"), fit(own), name, &[]))
-                }
+                @for card in fits(errors, name) { (card) }
             }
-            @if let Some(found) = selection { (selection_card(found)) }
+            @if let Some(study) = selection { (selection_card(study)) }
             @if let Some(trust) = &self.trust {
                 @let cut = format!("{} sub-experiments, {} samples", trust.parts, trust.samples);
                 (card("Data", trust.sources, "recordings", &[cut]))
@@ -219,4 +223,119 @@ fn selection_card(found: &SelectionStudy) -> Markup {
         format!("degenerate: {} against {}", degenerate(0), degenerate(1)),
     ];
     card("Error norm, 90 % quantile", found.q90(0), "optimized", &others)
+}
+
+/// The logs: per recording its rows, the consistency of its velocities, and its channels.
+pub(super) fn logs(measured: &MeasuredStudy) -> Section {
+    let body = match &measured.ingest {
+        None => missing("The quality of the logs is", "ingest.json", "ingest"),
+        Some(found) => html! {
+            p {
+                (found.recordings.len()) " recordings became " (found.runs) " runs, " (found.samples) " samples at "
+                (three(found.sample_rate_hz)) " Hz"
+                @if let Some(point) = &found.reference_point { "; reference point: " (point) }
+                "."
+            }
+            (recordings(found))
+            (left_out(found))
+            (warnings(found))
+            (motion(found))
+            h3 { "Channels" }
+            @for recording in &found.recordings { (channels(recording)) }
+            p.note { "Noise: robust standard deviation of what a parabola through 11 neighbouring samples leaves." }
+        },
+    };
+    Section::new("logs", "Logs", "Logs", body)
+}
+
+fn recordings(found: &IngestDocument) -> HtmlTable<&RecordingSummary> {
+    HtmlTable::of(&found.recordings)
+        .compact()
+        .name("Recording", |r| &r.name)
+        .number("Length [s]", |r| three(r.duration_s))
+        .number("Samples", |r| r.samples)
+        .number("Segments", |r| r.segments)
+        .number("Too short", |r| r.short_segments)
+        .number("Splits at gaps", |r| r.splits)
+        .number("Rows", |r| r.rows.read)
+        .number("Empty", |r| r.rows.empty)
+        .number("Cut", |r| r.rows.cut)
+        .number("Without, with repeated, with earlier time", |r| {
+            format!("{}, {}, {}", r.rows.without_time, r.rows.repeated, r.rows.backwards)
+        })
+}
+
+/// Values that were omitted from all recordings, and recordings that are not used for estimates by default.
+fn left_out(found: &IngestDocument) -> Markup {
+    let omitted = found.omitted();
+    let doubtful = || found.recordings.iter().filter(|recording| !recording.doubtful.is_empty());
+    html! {
+        @if !omitted.as_slice().is_empty() {
+            h3 { "Values left out" }
+            ul { @for one in omitted.as_slice() { li { (one.count) " of `" (one.channel) "` (" (display(one.reason)) ")" } } }
+        }
+        @if doubtful().next().is_some() {
+            h3 { "Doubtful recordings" }
+            ul { @for recording in doubtful() { li { (recording.name) ": " (recording.doubtful.join("; ")) } } }
+        }
+    }
+}
+
+/// Warnings about channels, with the recordings concerned.
+fn warnings(found: &IngestDocument) -> Markup {
+    let mut grouped: Vec<(&WarningSummary, Vec<&str>)> = Vec::new();
+    for recording in &found.recordings {
+        for warning in &recording.warnings {
+            let same = |(known, _): &&mut (&WarningSummary, Vec<&str>)| {
+                known.kind == warning.kind && known.channel == warning.channel
+            };
+            match grouped.iter_mut().find(same) {
+                Some((_, recordings)) => recordings.push(&recording.name),
+                None => grouped.push((warning, vec![&recording.name])),
+            }
+        }
+    }
+    html! { @if !grouped.is_empty() {
+        h3 { "Warnings" }
+        ul { @for (warning, recordings) in &grouped { li {
+            (warning.text) " (" (recordings[0])
+            @if recordings.len() > 1 { " and " (recordings.len() - 1) " more" }
+            ")"
+        } } }
+    } }
+}
+
+fn motion(found: &IngestDocument) -> Markup {
+    let states = grouped(&found.recordings, |r| &r.motion);
+    if states.is_empty() {
+        return html! {};
+    }
+    let table = HtmlTable::of(states)
+        .compact()
+        .mark("first", |(first, ..)| first)
+        .name("Recording", |(first, r, _)| if first { r.name.as_str() } else { "" })
+        .text("State", |(.., m)| display(m.state))
+        .number("RMS difference", |(.., m)| three(m.rms))
+        .number("Robust deviation", |(.., m)| three(m.robust_std))
+        .number("Bias", |(.., m)| three(m.bias))
+        .number("Lag [s]", |(.., m)| three_or_dash(m.lag_s));
+    html! {
+        h3 { "Logged velocities against position and heading" }
+        (table)
+        p.note { "In m/s; r in rad/s. A positive lag: the logged velocity comes after the motion." }
+    }
+}
+
+fn channels(recording: &RecordingSummary) -> Markup {
+    let table = HtmlTable::of(&recording.channels)
+        .compact()
+        .name("Channel", |c| &c.name)
+        .text("Unit", |c| &c.unit)
+        .number("Rate [Hz]", |c| three_or_dash(c.rate_hz))
+        .number("Missing", |c| c.missing)
+        .number("Gaps", |c| c.gaps)
+        .number("Noise", |c| three_or_dash(c.noise))
+        .number("Least", |c| three_or_dash(c.min))
+        .number("Greatest", |c| three_or_dash(c.max));
+    html! { details { summary { (recording.name) } (table) } }
 }

@@ -1,18 +1,15 @@
 //! The next trial of a ship with logs: the design, and its predicted value.
 
-use std::fmt::Display;
-
 use files::{Error, Provenance, read_document};
 use maud::{Markup, html};
 use study::documents::{
     DesignDocument, DesignScores, FreeRunErrors, ModelDocument, Quantiles, SearchDocument, TallyDocument,
 };
 
-use super::loader::{Loader, existing};
-use super::number::{exact, fit, interval, median, or_dash, percent, q90, three, three_or_dash, unit};
-use super::parts::{Section, coded};
-use super::planned_trial::{PlannedTrial, map};
-use super::table::Table;
+use crate::loader::{Loader, existing};
+use crate::number::{exact, fit, interval, median, or_dash, percent, q90, three, three_or_dash, unit};
+use crate::parts::{HtmlTable, Section, beyond, coded, held};
+use crate::planned_trial::{PlannedTrial, map};
 
 /// The results for the next trial.
 #[derive(Clone, Debug)]
@@ -41,13 +38,8 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<NextTrial>, Error> {
     };
     let tally = read(loader, &mut known, "tally", "what is estimated from the next trial")?;
     // Its own, or the one that the logs' model is.
-    let results = &loader.sources.results;
-    let own = existing(results.join(FOLDER).join("model.json")).map(|path| (path, "next/model.json"));
-    let Some((path, name)) =
-        own.or_else(|| existing(results.join("model.json")).map(|path| (path, "model.json")))
-    else {
-        return Ok(None);
-    };
+    let at = |name| existing(loader.sources.results.join(name)).map(|path| (path, name));
+    let Some((path, name)) = at("next/model.json").or_else(|| at("model.json")) else { return Ok(None) };
     let model = read_document::<ModelDocument>(&path)?;
     known.written("vessel", &path, model.digest)?;
     loader.note(name, "the model that the next trial is designed with", model.digest);
@@ -85,8 +77,8 @@ pub(super) fn next_trial(next: &NextTrial, sailed: Option<Markup>) -> Section {
             "). " (coded(&next.design.statement))
             @if let Some(restricted) = &next.design.restricted { " " (coded(&restricted.statement)) }
         }
-        (super::parts::held(next.design.held_in_words().as_ref()))
-        (super::parts::beyond(&next.design.beyond))
+        (held(next.design.held_in_words().as_ref()))
+        (beyond(&next.design.beyond))
         (shares(next))
         (free_runs(next))
         (parameters(next))
@@ -107,7 +99,7 @@ fn shares(next: &NextTrial) -> Markup {
     rows.retain(|(_, share)| *share > 0.0);
     rows.sort_by(|a, b| b.1.total_cmp(&a.1));
     let whole = duration_s(next);
-    let table = Table::of(&rows)
+    let table = HtmlTable::of(&rows)
         .name("Maneuver", |(name, _)| name)
         .number("Share", |(_, share)| percent(*share))
         .number("Time [s]", |(_, share)| or_dash(whole.map(|whole| format!("{:.0}", share * whole))));
@@ -122,55 +114,46 @@ fn shares(next: &NextTrial) -> Markup {
 /// Formats a quantile.
 type FormatQuantile = fn(&Quantiles) -> String;
 
-/// Errors of free simulations by model.
-#[derive(Clone, Copy)]
-struct Followed<'a> {
-    what: &'a str,
-    measured: Option<FreeRunErrors>,
-    /// Scores, and the quantile to show.
-    simulated: Option<(&'a DesignScores, FormatQuantile)>,
-}
-
-impl Followed<'_> {
-    fn cell(
-        self,
-        measured: fn(FreeRunErrors) -> (f64, Option<f64>),
-        of: fn(&DesignScores) -> &Quantiles,
-    ) -> String {
-        let known =
-            self.measured.map(measured).map(|(rmse, own)| format!("{} (fit {})", three(rmse), fit(own)));
-        let errors = self.simulated.map(|(scores, value)| value(of(scores)));
-        known.or(errors).unwrap_or_else(|| three_or_dash(None))
-    }
-}
+/// Takes an RMSE and its fit from the errors of the model itself, or the same RMSE of simulated trials.
+type ErrorsOfModel = fn(FreeRunErrors) -> (f64, Option<f64>);
+type ErrorsOfTrials = fn(&DesignScores) -> &Quantiles;
 
 /// The effect of parameter errors on free simulations, next to the errors of the model itself.
 fn free_runs(next: &NextTrial) -> Markup {
     let Some(tally) = &next.tally else { return html! {} };
-    let measured = next.searched.as_ref().and_then(SearchDocument::delivered_errors);
-    let model =
-        Followed { what: "this model, on recordings left out of the search", measured, simulated: None };
+    // A row's name, errors on recordings, and scores of simulated trials with the quantile to show.
+    let measured = next
+        .searched
+        .as_ref()
+        .and_then(SearchDocument::delivered_errors)
+        .map(|errors| ("this model, on recordings left out of the search", Some(errors), None));
     let scores = tally.scores.iter().flat_map(|score| &score.designs);
     let scored = scores.flat_map(|scores| {
-        let [half, most] = match scores.design.as_str() {
-            "optimized" => ["estimated anew from this trial, median", "… 90 % quantile"],
-            _ => ["from random maneuvers, median", "… 90 % quantile"],
+        let half = match scores.design.as_str() {
+            "optimized" => "estimated anew from this trial, median",
+            _ => "from random maneuvers, median",
         };
-        let row =
-            |what, value: FormatQuantile| Followed { what, measured: None, simulated: Some((scores, value)) };
+        let row = |what, value: FormatQuantile| (what, None, Some((scores, value)));
         match scores.not_identifiable == scores.runs {
             true => vec![row("from random maneuvers: no trial tells all parameters", median)],
-            false => vec![row(half, median), row(most, q90)],
+            false => vec![row(half, median), row("… 90 % quantile", q90)],
         }
     });
-    let rows: Vec<Followed> = measured.map(|_| model).into_iter().chain(scored).collect();
-    let table = Table::of(&rows)
-        .compact()
-        .name("Model", |row| row.what)
-        .classed("number broken", "RMSE u [m/s]", |row| row.cell(|e| (e.rmse_u, e.fit_u), |s| &s.rmse_u))
-        .classed("number broken", "RMSE v [m/s]", |row| row.cell(|e| (e.rmse_v, e.fit_v), |s| &s.rmse_v))
-        .classed("number broken", "RMSE r [rad/s]", |row| row.cell(|e| (e.rmse_r, e.fit_r), |s| &s.rmse_r));
-    let stds = next.searched.as_ref().map(|found| [found.std_u, found.std_v, found.std_r]);
+    let table = HtmlTable::of(measured.into_iter().chain(scored)).compact().name("Model", |(what, ..)| what);
+    let columns: [(&str, ErrorsOfModel, ErrorsOfTrials); 3] = [
+        ("RMSE u [m/s]", |e| (e.rmse_u, e.fit_u), |s| &s.rmse_u),
+        ("RMSE v [m/s]", |e| (e.rmse_v, e.fit_v), |s| &s.rmse_v),
+        ("RMSE r [rad/s]", |e| (e.rmse_r, e.fit_r), |s| &s.rmse_r),
+    ];
+    let table = columns.into_iter().fold(table, |table, (head, of_model, of_trials)| {
+        table.classed("number broken", head, |(_, errors, scores)| {
+            let model =
+                errors.map(of_model).map(|(rmse, share)| format!("{} (fit {})", three(rmse), fit(share)));
+            let trials = scores.map(|(scores, value)| value(of_trials(scores)));
+            or_dash(model.or(trials))
+        })
+    });
+    let stds = next.searched.as_ref().map(|search| [search.std_u, search.std_v, search.std_r]);
     html! {
         h3 { "What that means for the fit" }
         (table)
@@ -186,15 +169,7 @@ fn free_runs(next: &NextTrial) -> Markup {
     }
 }
 
-/// A parameter before the trial.
-struct Known<'a> {
-    name: &'a str,
-    degree: &'a str,
-    unit: &'a str,
-    value: f64,
-    interval: Option<[f64; 2]>,
-}
-
+/// Every parameter before the trial, and its standard error after it.
 fn parameters(next: &NextTrial) -> Markup {
     let predicted = next.design.covariance.as_ref().map(|covariance| &covariance.standard_errors);
     let half_width = next.model.half_width();
@@ -203,48 +178,33 @@ fn parameters(next: &NextTrial) -> Markup {
         Some([value - half, value + half])
     };
     let terms = next.model.degrees.iter().flat_map(|d| d.parameters.iter().map(move |p| (d, p)));
-    let terms = terms.map(|(degree, p)| Known {
-        name: &p.name,
-        degree: &degree.name,
-        unit: &p.unit,
-        value: p.value,
-        interval: p
-            .low
-            .zip(p.high)
-            .map(|(low, high)| [low, high])
-            .or_else(|| within(p.value, p.standard_error)),
+    let terms = terms.map(|(degree, p)| {
+        let ends = p.low.zip(p.high).map(|(low, high)| [low, high]);
+        let ends = ends.or_else(|| within(p.value, p.standard_error));
+        (&p.name, degree.name.as_str(), &p.unit, p.value, ends)
     });
-    let forces = next.model.forces.iter().flat_map(|force| &force.parameters).map(|p| Known {
-        name: &p.name,
-        degree: "forces",
-        unit: &p.unit,
-        value: p.value,
-        interval: within(p.value, p.standard_error),
-    });
-    let rows: Vec<Known> = terms.chain(forces).collect();
-    let after = |p: &Known| three_or_dash(predicted.and_then(|own| own.get(p.name)).copied());
-    let table = Table::of(&rows)
+    let forces = next.model.forces.iter().flat_map(|force| &force.parameters);
+    let forces = forces.map(|p| (&p.name, "forces", &p.unit, p.value, within(p.value, p.standard_error)));
+    let table = HtmlTable::of(terms.chain(forces))
         .compact()
-        .name("Parameter", |p| html! { code { (p.name) } })
-        .text("Of", |p| p.degree)
-        .text("Unit", |p| unit(p.unit))
-        .number("Value", |p| three(p.value))
-        .number("Interval, logs", |p| interval(p.interval))
-        .number("Predicted, this trial", after);
-    let duration = duration_s(next).map(|s| format!(" of {} s", exact(s)));
+        .name("Parameter", |(name, ..)| html! { code { (name) } })
+        .text("Of", |(_, of, ..)| of)
+        .text("Unit", |(_, _, of, ..)| unit(of))
+        .number("Value", |(.., value, _)| three(value))
+        .number("Interval, logs", |(.., ends)| interval(ends))
+        .number("Predicted, this trial", |(name, ..)| {
+            three_or_dash(predicted.and_then(|errors| errors.get(name)).copied())
+        });
+    let duration = duration_s(next).map_or(String::new(), |s| format!(" of {} s", exact(s)));
     let alone = if next.design.prior.is_some() { " and the logs together" } else { " alone" };
     html! {
         h3 { "What the parameters would be known to" }
         (table)
         p.note {
-            "Predicted standard errors are those of estimates from this trial" (or_nothing(duration)) (alone)
+            "Predicted standard errors are those of estimates from this trial" (duration) (alone)
             ", under the noise that its campaign states; – where it holds constant what they stand before. Intervals from \
              the logs hold 95\u{a0}% of the searches over recordings drawn again, or are " (format!("{half_width:.2}")) " standard errors wide on either side; – \
              where parameters have no errors."
         }
     }
-}
-
-fn or_nothing(text: Option<impl Display>) -> String {
-    text.map_or(String::new(), |text| text.to_string())
 }

@@ -2,8 +2,9 @@
 
 use std::fmt::Display;
 
-use crate::figures::text::{signed as minus, superscript};
 use study::documents::{DesignScores, Quantiles};
+
+use crate::figures::text::{signed as minus, superscript};
 
 const MISSING: &str = "–";
 
@@ -41,11 +42,12 @@ pub(super) fn exact(value: f64) -> String {
 
 /// A share (0 to 1) in percent with one decimal.
 pub(super) fn percent(share: f64) -> String {
-    if share.is_finite() {
-        format!("{}\u{a0}%", minus(&format!("{:.1}", 100.0 * share)))
-    } else {
-        MISSING.to_owned()
-    }
+    or_dash(share.is_finite().then(|| format!("{}\u{a0}%", minus(&format!("{:.1}", 100.0 * share)))))
+}
+
+/// What is simulated at once: `windows of 60 s`, or whole recordings.
+pub(super) fn windows_of(window_s: Option<f64>) -> String {
+    window_s.map_or("whole recordings".to_owned(), |s| format!("windows of {} s", exact(s)))
 }
 
 /// A probability: `0.043`, `< 0.001`.

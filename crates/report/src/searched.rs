@@ -1,58 +1,46 @@
 use maud::{Markup, html};
-
-use super::averaged::averaged;
-use super::measured::free_runs;
-use super::number::{exact, or_dash, three, three_or_dash, three_within};
-use super::parts::{Figures, Section, statements};
-use super::searched_forces;
-use super::table::Table;
-use crate::figures::{ScoredDot, scored};
 use study::documents::{
-    Candidate, FreeRunErrors, NestedAverage, NestedRecording, SearchDocument, SearchTerm, SearchedForces,
-    SizeScore,
+    AverageSummary, AverageTerm, Candidate, ForcesWithoutFold, FoundForce, FreeRunErrors, NestedAverage,
+    NestedRecording, SearchDocument, SearchTerm, SearchedForces, SizeScore, TriedForce,
 };
+
+use crate::figures::{ScoredDot, scored};
+use crate::measured::free_runs;
+use crate::number::{exact, or_dash, percent, three, three_or_dash, three_within, unit, windows_of};
+use crate::parts::{Figures, HtmlTable, Section, coded, statements};
 
 /// Terms beyond this many are not listed: those of the base structure first, then those that were chosen most often.
 const MOST_TERMS: usize = 40;
 
 /// The search for the structure: candidates, the score on recordings that the search has not seen, terms.
-pub(super) fn searched(found: Option<&SearchDocument>, figures: &mut Figures) -> Option<Section> {
-    let found = found?;
-    if let Some(forces) = &found.forces {
-        return Some(Section::new(
-            "search",
-            "Search for forces",
-            "The search for forces",
-            of_forces(found, forces),
-        ));
+pub(super) fn searched(search: Option<&SearchDocument>, figures: &mut Figures) -> Option<Section> {
+    let search = search?;
+    if let Some(forces) = &search.forces {
+        let body = html! {
+            (about_forces(search, forces))
+            (statements(&search.statements))
+            (nested(search))
+            (found_forces(forces))
+            (without(forces))
+            (recordings(search))
+        };
+        return Some(Section::new("search", "Search for forces", "The search for forces", body));
     }
     let body = html! {
-        (about(found))
-        (statements(&found.statements))
-        (nested(found))
-        (ridges(found, figures))
-        @if !found.sizes.is_empty() { (sizes(found, figures)) }
-        (terms(found))
-        @if let Some(average) = &found.average { (averaged(average)) }
-        (recordings(found))
+        (about(search))
+        (statements(&search.statements))
+        (nested(search))
+        (ridges(search, figures))
+        @if !search.sizes.is_empty() { (sizes(search, figures)) }
+        (terms(search))
+        @if let Some(average) = &search.average { (averaged(average)) }
+        (recordings(search))
     };
     Some(Section::new("search", "Search for a structure", "The search for a structure", body))
 }
 
-fn of_forces(found: &SearchDocument, forces: &SearchedForces) -> Markup {
-    html! {
-        (searched_forces::about(found, forces))
-        (statements(&found.statements))
-        (nested(found))
-        (searched_forces::found(forces))
-        (searched_forces::without(forces))
-        (recordings(found))
-    }
-}
-
 fn about(found: &SearchDocument) -> Markup {
-    let windows =
-        found.window_s.map_or("whole recordings".to_owned(), |s| format!("windows of {} s", exact(s)));
+    let windows = windows_of(found.window_s);
     html! {
         p {
             "Beside the terms of the vessel a library is fitted by the errors of free simulations over windows of "
@@ -63,40 +51,25 @@ fn about(found: &SearchDocument) -> Markup {
     }
 }
 
-/// A score of the whole search or of the base structure.
-#[derive(Clone, Copy)]
-struct Judged {
-    name: &'static str,
-    windows: &'static str,
-    errors: Option<FreeRunErrors>,
-}
-
+/// Scores of the whole search, of the base structure and of the average, over both kinds of windows.
 fn nested(found: &SearchDocument) -> Markup {
     let nested = &found.nested;
-    let consecutive = [("whole search", &nested.search), ("base structure", &nested.base)];
-    let overlapping =
-        [("whole search", &nested.search_overlapping), ("base structure", &nested.base_overlapping)];
     let average = nested.average.as_ref();
-    let mean = |of: fn(&NestedAverage) -> &Option<FreeRunErrors>| {
-        average.map(|average| ("average of models", of(average)))
+    let scores = |windows: &'static str,
+                  [search, base]: [Option<FreeRunErrors>; 2],
+                  of: fn(&NestedAverage) -> Option<FreeRunErrors>| {
+        let average = average.map(|average| ("average of models", of(average)));
+        let single = [("whole search", search), ("base structure", base)].into_iter();
+        single.chain(average).map(move |(name, errors)| (name, windows, errors))
     };
-    let [consecutive, overlapping] =
-        [(consecutive, mean(|own| &own.errors)), (overlapping, mean(|own| &own.overlapping))]
-            .map(|(rows, mean)| rows.into_iter().chain(mean));
-    let judged = |windows: &'static str| {
-        move |(name, errors): (&'static str, &'_ Option<FreeRunErrors>)| Judged {
-            name,
-            windows,
-            errors: *errors,
-        }
-    };
-    let rows: Vec<Judged> = consecutive
-        .map(judged("side by side"))
-        .chain(overlapping.map(judged("one at every quarter of another")))
-        .collect();
-    let table = Table::of(&rows).name("On recordings left out", |j| j.name).text("Windows", |j| j.windows);
+    let consecutive = scores("side by side", [nested.search, nested.base], |average| average.errors);
+    let overlapping = [nested.search_overlapping, nested.base_overlapping];
+    let overlapping = scores("one at every quarter of another", overlapping, |average| average.overlapping);
+    let table = HtmlTable::of(consecutive.chain(overlapping))
+        .name("On recordings left out", |(name, ..)| name)
+        .text("Windows", |(_, windows, _)| windows);
     html! {
-        (free_runs(table, |j| j.errors))
+        (free_runs(table, |(.., errors)| errors))
         @if let Some(margin) = &nested.margin {
             p.note {
                 "The base structure's norm of RMSE/std lies above that of the search by "
@@ -104,7 +77,7 @@ fn nested(found: &SearchDocument) -> Markup {
                 " recordings with its 95 % interval; one that contains 0 tells no difference."
             }
         }
-        @if let Some(margin) = average.and_then(|own| own.over_search.as_ref()) {
+        @if let Some(margin) = average.and_then(|average| average.over_search.as_ref()) {
             p.note {
                 "That of the whole search, which is a single model, lies above that of the average by "
                 (three_within(margin.median, Some(margin.interval))) ". The average is nested too: all its models are found again \
@@ -122,7 +95,7 @@ fn ridges(found: &SearchDocument, figures: &mut Figures) -> Markup {
     };
     let dots: Vec<ScoredDot> = found.candidates.iter().filter_map(dot).collect();
     let figure = scored(&dots, true, ("ridge Λ [1]", "mean fit of u, v, r [%]"));
-    let table = Table::of(&found.candidates)
+    let table = HtmlTable::of(&found.candidates)
         .mark("main", chosen)
         .name("Ridge", |c| three(c.ridge))
         .number("Mean fit [%]", |c| three_or_dash(c.score))
@@ -163,7 +136,7 @@ fn terms(found: &SearchDocument) -> Markup {
     let mut rows: Vec<&SearchTerm> = found.terms.iter().collect();
     rows.sort_by_key(|term| std::cmp::Reverse((term.base, term.chosen_by_resamples, term.chosen_by_folds)));
     let listed = rows.len().min(MOST_TERMS);
-    let mut table = Table::of(rows[..listed].iter().copied())
+    let mut table = HtmlTable::of(rows[..listed].iter().copied())
         .compact()
         .mark("main", |t| t.base)
         .name("Term", |t| t.term.as_str())
@@ -171,12 +144,12 @@ fn terms(found: &SearchDocument) -> Markup {
         .text("Parameter", |t| t.name.as_str())
         .number("Value", |t| three(t.value))
         .number("Chosen without a fold", |t| or_dash(t.chosen_by_folds));
-    if let Some(own) = found.resamples {
+    if let Some(resamples) = found.resamples {
         table = table
             .number("2.5 %", |t| three_or_dash(t.low))
             .number("97.5 %", |t| three_or_dash(t.high))
             .number("Chosen again", move |t| {
-                or_dash(t.chosen_by_resamples.map(|n| format!("{n} of {}", own.searches)))
+                or_dash(t.chosen_by_resamples.map(|n| format!("{n} of {}", resamples.searches)))
             });
     }
     html! {
@@ -185,8 +158,8 @@ fn terms(found: &SearchDocument) -> Markup {
         p.note {
             "Those of the base structure first, then those that were chosen most often. "
             @match found.resamples {
-                Some(own) => {
-                    "2.5 % and 97.5 %: what so many of " (own.searches) " searches over recordings drawn again found less and \
+                Some(resamples) => {
+                    "2.5 % and 97.5 %: what so many of " (resamples.searches) " searches over recordings drawn again found less and \
                      more, 0 without the term (bootstrap of the whole search). "
                 }
                 None => {
@@ -202,7 +175,7 @@ fn terms(found: &SearchDocument) -> Markup {
 }
 
 fn recordings(found: &SearchDocument) -> Markup {
-    let mut table = Table::of(&found.nested.recordings)
+    let mut table = HtmlTable::of(&found.nested.recordings)
         .compact()
         .name("Recording", |r: &NestedRecording| r.source.as_str())
         .number("Fold", |r| r.fold + 1)
@@ -216,4 +189,115 @@ fn recordings(found: &SearchDocument) -> Markup {
         (free_runs(table, |r| r.search))
         p.note { "Fits of a recording are against the standard deviations of its own states." }
     }
+}
+
+/// Terms beyond this many are not listed.
+const MOST_TERMS_OF_MEMBERS: usize = 120;
+
+/// The terms of the models of an average, with how often each was chosen.
+fn averaged(found: &AverageSummary) -> Markup {
+    let of_library: Vec<&AverageTerm> = found.terms.iter().filter(|term| !term.base).collect();
+    let counts: Vec<(u64, usize)> = (1..=found.models)
+        .rev()
+        .map(|models| (models, of_library.iter().filter(|term| term.chosen == models).count()))
+        .collect();
+    let agreed = HtmlTable::of(&counts)
+        .name("In so many models", |(models, _)| models.to_string())
+        .number("Terms of the library", |(_, terms)| terms);
+    let listed = &of_library[..of_library.len().min(MOST_TERMS_OF_MEMBERS)];
+    let table = HtmlTable::of(listed.iter().copied())
+        .compact()
+        .name("Term", |t| t.term.as_str())
+        .text("Of", |t| t.degree.as_str())
+        .text("Parameter", |t| t.name.as_str())
+        .number("In models", |t| format!("{} of {}", t.chosen, found.models))
+        .number("Least value", |t| three(t.lowest))
+        .number("Mean", |t| three(t.mean))
+        .number("Largest", |t| three(t.highest));
+    html! {
+        h3 { "The average" }
+        p {
+            (found.models) " models of few terms are averaged. The structure of each was found on " (found.recordings_each)
+            " recordings drawn at random, of each kind about as large a share (seed " (found.seed) "); then it was fitted to all. \
+             Terms that few models have are those that the recordings leave open."
+        }
+        (agreed)
+        (table)
+        @if of_library.len() > listed.len() {
+            p.note { "The first " (listed.len()) " of " (of_library.len()) "; all are in `search.json`." }
+        }
+    }
+}
+
+/// How the search was made.
+fn about_forces(found: &SearchDocument, forces: &SearchedForces) -> Markup {
+    let windows = windows_of(found.window_s);
+    html! {
+        p {
+            "The ship is fitted, every product that her forces lack is tested by its score, and the likeliest is added where the cost \
+             of recordings left out confirms it: up to " (forces.most_added) ", one after the other. The whole search is repeated \
+             without each of " (found.folds) " folds of recordings and judged by it, over " (windows) ". Fits are over windows of at \
+             most " (exact(found.fitted_window_s)) " s. Fit: 100 (1 − RMSE/std) over all windows together."
+        }
+    }
+}
+
+/// The forces that were found.
+fn found_forces(forces: &SearchedForces) -> Markup {
+    let folds = forces.without.len();
+    let rows: Vec<(usize, &FoundForce)> = (1..).zip(&forces.found).collect();
+    let table = HtmlTable::of(&rows)
+        .compact()
+        .mark("main", |_| forces.delivered)
+        .number("Order", |(order, _)| order)
+        .name("Found", |(_, force)| html! { code { (force.term) } })
+        .text("Degree", |(_, force)| force.degree.as_str())
+        .name("Parameter", |(_, force)| html! { code { (force.parameter) } })
+        .number("Value", |(_, force)| three(force.value))
+        .number("Standard error", |(_, force)| three_or_dash(force.standard_error))
+        .text("Unit", |(_, force)| unit(&force.unit))
+        .number("Found without a fold", |(_, force)| format!("{} of {folds}", force.found_by_folds));
+    html! {
+        @if !rows.is_empty() {
+            h3 { "Forces that were found" }
+            (table)
+            p.note {
+                @if forces.delivered { "The delivered ship has them. " } @else { "The delivered ship is without them. " }
+                "Values and standard errors are of a fit with all of them to all recordings. Its cost is " (three(forces.found_cost))
+                ", that of the ship as she was " (three(forces.base_cost)) "."
+            }
+        }
+    }
+}
+
+/// The searches without each fold.
+fn without(forces: &SearchedForces) -> Markup {
+    let most = "as many were added as may be";
+    let ended =
+        |fold: &ForcesWithoutFold| fold.failed.clone().or(fold.ended.clone()).unwrap_or(most.to_owned());
+    let table = HtmlTable::of(&forces.without)
+        .compact()
+        .number("Fold", |fold: &ForcesWithoutFold| fold.fold + 1)
+        .name("Tried", |fold| coded(&tried(&fold.tried)))
+        .text("Ended", |fold| coded(&ended(fold)));
+    html! {
+        h3 { "The searches without a fold" }
+        (table)
+        p.note {
+            "Cost: by how much that of recordings left out within the search changes with the force, with its standard error; in \
+             brackets what was not added."
+        }
+    }
+}
+
+fn tried(all: &[TriedForce]) -> String {
+    let each = |force: &TriedForce| {
+        let cost = force.share_left_out.zip(force.standard_error);
+        let cost = cost.map_or("no fit".to_owned(), |(share, error)| {
+            format!("cost {} ± {}", percent(-share), percent(error))
+        });
+        let said = format!("`{}` in {}, {cost}", force.term, force.degree);
+        if force.added { said } else { format!("({said})") }
+    };
+    if all.is_empty() { "–".to_owned() } else { all.iter().map(each).collect::<Vec<_>>().join("; ") }
 }

@@ -1,16 +1,13 @@
 use files::Error;
-use maud::html;
-
-use super::histograms::ErrorFigure;
-use super::loader::{Loader, existing};
-use super::number::{median, percent_within, q90};
-use super::parts::{Figures, Section, statements};
-use super::sample::INTERVALS;
-use super::table::Table;
-use crate::figures::HistogramPanel;
+use maud::{Markup, html};
 use refusal::listed;
 use study::documents::{Quantiles, SelectionDocument, SelectionScores};
 use study::selection::{self, Row};
+
+use crate::figures::{Histogram, HistogramAxis, HistogramPanel, histogram_pair};
+use crate::loader::{Loader, existing};
+use crate::number::{exact, median, percent_within, q90};
+use crate::parts::{Figures, HtmlTable, INTERVALS, Section, statements};
 
 /// The results of a selection study.
 #[derive(Clone, Debug)]
@@ -38,9 +35,9 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<SelectionStudy>, Error>
 }
 
 /// The section: what was picked, quantiles, histograms with the optimized selection above the random one.
-pub(super) fn selection(found: Option<&SelectionStudy>, figures: &mut Figures) -> Option<Section> {
-    let found = found?;
-    let summary = &found.summary;
+pub(super) fn selection(study: Option<&SelectionStudy>, figures: &mut Figures) -> Option<Section> {
+    let study = study?;
+    let summary = &study.summary;
     let norm = ErrorFigure::half("selection-error", "norm of RMSE over standard deviation [1]", LIMIT);
     let limits = [summary.std_u, summary.std_v, summary.std_r].map(round_limit);
     let degrees = ErrorFigure::thirds(["selection-surge", "selection-sway", "selection-yaw"], limits);
@@ -54,9 +51,9 @@ pub(super) fn selection(found: Option<&SelectionStudy>, figures: &mut Figures) -
         (statements(&summary.statements))
         (table(summary))
         p.note { (sample(summary)) ". " (INTERVALS) }
-        div.pair { (norm.place(&found.errors(|r| r.error_norm), figures)) }
+        div.pair { (norm.place(&study.errors(|r| r.error_norm), figures)) }
         div.triple {
-            @for (d, figure) in degrees.iter().enumerate() { (figure.place(&found.rmse(d), figures)) }
+            @for (d, figure) in degrees.iter().enumerate() { (figure.place(&study.rmse(d), figures)) }
         }
     };
     Some(Section::new("selection", "Selection", "Selection of sub-experiments", body))
@@ -65,9 +62,10 @@ pub(super) fn selection(found: Option<&SelectionStudy>, figures: &mut Figures) -
 impl SelectionStudy {
     /// An error of all realizations by design, optimized before random.
     pub(super) fn errors<'a>(&'a self, value: impl Fn(&Row) -> Option<f64>) -> Vec<HistogramPanel<'a>> {
-        let own =
+        let values =
             |d: &SelectionScores| self.rows.iter().filter(|r| r.design == d.design).map(&value).collect();
-        let errors = |d: &'a SelectionScores| HistogramPanel { label: &d.design, values: own(d), note: None };
+        let errors =
+            |d: &'a SelectionScores| HistogramPanel { label: &d.design, values: values(d), note: None };
         self.summary.designs.iter().map(errors).collect()
     }
 
@@ -97,7 +95,7 @@ fn round_limit(std: f64) -> f64 {
 /// A column's cell for a design.
 type Cell<'a> = &'a dyn Fn(&SelectionScores) -> String;
 
-fn table(summary: &SelectionDocument) -> Table<&SelectionScores> {
+fn table(summary: &SelectionDocument) -> HtmlTable<&SelectionScores> {
     let or_infinite = |value: Option<f64>, printed: String| value.map_or("∞".to_owned(), |_| printed);
     let median = |errors: &Quantiles| or_infinite(errors.median, median(errors));
     let q90 = |errors: &Quantiles| or_infinite(errors.q90, q90(errors));
@@ -108,8 +106,64 @@ fn table(summary: &SelectionDocument) -> Table<&SelectionScores> {
         ("90 %, picked left out", &|d| q90(&d.left_out.error_norm)),
         ("degenerate", &|d| percent_within(d.degenerate_share, d.degenerate_share_interval)),
     ];
-    let named = Table::of(&summary.designs).name("norm of RMSE/std", |d| &d.design);
+    let named = HtmlTable::of(&summary.designs).name("norm of RMSE/std", |d| &d.design);
     columns.into_iter().fold(named, |table, (head, cell)| {
         table.with(html! { th scope="col" { (head) } }, |d| html! { td.number { (cell(d)) } })
     })
+}
+
+/// A figure of histograms of one error, a panel per design.
+#[derive(Clone, Copy)]
+pub(super) struct ErrorFigure<'a> {
+    file: &'a str,
+    caption: &'a str,
+    axis: HistogramAxis<'a>,
+}
+
+impl<'a> ErrorFigure<'a> {
+    /// For half of the page, in `<file>.svg`: `title` has quantity and unit, and the axis ends at `limit`.
+    pub(super) const fn half(file: &'a str, title: &'a str, limit: f64) -> Self {
+        let axis = HistogramAxis { title, limit, bins: 50, bound: None, width: 460.0 };
+        Self { file, caption: title, axis }
+    }
+
+    /// For a third of the page each: the errors in surge, sway and yaw rate.
+    pub(super) fn thirds(files: [&'a str; 3], [u, v, r]: [f64; 3]) -> [Self; 3] {
+        let third = |file, title, limit| {
+            let half = Self::half(file, title, limit);
+            Self { axis: HistogramAxis { width: 360.0, ..half.axis }, ..half }
+        };
+        [
+            third(files[0], "RMSE in surge [m/s]", u),
+            third(files[1], "RMSE in sway [m/s]", v),
+            third(files[2], "RMSE in yaw rate [rad/s]", r),
+        ]
+    }
+
+    /// Sets a caption.
+    pub(super) const fn captioned(self, caption: &'a str) -> Self {
+        Self { caption, ..self }
+    }
+
+    /// Adds a line below which a run counts as good.
+    pub(super) const fn bounded(self, bound: Option<f64>) -> Self {
+        Self { axis: HistogramAxis { bound, ..self.axis }, ..self }
+    }
+
+    /// Draws and places the figure; the caption accounts for runs that no bar shows.
+    pub(super) fn place(&self, panels: &[HistogramPanel<'_>], figures: &mut Figures) -> Markup {
+        let left_out: Vec<String> = panels.iter().map(|panel| self.left_out(panel)).collect();
+        let caption = html! {
+            b { (self.caption) }
+            " Values at or above " (exact(self.axis.limit)) " are truncated into the last bar (" (left_out.join("; ")) ")."
+        };
+        figures.place(self.file, histogram_pair(&self.axis, panels), &caption)
+    }
+
+    /// The runs in the last bar and those that no bar shows: `optimized: 3 of 500 runs truncated, 0 without a value`.
+    fn left_out(&self, panel: &HistogramPanel<'_>) -> String {
+        let counted = Histogram::new(&panel.values, self.axis.limit, self.axis.bins);
+        let (runs, Histogram { beyond, missing, .. }) = (counted.runs(), &counted);
+        format!("{}: {beyond} of {runs} runs truncated, {missing} without a value", panel.label)
+    }
 }

@@ -1,10 +1,9 @@
 use maud::{Markup, html};
 use study::documents::{Arm, ArmSummary, RoundGain, SequentialDocument, Source};
 
-use super::number::{exact, interval, percent_within, three, three_or_dash, three_within};
-use super::parts::{Figures, Section};
-use super::table::{Table, grouped};
 use crate::figures::{AccuracyCurve, accuracy};
+use crate::number::{exact, interval, percent_within, three, three_or_dash, three_within};
+use crate::parts::{Figures, HtmlTable, Section, grouped};
 
 /// Trials designed in rounds compared with trials designed once: at equal time, and when they stop.
 pub(super) fn sequential(found: &SequentialDocument, figures: &mut Figures) -> Vec<Section> {
@@ -26,14 +25,13 @@ pub(super) fn sequential(found: &SequentialDocument, figures: &mut Figures) -> V
     ]
 }
 
+/// Each with a capital first letter.
 fn sentences(statements: &[String]) -> Markup {
+    let capital = |said: &String| -> String {
+        let mut letters = said.chars();
+        letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+    };
     html! { @for said in statements { p { (capital(said)) "." } } }
-}
-
-/// With a capital first letter.
-fn capital(said: &str) -> String {
-    let mut letters = said.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// The label of an arm.
@@ -61,6 +59,10 @@ fn about(found: &SequentialDocument) -> Markup {
 }
 
 fn figure(found: &SequentialDocument, figures: &mut Figures) -> Markup {
+    let curve = |arm: &ArmSummary| AccuracyCurve {
+        label: label(arm.name),
+        points: arm.points.iter().filter_map(|point| Some((point.time_s, point.median?))).collect(),
+    };
     let curves: Vec<AccuracyCurve> = found.arms.iter().map(curve).collect();
     let stop = found.stopping.first().map_or(found.duration_s, |s| s.mean_time_s);
     let figure = accuracy(&curves, (stop, found.accuracy), "median parameter error [1]");
@@ -70,13 +72,8 @@ fn figure(found: &SequentialDocument, figures: &mut Figures) -> Markup {
     })
 }
 
-fn curve(arm: &ArmSummary) -> AccuracyCurve<'static> {
-    let points = arm.points.iter().filter_map(|point| Some((point.time_s, point.median?))).collect();
-    AccuracyCurve { label: label(arm.name), points }
-}
-
 fn gains(gains: &[RoundGain]) -> Markup {
-    let table = Table::of(gains)
+    let table = HtmlTable::of(gains)
         .compact()
         .name("Time [s]", |gain| three(gain.time_s))
         .number("Error in rounds / one-shot", |gain| three_or_dash(gain.ratio))
@@ -89,7 +86,7 @@ fn gains(gains: &[RoundGain]) -> Markup {
 }
 
 fn errors(found: &SequentialDocument) -> Markup {
-    let table = Table::of(grouped(&found.arms, |arm| &arm.points))
+    let table = HtmlTable::of(grouped(&found.arms, |arm| &arm.points))
         .compact()
         .mark("first", |(first, ..)| first)
         .name("Design", |(first, arm, _)| if first { label(arm.name) } else { "" })
@@ -112,7 +109,7 @@ fn errors(found: &SequentialDocument) -> Markup {
 }
 
 fn stopping(found: &SequentialDocument) -> Markup {
-    let table = Table::of(&found.stopping)
+    let table = HtmlTable::of(&found.stopping)
         .compact()
         .name("Trial", |s| label(s.arm))
         .number("Promised in time", |s| s.stopped)

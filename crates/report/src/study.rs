@@ -1,11 +1,18 @@
+use std::path::Path;
+
+use files::{Digest, Error, Loaded, Provenance, exists, read_document};
+use ship::engine::{Run, track};
+use study::campaign_file::CampaignFile;
 use study::documents::{
-    DesignDocument, DesignScores, DesignUpdateDocument, EstimateDocument, MeritDocument, MomentsDocument,
-    Reference, SequentialDocument, TallyDocument, ValidationDocument,
+    DesignDocument, DesignScores, DesignUpdateDocument, EstimateDocument, IngestDocument, MeritDocument,
+    MomentsDocument, PlanDocument, Reference, SequentialDocument, TallyDocument, ValidationDocument,
 };
 use study::files::{Variable, Vessel};
 use study::scores;
+use study::trajectories::{Layout, REACHED, TrajectoryReader};
 
-use super::planned_trial::PlannedTrial;
+use crate::loader::{Loader, Sources, document_at};
+use crate::planned_trial::{PlannedTrial, map};
 
 /// Everything that the page can show. Absent results are reported as missing.
 #[derive(Clone, Debug, Default)]
@@ -41,7 +48,7 @@ pub struct Study {
     /// Models from picked sub-experiments; absent in a study without.
     pub selection: Option<super::SelectionStudy>,
     /// Results from measured logs; absent in a study of simulated trials.
-    pub measured: Option<super::Measured>,
+    pub measured: Option<super::MeasuredStudy>,
     /// Trials designed in rounds against trials designed once.
     pub sequential: Option<SequentialDocument>,
     /// Other studies' comparisons of estimators, to be shown side by side.
@@ -127,4 +134,289 @@ impl Study {
     pub(super) fn scored(&self) -> Vec<&DesignScores> {
         self.validation.iter().flat_map(|v| optimized_first(&v.designs, |d| &d.design)).collect()
     }
+}
+
+/// Maneuvers beyond this many are not drawn.
+const MOST_TRACES: usize = 400;
+
+/// Reads the existing results of a study.
+///
+/// # Errors
+/// An existing file is refused; a study without a folder, a folder without any result.
+pub fn load(sources: &Sources) -> Result<Study, Error> {
+    check_study(&sources.study)?;
+    let mut loader = Loader::new(sources);
+    let vessel = loader.vessel()?;
+    let campaign = loader.toml::<CampaignFile>("campaign.toml", "runs, disturbances, seed, validation")?;
+    if let Some(Err(invalid)) = campaign.as_ref().map(CampaignFile::check) {
+        return Err(Error::invalid(sources.study.join("campaign.toml"), invalid));
+    }
+    let maneuvers = loader.dictionary()?;
+    let reference = loader.reference()?;
+    let mut dictionary = loader.traces(&vessel, "dictionary.parquet", "maneuvers, undisturbed")?;
+    let maneuvers = maneuvers.map(|file| file.expanded().unwrap_or_default()).unwrap_or_default();
+    for trace in dictionary.iter_mut().flatten() {
+        let maneuver = maneuvers.iter().find(|maneuver| maneuver.name == trace.name);
+        trace.description = maneuver.map_or(String::new(), |maneuver| maneuver.description.clone());
+    }
+    let study = Study {
+        name: title(sources, vessel.as_ref().map(|vessel| vessel.name.as_str())),
+        experiment_s: campaign.map(|c| c.duration_s),
+        dictionary,
+        moments: loader.document("moments.json", "moments of every maneuver")?,
+        design: loader.document("design.json", "optimal shares with their certificate")?,
+        update: loader.document("design-update.json", "the promise of the design after its trial")?,
+        validation_trace: loader
+            .traces(&vessel, "validation.parquet", "validation maneuvers")?
+            .and_then(|traces| traces.into_iter().next()),
+        estimate: loader.document("estimate.json", "estimates of all runs together")?,
+        validation: loader.document("validation.json", "errors of all runs together")?,
+        tally: loader.document("tally.json", "realizations in memory, counted")?,
+        scores: loader.scores()?,
+        scenarios: sources
+            .scenarios
+            .iter()
+            .map(|folder| scenario(folder, sources.allow_mixed))
+            .collect::<Result<_, _>>()?,
+        vessel,
+        trajectory: trajectory(&mut loader)?,
+        merit: loader.document("merit.json", "figures of merit of standard maneuvers")?,
+        selection: crate::selection::load(&mut loader)?,
+        measured: crate::measured::load(&mut loader)?,
+        sequential: loader.document("sequential.json", "trials designed in rounds and at once")?,
+        data: loader.label()?,
+        mixed: loader.mixed(),
+        reference,
+        files: Vec::new(),
+    };
+    let Study { design, dictionary, validation, trajectory, selection, measured, sequential, .. } = &study;
+    let simulated = design.is_some() || dictionary.is_some() || validation.is_some() || sequential.is_some();
+    let planned = trajectory.as_ref().is_some_and(|t| t.main.is_some());
+    if !(simulated || planned || selection.is_some() || measured.is_some()) {
+        return Err(study::refuse(
+            &sources.results,
+            "results",
+            "none of crossval.json, design.json, dictionary.parquet, plan.json, search.json, selection.json, sequential.json, trust.json, validation.json",
+            "files that the stages wrote",
+            "run `make` first, or name their folder with --results",
+        ));
+    }
+    Ok(Study { files: loader.files, ..study })
+}
+
+/// Files of which a study has one at least.
+const WRITTEN: [&str; 5] = ["vessel.toml", "dictionary.toml", "campaign.toml", "ingest.toml", "plan.toml"];
+
+/// Refuses what is no folder, and a folder without a study.
+fn check_study(folder: &Path) -> Result<(), Error> {
+    let fault = match folder.is_dir() {
+        false => "no such folder",
+        true if WRITTEN.iter().all(|name| !folder.join(name).exists()) => "none of a study's files",
+        true => return Ok(()),
+    };
+    let remedy = "name the folder of its hand-written files with --study";
+    Err(study::refuse(folder, "study", fault, "the folder of a study", remedy))
+}
+
+/// The title of the page: the study's folder, or that of all scenarios; the vessel's name where the folder's path has none.
+fn title(sources: &Sources, vessel: Option<&str>) -> String {
+    let above = sources.study.parent().filter(|_| !sources.scenarios.is_empty());
+    let named = above.and_then(Path::file_name).or(sources.study.file_name());
+    named.map_or(vessel.unwrap_or("Study").to_owned(), |name| name.to_string_lossy().into_owned())
+}
+
+/// The stages' documents on estimators in `folder`.
+fn scenario(folder: &Path, allow_mixed: bool) -> Result<Scenario, Error> {
+    let [first, second] = ["estimate.json", "validation.json"].map(|name| folder.join(name));
+    let (estimate, validation) =
+        (read_document::<EstimateDocument>(&first)?, read_document::<ValidationDocument>(&second)?);
+    let mut known = Provenance { allow_mixed, ..Provenance::default() };
+    known.made("estimate.json", &first, estimate.digest, &estimate.provenance)?;
+    known.made("validation.json", &second, validation.digest, &validation.provenance)?;
+    let read = Scenario {
+        name: folder.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned()),
+        estimate: estimate.data,
+        validation: validation.data,
+    };
+    if read.estimate.compared.is_some() && read.validation.compared.is_some() {
+        return Ok(read);
+    }
+    let expected = "`compared`, several estimators on the same runs";
+    let remedy = "run `estimate --compare` and `validate` again";
+    Err(study::refuse(&folder.join("estimate.json"), "estimators", "one", expected, remedy))
+}
+
+impl Loader<'_> {
+    /// The label of the logs by `ingest`.
+    fn label(&mut self) -> Result<Option<String>, Error> {
+        let ingest = document_at::<IngestDocument>(self.sources.results.join("ingest.json"))?;
+        Ok(ingest.and_then(|ingest| ingest.data.data).map(|label| label.to_string()))
+    }
+
+    fn scores(&mut self) -> Result<Option<Vec<scores::Row>>, Error> {
+        let schema = (scores::ID, scores::VERSION);
+        let Some(reader) = self.table("scores.parquet", "errors of every run", schema)? else {
+            return Ok(None);
+        };
+        let mut rows = scores::rows(&reader)?;
+        let leading = scores::leading(&rows);
+        rows.retain(|row| Some(row.estimator) == leading);
+        Ok(Some(rows))
+    }
+
+    fn traces(
+        &mut self,
+        vessel: &Option<Vessel>,
+        name: &str,
+        what: &str,
+    ) -> Result<Option<Vec<ManeuverTrace>>, Error> {
+        let path = self.sources.results.join(name);
+        let (Some(vessel), true) = (vessel, exists(&path)) else { return Ok(None) };
+        let reader = TrajectoryReader::open(&path, &Layout::new(&vessel.model), vessel.sample_rate_hz)?;
+        self.made(name, what, reader.digest(), reader.provenance())?;
+        let reached = reader.provenance().settings.get(REACHED).cloned().unwrap_or_default();
+        let mut traces = Vec::new();
+        for block in 0..reader.blocks() {
+            if traces.len() < MOST_TRACES {
+                let (mut first, commands) = (0, reader.commands(block)?);
+                for run in reader.runs(block)? {
+                    let rows = first..first + run.samples();
+                    let cut =
+                        |(name, values): &(String, Vec<f64>)| (name.clone(), values[rows.clone()].to_vec());
+                    let commands = commands.iter().map(cut).collect();
+                    traces.push(ManeuverTrace { commands, ..trace(vessel, &run) });
+                    first += run.samples() + 1;
+                }
+            }
+        }
+        for trace in &mut traces {
+            trace.reached = reached[&trace.name].as_str().unwrap_or_default().to_owned();
+        }
+        Ok(Some(traces))
+    }
+}
+
+fn trace(vessel: &Vessel, run: &Run) -> ManeuverTrace {
+    let samples = run.samples();
+    let width = vessel.model.exogenous();
+    let state = |i: usize| run.measured.iter().skip(i).step_by(3).take(samples).copied().collect::<Vec<_>>();
+    let input = |i: usize| {
+        let variable = &vessel.model.variables[3 + i];
+        let values = run.exogenous.iter().skip(i).step_by(width).copied().collect();
+        (variable.name.clone(), variable.unit.clone(), values)
+    };
+    let poses = track(&run.measured, vessel.sample_rate_hz);
+    ManeuverTrace {
+        name: run.segments[0].maneuver.clone(),
+        description: String::new(),
+        reached: String::new(),
+        t: (0..samples).map(|k| k as f64 / vessel.sample_rate_hz).collect(),
+        inputs: (0..vessel.model.inputs).map(input).collect(),
+        commands: Vec::new(),
+        u: state(0),
+        v: state(1),
+        r: state(2),
+        x: poses.iter().take(samples).map(|p| p.x).collect(),
+        y: poses.iter().take(samples).map(|p| p.y).collect(),
+    }
+}
+
+/// The files that `plan` writes next to `plan.json`.
+const ADDITIONAL: [(&str, &str); 5] = [
+    ("track.parquet", "planned trajectory, every sample"),
+    ("track.geojson", "planned track, for charts"),
+    ("route.rtz", "route for the bridge"),
+    ("route.gpx", "route and track for receivers"),
+    ("route.plan", "route for ground stations of autopilots"),
+];
+
+/// The trajectory that the study plans; `None` if there is neither `plan.toml` nor `plan.json`.
+fn trajectory(loader: &mut Loader) -> Result<Option<Trajectory>, Error> {
+    let config = loader.sources.study.join("plan.toml");
+    if exists(&config) {
+        loader.note("plan.toml", "chart, lattice, safety, counts, start and goal", Digest::of_file(&config)?);
+    } else if !exists(loader.sources.results.join("plan.json")) {
+        return Ok(None);
+    }
+    let main = planned(loader, "")?;
+    let mut variants = Vec::new();
+    for name in folders(&loader.sources.results)? {
+        variants.extend(planned(loader, &name)?);
+    }
+    Ok(Some(Trajectory {
+        main,
+        variants,
+        estimate: loader.document("planned/estimate.json", "estimates of the simulated planned trials")?,
+        validation: loader.document("planned/validation.json", "errors of the simulated planned trials")?,
+    }))
+}
+
+/// Names of the folders `plan-*`, by the first number in them and by name.
+fn folders(results: &Path) -> Result<Vec<String>, Error> {
+    let fails = |e| Error::io(results, "list", e);
+    let mut names = Vec::new();
+    files::observe_names(results, "plan-*");
+    for entry in std::fs::read_dir(results).map_err(fails)? {
+        let entry = entry.map_err(fails)?;
+        let name = entry.file_name().into_string().unwrap_or_default();
+        if name.starts_with("plan-") && entry.path().is_dir() {
+            names.push(name);
+        }
+    }
+    names.sort_by_key(|name| (number(name), name.clone()));
+    Ok(names)
+}
+
+/// The first number in a name: 4 of `plan-4-headings`.
+fn number(name: &str) -> Option<u64> {
+    name.split(|c: char| !c.is_ascii_digit()).find_map(|digits| digits.parse().ok())
+}
+
+/// The plan in folder `name` of the results; the study's own if it is empty.
+fn planned(loader: &mut Loader, name: &str) -> Result<Option<PlannedTrial>, Error> {
+    let within = |file: &str| if name.is_empty() { file.to_owned() } else { format!("{name}/{file}") };
+    let what = if name.is_empty() { "planned trajectory" } else { "the same trial planned otherwise" };
+    let Some(loaded) = loader.loaded::<PlanDocument>(&within("plan.json"), what)? else { return Ok(None) };
+    let stale = stale(loader, name, &loaded);
+    let (map, document) = map(loader, &within("map"))?;
+    if name.is_empty() {
+        for (file, what) in ADDITIONAL {
+            let path = loader.sources.results.join(file);
+            if exists(&path) {
+                loader.note(file, what, Digest::of_file(&path)?);
+            }
+        }
+    }
+    charts(loader, &loaded);
+    Ok(Some(PlannedTrial { name: name.to_owned(), plan: loaded.data, map, document, stale }))
+}
+
+/// The charts of the plan, by their names in it; each once.
+fn charts(loader: &mut Loader, loaded: &Loaded<PlanDocument>) {
+    for (role, digest) in &loaded.provenance.inputs {
+        let Some(name) = role.strip_prefix("chart:") else { continue };
+        let digest = digest.to_string();
+        if loader.files.iter().all(|(known, _, other)| (known.as_str(), other) != (name, &digest)) {
+            loader.files.push((name.to_owned(), "chart that was planned on".to_owned(), digest));
+        }
+    }
+}
+
+/// Files of the study that differ from those that the plan was made from.
+fn stale(loader: &Loader, name: &str, loaded: &Loaded<PlanDocument>) -> Vec<String> {
+    let config = if name.is_empty() { "plan.toml".to_owned() } else { format!("{name}.toml") };
+    let roles = [
+        ("vessel", "vessel.toml"),
+        ("plan", config.as_str()),
+        ("trajectories", "dictionary.parquet"),
+        ("design", "design.json"),
+    ];
+    let differs = |(role, file): &(&str, &str)| {
+        let Some(used) = loaded.provenance.inputs.get(*role) else { return false };
+        let noted = loader.files.iter().find(|(known, ..)| known == file).map(|(.., digest)| digest.clone());
+        let join = loader.sources.study.join(file);
+        let digest = noted.or_else(|| Digest::of_file(join).ok().map(|digest| digest.to_string()));
+        digest.is_some_and(|digest| digest != used.to_string())
+    };
+    roles.iter().filter(|role| differs(role)).map(|(_, file)| (*file).to_owned()).collect()
 }

@@ -1,24 +1,26 @@
 use maud::{Markup, display, html};
+use study::documents::{
+    Absent, AbsentForce, ConstrainedParameter, Criticism, CrossvalDocument, DegreeTrust, EstimatorScore,
+    ForceCriticism, FoundNoise, LateActuator, SourceErrors, TriedSign, TrustDocument, Verdict,
+};
 
-use super::lacking::lacking;
-use super::measured::{Measured, free_runs};
-use super::number::{fit, or_dash, percent, probability, three, three_or_dash, unit};
-use super::parts::{Section, coded, missing, statements};
-use super::table::Table;
-use super::wrong::wrong;
-use study::documents::{ConstrainedParameter, DegreeTrust, SourceErrors, TrustDocument};
+use crate::measured::{MeasuredStudy, free_runs};
+use crate::number::{
+    fit, or_dash, percent, probability, three, three_or_dash, three_within, unit, windows_of,
+};
+use crate::parts::{HtmlTable, Section, coded, missing, statements};
 
 /// The diagnostics of the pooled estimate.
-pub(super) fn trust(measured: &Measured) -> Section {
-    let forces = measured.model.as_ref().and_then(|own| own.forces.as_ref());
-    let criticism = forces.and_then(|own| own.criticism.as_ref());
+pub(super) fn trust(measured: &MeasuredStudy) -> Section {
+    let forces = measured.model.as_ref().and_then(|model| model.forces.as_ref());
+    let criticism = forces.and_then(|forces| forces.criticism.as_ref());
     let body = match (&measured.trust, criticism) {
-        (None, Some(found)) => wrong(found),
+        (None, Some(found)) => wrong_forces(found),
         (None, None) => missing("Trust is", "trust.json", "estimate pool"),
         (Some(found), _) => html! {
             (about(found))
             (statements(&found.statements))
-            @if let Some(criticism) = &found.criticism { (lacking(criticism)) }
+            @if let Some(criticism) = &found.criticism { (missing_terms(criticism)) }
             (tests(found))
             @for degree in &found.degrees { (parameters(degree)) }
             @if !found.constrained.is_empty() { (constrained(&found.constrained)) }
@@ -35,7 +37,7 @@ fn constrained(all: &[ConstrainedParameter]) -> Markup {
         (Some(to), _) => format!("equal to {to}"),
         _ => "fixed".to_owned(),
     };
-    let table = Table::of(all)
+    let table = HtmlTable::of(all)
         .compact()
         .name("Parameter", |p| &p.name)
         .text("Term", |p| &p.term)
@@ -43,10 +45,7 @@ fn constrained(all: &[ConstrainedParameter]) -> Markup {
         .text("Fixed or tied", how)
         .number("Value", |p| three_or_dash(p.estimate))
         .number("Standard error", |p| three_or_dash(p.standard_error));
-    html! {
-        h3 { "Parameters fixed or tied" }
-        (table)
-    }
+    html! { h3 { "Parameters fixed or tied" } (table) }
 }
 
 fn about(found: &TrustDocument) -> Markup {
@@ -63,7 +62,7 @@ fn about(found: &TrustDocument) -> Markup {
 }
 
 fn tests(found: &TrustDocument) -> Markup {
-    let table = Table::of(&found.degrees)
+    let table = HtmlTable::of(&found.degrees)
         .compact()
         .name("Degree", |d| &d.name)
         .text("Status", |d| display(d.status))
@@ -75,7 +74,12 @@ fn tests(found: &TrustDocument) -> Markup {
             three_or_dash(d.whiteness.as_ref().map(|w| w.first_autocorrelation))
         })
         .number("White, p", |d| or_dash(d.whiteness.as_ref().map(|w| probability(w.p_value))))
-        .with(html! { th scope="col" { "Residual and instrument" } }, leak);
+        .with(html! { th scope="col" { "Residual and instrument" } }, |d| match &d.instrument_residual {
+            Some(c) => html! {
+                td.wrap { (three(c.strongest)) " with " (c.instrument) " at lag " (c.lag) ", p " (probability(c.p_value)) }
+            },
+            None => html! { td { "–" } },
+        });
     html! {
         (table)
         p.note {
@@ -88,18 +92,8 @@ fn tests(found: &TrustDocument) -> Markup {
     }
 }
 
-/// The correlation of residuals with an instrument.
-fn leak(degree: &DegreeTrust) -> Markup {
-    match &degree.instrument_residual {
-        Some(c) => html! {
-            td.wrap { (three(c.strongest)) " with " (c.instrument) " at lag " (c.lag) ", p " (probability(c.p_value)) }
-        },
-        None => html! { td { "–" } },
-    }
-}
-
 fn parameters(degree: &DegreeTrust) -> Markup {
-    let mut table = Table::of(&degree.parameters)
+    let mut table = HtmlTable::of(&degree.parameters)
         .compact()
         .name("Parameter", |p| &p.name)
         .text("Term", |p| &p.term)
@@ -129,7 +123,7 @@ fn parameters(degree: &DegreeTrust) -> Markup {
 fn correlation(degree: &DegreeTrust, entries: &[f64]) -> Markup {
     let parameters = &degree.parameters;
     let rows = parameters.iter().zip(entries.chunks(parameters.len().max(1)));
-    let named = Table::of(rows).compact().name("Correlation", |(p, _)| p.name.as_str());
+    let named = HtmlTable::of(rows).compact().name("Correlation", |(p, _)| p.name.as_str());
     let table = parameters.iter().enumerate().fold(named, |table, (i, other)| {
         table.number(&other.name, |(p, row)| {
             let entry = row.get(i).filter(|_| !p.at_bound && !other.at_bound);
@@ -144,13 +138,229 @@ fn correlation(degree: &DegreeTrust, entries: &[f64]) -> Markup {
 }
 
 fn runs(runs: &[SourceErrors]) -> Markup {
-    let named =
-        Table::of(runs).compact().name("Recording", |run| &run.source).number("Samples", |run| run.samples);
+    let named = HtmlTable::of(runs)
+        .compact()
+        .name("Recording", |run| &run.source)
+        .number("Samples", |run| run.samples);
     html! {
         h3 { "Free simulation over every recording, itself part of the estimate" }
         (free_runs(named, |run| run.errors))
         @if runs.iter().any(|run| run.errors.is_none()) {
             p.note { "A dash: no whole model, or its simulation diverged." }
+        }
+    }
+}
+
+/// Signs first; lags and forces only where these are right.
+fn wrong_forces(found: &ForceCriticism) -> Markup {
+    let parts = if found.whole_windows { "windows" } else { "pieces of windows" };
+    html! {
+        h3 { "What is wrong with the model" }
+        (statements(&found.statements))
+        @if !found.signs.is_empty() { (signs(&found.signs)) }
+        @if !found.late.is_empty() { (late(&found.late)) }
+        @if !found.absent.is_empty() { (absent(found)) }
+        p.note {
+            "Each sign is turned by itself, and the ship is fitted again. Then every candidate is added with a number of 0: its score is \
+             what the fitted numbers cannot explain of the errors. Cost: by how much the candidate would lower it. p: how often any \
+             of all candidates would seem so likely in a right model; " (found.units) " " (parts) " count as independent."
+        }
+        @if !found.hidden.is_empty() {
+            p.note { "Not to be told from the model's own forces: " (coded(&found.hidden.join(", "))) "." }
+        }
+    }
+}
+
+fn signs(all: &[TriedSign]) -> HtmlTable<&TriedSign> {
+    HtmlTable::of(all)
+        .compact()
+        .mark("main", |sign| sign.wrong)
+        .name("Turned", |sign| coded(&sign.turned))
+        .number("Cost", |sign| sign.share.map_or("diverges".to_owned(), |share| percent(-share)))
+        .number("Windows that fit better", |sign| format!("{} of {}", sign.windows_better, sign.windows))
+        .number("p", |sign| probability(sign.p_value))
+}
+
+fn late(all: &[LateActuator]) -> HtmlTable<&LateActuator> {
+    let best = |actuator: &LateActuator| match (&actuator.kind, actuator.time_s) {
+        (Some(kind), Some(time)) => format!("{kind} of {} s", three(time)),
+        _ => "–".to_owned(),
+    };
+    HtmlTable::of(all)
+        .compact()
+        .name("Input", |actuator| html! { code { (actuator.input) } })
+        .number("Acts later by [s]", |actuator| {
+            format!("{} ± {}", three(actuator.late_s), three(actuator.standard_error))
+        })
+        .number("Cost", |actuator| percent(-actuator.share))
+        .number("p", |actuator| probability(actuator.p_value))
+        .text("Fits best as", best)
+}
+
+/// Forces that are shown.
+const SHOWN: usize = 6;
+
+fn absent(found: &ForceCriticism) -> HtmlTable<&AbsentForce> {
+    let likely = found.absent.iter().take_while(|force| force.candidate).count();
+    let first = &found.absent[..likely.max(SHOWN).min(found.absent.len())];
+    HtmlTable::of(first)
+        .compact()
+        .mark("main", |force| force.candidate)
+        .name("Not in the model", |force| html! { code { (force.term) } })
+        .text("Degree", |force| force.degree.as_str())
+        .number("If added", |force| format!("{} ± {}", three(force.value), three(force.standard_error)))
+        .text("Unit", |force| unit(&force.unit))
+        .number("Cost", |force| percent(-force.share))
+        .number("p", |force| probability(force.p_value))
+}
+
+/// Number of candidates that are always shown.
+const SHOWN_FORCES: usize = 5;
+
+/// The candidates, the likeliest first; those without evidence are folded.
+fn missing_terms(found: &Criticism) -> Markup {
+    let likely = found.absent.iter().take_while(|a| found.rejected && a.candidate).count();
+    let (first, others) = found.absent.split_at(likely.max(SHOWN_FORCES).min(found.absent.len()));
+    html! {
+        h3 { "What the model lacks" }
+        (candidates(found, first))
+        @if !others.is_empty() {
+            details {
+                summary { (others.len()) " more candidates, for which these recordings speak less" }
+                (candidates(found, others))
+            }
+        }
+        p.note {
+            "Score tests of whitened errors of what the model does not have, the likeliest first; values with standard errors as they \
+             would be if it were added. p: how often any of all candidates would seem so likely in a right model. Seen from: the \
+             least that these recordings would nearly always have shown."
+        }
+        @if !found.hidden.is_empty() {
+            p.note { "Not to be told from the model's own terms: " (coded(&found.hidden.join(", "))) "." }
+        }
+        (noise(found))
+    }
+}
+
+fn candidates<'a>(found: &Criticism, absent: &'a [Absent]) -> HtmlTable<&'a Absent> {
+    HtmlTable::of(absent)
+        .compact()
+        .mark("main", |a| found.rejected && a.candidate)
+        .name("Not in the model", |a| match a.degree {
+            Some(_) => html! { code { (a.name) } },
+            None => html! { (a.name) },
+        })
+        .text("Degree", |a| a.degree.as_deref().unwrap_or("all"))
+        .number("If added", added)
+        .text("Unit", |a| unit(&a.unit))
+        .number("p", |a| probability(a.p_value))
+        .number("Seen from", |a| three(a.visible_from))
+}
+
+/// `−0.400 ± 0.030`; north and east of a current.
+fn added(absent: &Absent) -> String {
+    let each = absent.value.iter().zip(&absent.standard_error);
+    each.map(|(value, error)| format!("{} ± {}", three(*value), three(*error))).collect::<Vec<_>>().join(", ")
+}
+
+/// The noise that the errors were whitened with: its kind, its levels, and by how much others are less likely.
+fn noise(found: &Criticism) -> Markup {
+    html! {
+        p.note {
+            "Noise " (if found.stated_noise { "stated" } else { "found" })
+            @if let Some(noise) = &found.noise { ", " (noise.kind.words()) }
+            ": u " (three(found.noise_u)) " m/s, v "
+            (three(found.noise_v)) " m/s, r " (three(found.noise_r)) " rad/s, current " (three(found.current_std)) " m/s"
+            @if let Some(time) = found.current_time_s { " changing within " (three(time)) " s" }
+            @for drift in found.noise.iter().flat_map(|noise| &noise.drifts) {
+                ", " (drift.of) " " (drift.state) " " (three(drift.std)) " " (drift.unit) " over " (three(drift.time_s)) " s"
+            }
+            "."
+            @if let Some(noise) = &found.noise {
+                " Noise and parameters were found in " (noise.turns) " turns"
+                @if !noise.at_rest { ", without coming to rest" }
+                "."
+                @if !noise.others.is_empty() { " Less likely, in twice the log-likelihood: " (others(noise)) "." }
+            }
+        }
+        @if found.verdict == Verdict::None {
+            p.note {
+                "No verdict: these errors follow no noise known here. What is missing, and standard errors, do not hold."
+            }
+        }
+    }
+}
+
+fn others(noise: &FoundNoise) -> String {
+    let each = noise.others.iter().map(|other| format!("{} by {}", other.kind.words(), three(other.below)));
+    each.collect::<Vec<_>>().join(", ")
+}
+
+/// The estimators compared on recordings that were left out, and the recommended one recording by recording.
+pub(super) fn cross_validation(measured: &MeasuredStudy) -> Section {
+    let body = match &measured.crossval {
+        None => missing("Cross-validation is", "crossval.json", "validate cross"),
+        Some(found) => html! {
+            (about_folds(found))
+            (statements(&found.statements))
+            (estimators(found))
+            @if let Some((score, _)) = measured.best() { (sources(score)) }
+        },
+    };
+    Section::new("cross-validation", "Cross-validation", "Cross-validation", body)
+}
+
+fn about_folds(found: &CrossvalDocument) -> Markup {
+    let windows = windows_of(found.window_s);
+    html! {
+        p {
+            "Each of " (found.folds) " folds leaves recordings out, estimates from the others and simulates over those left \
+             out: " (found.windows) " " (windows) ", " (found.samples) " samples. "
+            @if found.forces {
+                "Forces were fitted, with priors of weight " (three(found.prior))
+            } @else {
+                "Mean of the instruments removed: " (found.mean_removal) "; nominal model: " (found.nominal)
+                @if found.prior > 0.0 { "; prior of strength " (three(found.prior)) }
+            }
+            ". Standard deviations of the states: " (three(found.std_u)) " m/s, " (three(found.std_v)) " m/s, "
+            (three(found.std_r)) " rad/s."
+        }
+    }
+}
+
+fn estimators(found: &CrossvalDocument) -> Markup {
+    let recommended = |e: &EstimatorScore| found.recommended == Some(e.name);
+    let named = HtmlTable::of(&found.estimators)
+        .mark("main", |e| found.candidates.contains(&e.name))
+        .name("Estimator", |e| html! { (e.name) @if recommended(e) { " (recommended)" } });
+    let table = free_runs(named, |e| e.errors)
+        .number("Error norm", |e| three_or_dash(e.error_norm))
+        .number("Above the least", |e| {
+            or_dash(found.difference(e.name).map(|d| three_within(d.median, Some(d.interval))))
+        })
+        .text("By instruments, folds", |e| e.by_instruments.map(|folds| folds.to_string()).join(", "))
+        .text("Status", |e| display(e.status));
+    html! {
+        (table)
+        p.note {
+            "Above the least: how far the error norm of a recording lies above that by the estimator of least median norm, \
+             median over the recordings with its 95 % interval; one that contains 0 tells no difference. "
+            "By instruments: folds in which surge, sway and yaw were estimated with simulated instruments."
+        }
+    }
+}
+
+fn sources(score: &EstimatorScore) -> Markup {
+    let (simulated, without): (Vec<_>, Vec<_>) = score.sources.iter().partition(|s| s.windows > 0);
+    let named =
+        HtmlTable::of(simulated).compact().name("Recording", |s| &s.source).number("Windows", |s| s.windows);
+    html! {
+        h3 { "Recordings left out, " (score.name) }
+        (free_runs(named, |s| s.errors))
+        p.note {
+            "Fits of a recording are against the standard deviations of its own states: a state that hardly varies in it has \
+             a low fit whatever the error."
+            @if !without.is_empty() { " " (without.len()) " recordings are shorter than a window." }
         }
     }
 }

@@ -20,7 +20,7 @@ use study::pooled_set::PooledSet;
 use study::trajectories::DataLabel;
 use study::{Doubtful, Tried};
 use validation::comparison::{
-    CompareOptions, Contestant, Known, Magnitudes, Ship, Standing, Traced, compare,
+    CompareOptions, Contestant, EstimatedErrors, Magnitudes, Ship, Standing, Traced, compare,
 };
 use validation::crossval::CrossError;
 
@@ -306,7 +306,7 @@ impl<'a> Comparison<'a> {
             vessels.iter().map(|vessel| channels_within(vessel, lead)).collect::<Result<Vec<_>, _>>()?;
         let contestants = self.contestants(lead, &columns);
         let tried: Vec<&Tried> = std::iter::once(self.model).chain(self.averaged).collect();
-        let known: Option<Vec<Known>> = tried.iter().map(|model| model.known()).collect();
+        let known: Option<Vec<EstimatedErrors>> = tried.iter().map(|model| model.known()).collect();
         let known = known.unwrap_or_default();
         let fitted = tried.iter().rev().max_by_key(|model| model.vessel().model.exogenous());
         let (covered, magnitudes) = fitted.map_or((&[][..], None), |f| (f.covered(), f.magnitudes()));

@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::additional::AdditionalFlags;
 use clap::Parser;
 use estimation::predictor::{InitialState, NoiseModel};
 use estimation::runs::{Asked, RunEstimators};
@@ -20,13 +19,9 @@ use study::files::{read_any_followed, read_campaign};
 use study::trajectories::{Layout, TrajectoryReader};
 use study::{Doubtful, LoggedHelm};
 
-use crate::choice::choice;
-use crate::cli::{Common, Sharding, beside, given, member, none_given};
-use crate::failure::Failure;
-use crate::inputs;
-use crate::ordered::{joined, joined_blocks};
-use crate::progress::Progress;
-use crate::sharded::Made;
+use crate::cli::{AdditionalFlags, Common, Sharding, beside, choice, given, member, none_given};
+use crate::failure::{Failure, WorkProgress};
+use crate::inputs::{self, Made, joined, joined_blocks};
 use crate::stage::{Summary, Task};
 
 /// Estimates the model's parameters from each run, with standard errors; writes estimates.parquet and estimate.json
@@ -36,7 +31,7 @@ use crate::stage::{Summary, Task};
     after_help = "Example:\n  estimate --vessel pipelines/paper/vessel.toml \
     --trajectories campaign.parquet --out estimates.parquet"
 )]
-pub struct Arguments {
+pub struct EstimateArguments {
     /// The vessel
     #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     vessel: PathBuf,
@@ -77,7 +72,7 @@ pub struct Arguments {
 /// The usual name of the table.
 pub const MAIN: &str = "estimates.parquet";
 
-impl Task for Arguments {
+impl Task for EstimateArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
         let vessel = self.determined(read_any_followed(&self.vessel, &mut provenance)?)?;
@@ -101,7 +96,7 @@ impl Task for Arguments {
     }
 }
 
-impl Arguments {
+impl EstimateArguments {
     /// The vessel with the parameters that the runs can determine: simulated runs, which have their true states, have
     /// no information about disturbances that they hold constant.
     fn determined(&self, vessel: Vessel) -> Result<Vessel, Failure> {
@@ -166,27 +161,25 @@ impl Arguments {
         let each = each + if asks { estimators.seconds_per_row_asked() } else { 0.0 };
         let each = each + estimators.seconds_per_row_calibrated();
         let seconds = reader.rows().0 as f64 * share * each;
-        let progress = Progress::new("blocks of runs", reader.blocks(), quiet).foretold(seconds);
+        let progress = WorkProgress::new("blocks of runs", reader.blocks(), quiet).foretold(seconds);
         let block = |i: usize| {
             let runs = reader.runs(i)?;
-            let found = match kept {
+            let estimates = match kept {
                 None => estimators.estimates(&runs),
-                Some(kept) => estimators.estimates_with_covariances(&runs).map(|found| kept.keep(i, found)),
+                Some(kept) => {
+                    estimators.estimates_with_covariances(&runs).map(|estimates| kept.keep(i, estimates))
+                }
             };
-            let mut rows = found.map_err(|e| Failure::of_run(&e, &self.vessel, file))?;
+            let mut rows = estimates.map_err(|e| Failure::of_run(&e, &self.vessel, file))?;
             if asks {
                 estimators.criticise(&runs, &mut rows);
             }
             progress.advance(1);
             Ok(rows)
         };
-        let made = Made::computed(
-            out,
-            &estimates::columns(vessel),
-            provenance,
-            joined_blocks(reader.blocks()),
-            |i| joined(i, reader.blocks(), block),
-        )?;
+        let (columns, blocks) = (estimates::columns(vessel), reader.blocks());
+        let made =
+            Made::computed(out, &columns, provenance, joined_blocks(blocks), |i| joined(i, blocks, block))?;
         if self.sharding.shard.is_none()
             && let Some(why) = estimates::unidentified(&estimators, &reader, &made.rows)?
         {
@@ -201,7 +194,7 @@ impl Arguments {
         if estimators.vessel.model.forces.is_none() {
             return Ok(());
         }
-        let taken = estimators.estimators.iter().try_for_each(|own| own.check(estimators.vessel));
+        let taken = estimators.estimators.iter().try_for_each(|estimator| estimator.check(estimators.vessel));
         taken.map_err(|e| Failure::invalid(&self.vessel, &e))?;
         let flags =
             [("--model-of", self.model_of.is_some()), ("--criticise", self.criticise == Asked::Always)];
@@ -226,10 +219,10 @@ impl Arguments {
         };
         let wanted = name(&rows[place]);
         let run = run_at(reader, place)?;
-        let found = run.as_ref().map(|run| estimators.delivered(run, &wanted)).transpose();
-        match found.map_err(|e| Failure::of_run(&e, &self.vessel, file))?.flatten() {
-            Some((found, delivered)) => {
-                Ok(Some(ModelDocument::of_run(estimators.vessel, self.mean_removal, &found, &delivered)))
+        let delivered = run.as_ref().map(|run| estimators.delivered(run, &wanted)).transpose();
+        match delivered.map_err(|e| Failure::of_run(&e, &self.vessel, file))?.flatten() {
+            Some((estimate, model)) => {
+                Ok(Some(ModelDocument::of_run(estimators.vessel, self.mean_removal, &estimate, &model)))
             }
             None => Err(Failure::NoAnswer(format!(
                 "{}: run `{wanted}`: found no estimate ({}), expected one, for its model; name another run, or another \
@@ -268,10 +261,10 @@ fn place_of(wanted: &str, rows: &[Row], name: impl Fn(&Row) -> String) -> Result
     }
     let names: Vec<String> = rows.iter().map(name).collect();
     let near = nearest(wanted, names.iter().map(String::as_str)).unwrap_or_default().to_owned();
-    let found =
+    let fault =
         if places.is_empty() { "no such run".to_owned() } else { format!("{} of that number", places.len()) };
     let (expected, remedy) = (format!("one of {} runs", rows.len()), format!("did you mean `{near}`?"));
-    Err(Invalid::new(format!("run `{wanted}`"), found, expected, remedy))
+    Err(Invalid::new(format!("run `{wanted}`"), fault, expected, remedy))
 }
 
 /// The run at this index.
@@ -302,7 +295,7 @@ fn gathered(
 
 /// The disturbances of the runs, if stated.
 fn levels(
-    a: &Arguments,
+    a: &EstimateArguments,
     vessel: &Vessel,
     provenance: &mut Provenance,
 ) -> Result<Option<NoiseModel>, Failure> {
@@ -374,9 +367,10 @@ fn turned(vessel: &Vessel, rows: &[Row]) -> Option<String> {
     let known = || with_errors().filter_map(|row| row.estimate.as_ref());
     let count = known().count() as f64;
     let parameter = |i: usize| {
-        let [estimate, error] = known().fold([0.0, 0.0], |sum, own| [sum[0] + own.0[i], sum[1] + own.1[i]]);
+        let [estimate, error] =
+            known().fold([0.0, 0.0], |sum, pair| [sum[0] + pair.0[i], sum[1] + pair.1[i]]);
         Some([estimate / count, error / count])
     };
-    let found: Vec<_> = (0..vessel.model.parameters()).map(parameter).collect();
-    against_nominal(&vessel.model, &vessel.nominal, &found)
+    let means: Vec<_> = (0..vessel.model.parameters()).map(parameter).collect();
+    against_nominal(&vessel.model, &vessel.nominal, &means)
 }

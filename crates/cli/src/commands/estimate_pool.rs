@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use crate::additional::AdditionalFlags;
 use clap::Parser;
 use estimation::Estimator;
 use estimation::pooled::{Judgement, Pool, Resample, Resampling, grown, resampled, unstated};
@@ -12,20 +11,16 @@ use regression::pooled::{PooledRuns, Recorded};
 use seatrial::Pooling;
 use serde_json::json;
 use ship::model::Vessel;
-use study::LoggedHelm;
 use study::files::read_any_vessel;
 use study::pooled_set::MAIN;
-use study::resamples;
 use study::trajectories::{Layout, TrajectoryReader};
+use study::{LoggedHelm, resamples};
 
-use crate::choice::choice;
-use crate::cli::{Common, Sharding, member, none_given};
-use crate::failure::Failure;
-use crate::inputs;
+use crate::cli::{AdditionalFlags, Common, Sharding, choice, member, none_given};
+use crate::failure::{Failure, WorkProgress};
+use crate::inputs::{self, Made, rows_of_shards};
 use crate::physical::{self, PhysicalFlags};
 use crate::pool::PoolFlags;
-use crate::progress::Progress;
-use crate::sharded::{Made, rows_of_shards};
 use crate::stage::{Summary, Task};
 
 /// Makes one model from all runs or recordings, and says how far it can be trusted; writes estimates.parquet, estimate.json,
@@ -40,7 +35,7 @@ use crate::stage::{Summary, Task};
     mut_arg("gather", |gather| gather.requires("bootstrap").help("Take the resamples from the files of all shards instead of \
     drawing them"))
 )]
-pub struct Arguments {
+pub struct PoolArguments {
     #[command(flatten)]
     flags: PoolFlags,
     /// The estimator [default: of a ship with forces `output-error`; of measured logs `prediction-error`, or `output-error` where no noise known here describes their
@@ -62,7 +57,7 @@ pub struct Arguments {
     sharding: Sharding,
 }
 
-impl Task for Arguments {
+impl Task for PoolArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
         let vessel = self.flags.cored(read_any_vessel(&self.flags.vessel, &mut provenance)?)?;
@@ -89,19 +84,14 @@ impl Task for Arguments {
         let most = usize::from(self.add_terms);
         let grown = grown(&pool, &runs, estimator, &judgement, most)
             .map_err(|e| Failure::of_pool(e, self.flags.of.file()))?;
-        let own = pool.of(&grown.vessel, grown.nominal.clone());
+        let pool_of_grown = pool.of(&grown.vessel, grown.nominal.clone());
         if let Some(shard) = self.sharding.shard {
             provenance.shard = Some(shard);
-            return self.shard(
-                shard,
-                &out,
-                (&own, &runs),
-                (estimator, &judgement),
-                (provenance, common.quiet),
-            );
+            let (pooled, how) = ((&pool_of_grown, &runs), (estimator, &judgement));
+            return self.shard(shard, &out, pooled, how, (provenance, common.quiet));
         }
         let drawn = self.gathered(&grown.vessel, replicates, &mut provenance)?;
-        let progress = Progress::new("resamples", replicates as usize, common.quiet);
+        let progress = WorkProgress::new("resamples", replicates as usize, common.quiet);
         let resampled = |count: usize| progress.advance(count);
         let resampling = drawn.as_deref().map_or(Resampling::Drawn(&resampled), Resampling::Given);
         let nominal = self.flags.nominal().source();
@@ -114,7 +104,7 @@ impl Task for Arguments {
     }
 }
 
-impl Arguments {
+impl PoolArguments {
     /// Refuses flags that a fit of forces does not have.
     fn check_forces(&self) -> Result<(), Failure> {
         let flags = [
@@ -166,7 +156,7 @@ impl Arguments {
         (provenance, quiet): (Provenance, bool),
     ) -> Result<Summary, Failure> {
         let (blocks, each) = resamples::blocks(judgement.replicates);
-        let progress = Progress::new("blocks of resamples", shard.range(blocks).len(), quiet);
+        let progress = WorkProgress::new("blocks of resamples", shard.range(blocks).len(), quiet);
         let (columns, last) = (resamples::columns(pool.vessel), judgement.replicates);
         let made = resampled(pool, runs, (estimator, judgement.seed), |draw| {
             Made::computed([out, out], &columns, provenance, blocks, |i| {
@@ -188,8 +178,8 @@ impl Arguments {
     ) -> Result<Option<Vec<Resample>>, Failure> {
         let Some(first) = self.sharding.gather.first() else { return Ok(None) };
         let rows = |reader: &TableReader| resamples::rows(reader, vessel);
-        let found = rows_of_shards(&self.sharding.gather, &resamples::columns(vessel), provenance, rows)?;
-        resamples::check(&found, replicates, first)?;
-        Ok(Some(found))
+        let all = rows_of_shards(&self.sharding.gather, &resamples::columns(vessel), provenance, rows)?;
+        resamples::check(&all, replicates, first)?;
+        Ok(Some(all))
     }
 }

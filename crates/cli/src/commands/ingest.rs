@@ -4,11 +4,6 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::cli::{Common, beside, budget, folder_of};
-use crate::failure::Failure;
-use crate::ordered::ordered;
-use crate::progress::Progress;
-use crate::stage::{Summary, Task};
 use clap::Parser;
 use files::{Digest, Scratch, TableWriter, commit_with_document, free_bytes};
 use logs::{BLOCK, Plan, Recorded, RowSummary, Source, Totals};
@@ -20,6 +15,11 @@ use study::files::{read_any_vessel, read_ingest};
 use study::ingest_file::read::recorded;
 use study::trajectories::{Layout, MeasuredBlock};
 
+use crate::cli::{Common, beside, budget, folder_of};
+use crate::failure::{Failure, WorkProgress};
+use crate::inputs::ordered;
+use crate::stage::{Summary, Task};
+
 /// Turns a ship's logs into trajectories, and says how good they are: one clock, SI units, body axes, sub-experiments
 #[derive(Parser)]
 #[command(
@@ -27,7 +27,7 @@ use study::trajectories::{Layout, MeasuredBlock};
     after_help = "Example:\n  ingest --config pipelines/esso-osaka/ingest.toml --logs LOGS \
     --vessel pipelines/esso-osaka/vessel.toml --out trajectories.parquet"
 )]
-pub struct Arguments {
+pub struct IngestArguments {
     /// What is in the logs
     #[arg(long, value_name = "ingest.toml")]
     config: PathBuf,
@@ -39,7 +39,7 @@ pub struct Arguments {
     vessel: Option<PathBuf>,
 }
 
-impl Task for Arguments {
+impl Task for IngestArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("ingest");
         let config = read_ingest(&self.config, &mut provenance)?;
@@ -58,17 +58,17 @@ impl Task for Arguments {
         let summary_file = self.summary_file(&out)?;
         let schema = layout(&logs.plan).measured(&logs.plan.further);
         let mut writer = TableWriter::create(&out, &schema, &provenance)?.with_document(&summary_file);
-        let made = all(&logs, &out, common.quiet, &mut writer)?;
-        provenance.inputs.extend(made.logs);
-        Doubtful::among(&made.recordings).note(&mut provenance);
+        let (totals, recordings, digests) = all(&logs, &out, common.quiet, &mut writer)?;
+        provenance.inputs.extend(digests);
+        Doubtful::among(&recordings).note(&mut provenance);
         writer.set_inputs(&provenance);
-        let document = logs.document(made.totals, made.recordings)?;
+        let document = logs.document(totals, recordings)?;
         commit_with_document(writer.finish()?, &summary_file, &provenance, &document)?;
         Ok(summary(&out, &document))
     }
 }
 
-impl Arguments {
+impl IngestArguments {
     /// The path of the summary of the table `out`.
     fn summary_file(&self, out: &Path) -> Result<PathBuf, Failure> {
         let summary = beside(out, "trajectories.parquet", "ingest.json");
@@ -86,13 +86,8 @@ fn layout(plan: &Plan) -> Layout {
     Layout { exogenous, derived: plan.derived.clone(), ..Layout::default() }
 }
 
-/// The result for all recordings.
-struct Ingested {
-    totals: Totals,
-    recordings: Vec<RecordingSummary>,
-    /// The logs' digests by their roles.
-    logs: Vec<(String, Digest)>,
-}
+/// The result for all recordings, and the logs' digests by their roles.
+type Ingested = (Totals, Vec<RecordingSummary>, Vec<(String, Digest)>);
 
 /// Bytes of channels that are held in memory; more is spilled to disk.
 const HELD: f64 = 48e6;
@@ -120,12 +115,12 @@ fn size(folder: &Path, source: &Source) -> u64 {
 fn groups(folder: &Path, sources: &[Source]) -> Vec<Range<usize>> {
     let (mut groups, mut bytes): (Vec<Range<usize>>, u64) = (Vec::new(), 0);
     for (i, source) in sources.iter().enumerate() {
-        let own = size(folder, source);
-        match groups.last_mut().filter(|_| bytes + own <= SIDE_BY_SIDE) {
-            Some(group) => (group.end, bytes) = (i + 1, bytes + own),
+        let more = size(folder, source);
+        match groups.last_mut().filter(|_| bytes + more <= SIDE_BY_SIDE) {
+            Some(group) => (group.end, bytes) = (i + 1, bytes + more),
             None => {
                 groups.push(i..i + 1);
-                bytes = own;
+                bytes = more;
             }
         }
     }
@@ -144,15 +139,15 @@ fn all(logs: &Logs, out: &Path, quiet: bool, writer: &mut TableWriter) -> Result
     let (mut totals, mut recordings, mut files) = (Totals::default(), Vec::new(), Vec::new());
     let mut block = MeasuredBlock::new(&config.design, rate_hz);
     let bytes: u64 = sources.iter().map(|source| size(folder, source)).sum();
-    let progress = Progress::new("recordings", sources.len(), quiet);
+    let progress = WorkProgress::new("recordings", sources.len(), quiet);
     // A long recording is read by one thread, many short ones by all.
     let alone = bytes / sources.len().max(1) as u64 > SIDE_BY_SIDE;
     let threads = if alone { rayon::current_num_threads() } else { 1 };
     let progress = progress.foretold(threads as f64 * bytes as f64 / READ_PER_SECOND);
     let work = |plan: &Plan, i: usize| {
-        let found = recorded(plan, &segmentation, folder, &sources[i], &scratch);
+        let recording = recorded(plan, &segmentation, folder, &sources[i], &scratch);
         progress.advance(1);
-        found.map_err(Failure::from)
+        recording.map_err(Failure::from)
     };
     let mut fold = |(mut recorded, digests): (Recorded, Vec<Digest>)| {
         totals.number(&mut recorded);
@@ -175,7 +170,7 @@ fn all(logs: &Logs, out: &Path, quiet: bool, writer: &mut TableWriter) -> Result
     }
     block.write(&layout, &schema, writer)?;
     scratch.check()?;
-    Ok(Ingested { totals, recordings, logs: files })
+    Ok((totals, recordings, files))
 }
 
 fn summary(out: &Path, document: &IngestDocument) -> Summary {

@@ -1,63 +1,56 @@
 //! The stages as programs: their flags, inputs, calls and outputs.
 
 mod compare;
-pub mod counts;
-mod cross;
 mod estimate;
 mod estimate_pool;
-mod export;
 mod ingest;
-mod merit;
 mod moments;
 mod monte_carlo;
+mod outputs;
 mod plan;
-mod plan_begun;
-mod report;
 mod search;
-mod selection;
-mod sequential;
 mod simulate;
 mod validate;
 
 use crate::stage::Stage;
 
 /// Trajectories from a vessel and its maneuvers.
-pub const SIMULATE: Stage = Stage::group::<simulate::Arguments>(&[
+pub const SIMULATE: Stage = Stage::group::<simulate::SimulateArguments>(&[
     Stage::of::<simulate::Dictionary>(),
     Stage::of::<simulate::Campaign>(),
     Stage::of::<simulate::Validation>(),
-    Stage::of::<simulate::Plan>(),
+    Stage::of::<simulate::PlanTrials>(),
     Stage::of::<simulate::Logs>(),
 ]);
 /// Measured logs to trajectories.
-pub const INGEST: Stage = Stage::of::<ingest::Arguments>();
+pub const INGEST: Stage = Stage::of::<ingest::IngestArguments>();
 /// The information of each maneuver about the parameters.
-pub const MOMENTS: Stage = Stage::of::<moments::Arguments>();
+pub const MOMENTS: Stage = Stage::of::<moments::MomentsArguments>();
 /// The time of each maneuver, and its inputs.
-pub const DESIGN: Stage = Stage::of::<crate::design::Arguments>()
-    .with(&[Stage::of::<crate::design::refine::Refine>(), Stage::of::<crate::design::update::Update>()]);
+pub const DESIGN: Stage = Stage::of::<crate::design::DesignArguments>()
+    .with(&[Stage::of::<crate::design::Refine>(), Stage::of::<crate::design::Update>()]);
 /// Parameters of every run, or of all runs together.
-pub const ESTIMATE: Stage = Stage::of::<estimate::Arguments>()
-    .with(&[Stage::of::<estimate_pool::Arguments>(), Stage::of::<search::Arguments>()]);
+pub const ESTIMATE: Stage = Stage::of::<estimate::EstimateArguments>()
+    .with(&[Stage::of::<estimate_pool::PoolArguments>(), Stage::of::<search::SearchArguments>()]);
 /// A campaign's runs, estimated and scored in memory.
-pub const MONTE_CARLO: Stage = Stage::of::<monte_carlo::Arguments>();
+pub const MONTE_CARLO: Stage = Stage::of::<monte_carlo::MonteCarloArguments>();
 /// Validation of the estimated models.
-pub const VALIDATE: Stage = Stage::of::<validate::Arguments>().with(&[
-    Stage::of::<compare::Arguments>(),
-    Stage::of::<cross::Arguments>(),
-    Stage::of::<merit::Arguments>(),
-    Stage::of::<selection::Arguments>(),
+pub const VALIDATE: Stage = Stage::of::<validate::ValidateArguments>().with(&[
+    Stage::of::<compare::CompareArguments>(),
+    Stage::of::<compare::CrossArguments>(),
+    Stage::of::<validate::MeritArguments>(),
+    Stage::of::<compare::SelectionArguments>(),
 ]);
 /// One trajectory with every maneuver as often as the design requires.
-pub const PLAN: Stage = Stage::of::<plan::Arguments>()
-    .with(&[Stage::of::<plan_begun::Resume>(), Stage::of::<plan_begun::Follow>()]);
+pub const PLAN: Stage =
+    Stage::of::<plan::PlanArguments>().with(&[Stage::of::<plan::Resume>(), Stage::of::<plan::Follow>()]);
 /// Trials designed in rounds.
-pub const SEQUENTIAL: Stage = Stage::of::<sequential::Arguments>();
+pub const SEQUENTIAL: Stage = Stage::of::<monte_carlo::SequentialArguments>();
 /// A model for other tools.
-pub const EXPORT: Stage = Stage::of::<export::Arguments>();
+pub const EXPORT: Stage = Stage::of::<outputs::ExportArguments>();
 /// A study on one page, many in tables, a picture of one.
-pub const REPORT: Stage =
-    Stage::of::<report::Arguments>().with(&[Stage::of::<report::Results>(), Stage::of::<report::Picture>()]);
+pub const REPORT: Stage = Stage::of::<outputs::ReportArguments>()
+    .with(&[Stage::of::<outputs::Results>(), Stage::of::<outputs::Picture>()]);
 
 /// Every stage, in the order in which a study runs them.
 pub const STAGES: [&Stage; 11] = [

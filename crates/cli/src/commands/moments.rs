@@ -25,13 +25,10 @@ use trial::moments::{
     Prediction, Unpredictable, check_constants, numbers, structure,
 };
 
-use crate::choice::choice;
-use crate::cli::{Common, Sharding, given, none_given};
-use crate::failure::Failure;
-use crate::inputs;
-use crate::ordered::ordered;
+use crate::cli::{Common, Sharding, choice, given, none_given};
+use crate::failure::{Failure, WorkProgress};
+use crate::inputs::{self, ordered};
 use crate::pool::Nominal;
-use crate::progress::Progress;
 use crate::stage::{Summary, Task};
 
 /// Computes how much each maneuver says about each parameter: its moments, the matrices M of docs/notation.md
@@ -43,7 +40,7 @@ use crate::stage::{Summary, Task};
     moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --out moments.json\n  \
     moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --estimator output-error --out moments.json"
 )]
-pub struct Arguments {
+pub struct MomentsArguments {
     /// The vessel
     #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     vessel: PathBuf,
@@ -73,7 +70,7 @@ pub struct Arguments {
     sharding: Sharding,
 }
 
-impl Task for Arguments {
+impl Task for MomentsArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("moments");
         let mut vessel = read_any_vessel(&self.vessel, &mut provenance)?;
@@ -130,9 +127,9 @@ impl Task for Arguments {
             let moments = head(reading.maneuvers()?);
             match self.unexcited(&moments)? {
                 None => break MomentsDocument(moments),
-                Some(own) => {
-                    vessel = vessel.with_held(&own.parameter);
-                    held.push(own);
+                Some(parameter) => {
+                    vessel = vessel.with_held(&parameter.parameter);
+                    held.push(parameter);
                 }
             }
         };
@@ -147,14 +144,15 @@ fn published(out: &Path, provenance: &Provenance, document: &MomentsDocument) ->
     let part = provenance.shard.map_or(String::new(), |shard| format!(", shard {shard}"));
     let held = &document.0.held;
     let said = if held.is_empty() { String::new() } else { format!("; {}", HeldParameter::words(held)) };
-    let is_left_out = document.0.disturbances.as_ref().is_some_and(|own| own.lasting_current_left_out);
+    let is_left_out =
+        document.0.disturbances.as_ref().is_some_and(|expected| expected.lasting_current_left_out);
     let current =
         if is_left_out { "; of measurement errors alone, not of the current that lasts" } else { "" };
     let details = json!({"maneuvers": count, "held": held});
     Ok(Summary::of(out, format!("moments of {count} maneuvers{part}{said}{current}"), details))
 }
 
-impl Arguments {
+impl MomentsArguments {
     /// The moments of a ship with forces, for an output-error estimate.
     fn of_forces(
         &self,
@@ -239,7 +237,7 @@ fn fault<'a>(invalid: &Invalid, vessel: &'a Path, campaign: &'a Path) -> &'a Pat
 
 /// The inputs, and how they are read.
 struct Reading<'a> {
-    a: &'a Arguments,
+    a: &'a MomentsArguments,
     vessel: &'a Vessel,
     prediction: Prediction<'a>,
     /// Of a ship with forces, in place of the prediction by terms.
@@ -300,26 +298,26 @@ impl Reading<'_> {
         let blocks = a.sharding.shard.map_or(0..reader.blocks(), |shard| shard.range(reader.blocks()));
         let share = blocks.len() as f64 / reader.blocks().max(1) as f64;
         let seconds = share * reader.rows().0 as f64 / ROWS_PER_SECOND;
-        let progress = Progress::new("blocks", blocks.len(), *quiet).foretold(seconds);
+        let progress = WorkProgress::new("blocks", blocks.len(), *quiet).foretold(seconds);
         let work = |block: usize| {
             if let Some(forces) = forces {
-                let own = reader.runs(block)?.into_iter().map(|run| Ok((false, forces.moments(&run)?)));
+                let moments = reader.runs(block)?.into_iter().map(|run| Ok((false, forces.moments(&run)?)));
                 progress.advance(1);
-                return own
+                return moments
                     .collect::<Result<_, Invalid>>()
                     .map_err(|e| Failure::invalid(&a.trajectories, &e));
             }
             let runs: Vec<Run> = prediction.runs(&reader.runs(block)?);
-            let mut found = Vec::with_capacity(runs.len());
+            let mut pooled_runs = Vec::with_capacity(runs.len());
             for batch in instruments.batches(&runs) {
                 let (prepared, members) = batch.map_err(|e| Failure::invalid(&a.vessel, &e.invalid()))?;
                 let moments = prediction.moments(&prepared.batch(), members);
-                found.extend(moments.map_err(|e| Failure::invalid(&a.vessel, &e))?);
+                pooled_runs.extend(moments.map_err(|e| Failure::invalid(&a.vessel, &e))?);
             }
             progress.advance(1);
-            Ok::<_, Failure>(found)
+            Ok::<_, Failure>(pooled_runs)
         };
-        ordered(blocks, work, |found| found.into_iter().try_for_each(|(pooled, more)| take(pooled, more)))
+        ordered(blocks, work, |runs| runs.into_iter().try_for_each(|(pooled, more)| take(pooled, more)))
     }
 
     /// Refuses runs that would be pooled if each must be separate.
@@ -332,7 +330,7 @@ impl Reading<'_> {
 
 /// The expected disturbances, and the model of free simulations, if requested.
 fn predicted(
-    a: &Arguments,
+    a: &MomentsArguments,
     vessel: &Vessel,
     beyond: &mut Vec<String>,
     provenance: &mut Provenance,
@@ -364,19 +362,19 @@ fn predicted(
 
 /// The disturbances to expect of trials of `campaign`, of which `noise` is predicted.
 fn expected(
-    a: &Arguments,
+    a: &MomentsArguments,
     vessel: &Vessel,
     campaign: &CampaignFile,
     noise: Noise,
 ) -> Result<Expected, Failure> {
-    let own =
+    let expected =
         Expected::new(vessel, noise, campaign.duration_s).map_err(|e| Failure::invalid(&a.vessel, &e))?;
-    Ok(Expected { lasting_current_left_out: campaign.noise().is_none(), ..own })
+    Ok(Expected { lasting_current_left_out: campaign.noise().is_none(), ..expected })
 }
 
 /// The nominal parameters of `--nominal`, without intercepts.
 fn nominal_of(
-    a: &Arguments,
+    a: &MomentsArguments,
     nominal: &Nominal,
     vessel: &Vessel,
     provenance: &mut Provenance,
@@ -386,8 +384,8 @@ fn nominal_of(
     label(runs.designs(), provenance);
     let parts = runs.parts(None);
     let sums: Vec<Sums> = parts.iter().map(|p| Regression::of(&vessel.model, &p.whole()).sums()).collect();
-    let found = model.parameters(&PooledSums::of(&sums, MeanRemoval::None));
-    found.map(|(theta, _)| theta).ok_or_else(|| {
+    let parameters = model.parameters(&PooledSums::of(&sums, MeanRemoval::None));
+    parameters.map(|(theta, _)| theta).ok_or_else(|| {
         Failure::NoAnswer(format!(
             "{}: nominal model: found data that identify no least-squares model, expected all terms to vary; name another \
              --nominal",

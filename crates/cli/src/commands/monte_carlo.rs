@@ -1,15 +1,15 @@
 //! `monte-carlo`: realizations that are estimated and scored in memory.
 
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::additional::AdditionalFlags;
 use clap::Parser;
 use estimation::predictor::InitialState;
-use estimation::runs::RunEstimators;
+use estimation::runs::{AdditionalUnknowns, RunEstimators};
 use estimation::{Estimator, ValidationRuns, not_relative};
 use files::{Provenance, Staged, Work, commit, stage_set_document};
 use numerics::LANES;
+use refusal::Invalid;
 use regression::MeanRemoval;
 use seatrial::{MonteCarlo, undisturbed};
 use serde_json::{Value, json};
@@ -17,16 +17,19 @@ use ship::model::{Source, Vessel};
 use study::campaign_file::CampaignFile;
 use study::documents::TallyDocument;
 use study::estimates::{self, distinct};
-use study::files::{generator, read_any_simulated};
+use study::files::{
+    StageOfTerms, generator, read_any_simulated, read_campaign, read_dictionary, read_sequential,
+};
 use study::parts::{Keep, KeptTables as Kept, MAIN};
+use study::sequential::{SequentialFile, columns, document, rows};
 use study::trajectories::Layout;
 use trial::campaign::Settings;
+use trial::rounds::{self, Arm, Row, Trial};
 
-use crate::choice::choice;
-use crate::cli::{Common, Sharding, budget, folder_of};
-use crate::failure::Failure;
-use crate::monte_carlo::{BLOCK, Done, needed_for, refused};
-use crate::simulate::{CampaignFlags, Files, note_plays};
+use crate::cli::{AdditionalFlags, Common, Sharding, beside, budget, choice, folder_of};
+use crate::failure::{Failure, WorkProgress};
+use crate::inputs::{self, Made};
+use crate::simulate::{BLOCK_OF_GROUPS, CampaignFlags, Counting, Files, needed_for, note_plays, refused};
 use crate::stage::{Summary, Task};
 
 /// Simulates a trial many times and counts how often its model is good; writes tally.json
@@ -37,7 +40,7 @@ use crate::stage::{Summary, Task};
     --dictionary pipelines/smoke/dictionary.toml --campaign pipelines/smoke/campaign.toml --design design.json \
     --realizations 1000 --out tally.json"
 )]
-pub struct Arguments {
+pub struct MonteCarloArguments {
     #[command(flatten)]
     of: CampaignFlags,
     /// The estimators, with commas between them, all on the same runs
@@ -67,7 +70,7 @@ pub struct Arguments {
 /// A run's number is a whole number of 32 bits in tables.
 const MOST_RUNS: i64 = i32::MAX as i64;
 
-impl Task for Arguments {
+impl Task for MonteCarloArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let out = common.main_output(MAIN, self.of.paths().chain(&self.sharding.gather))?;
         if self.sharding.gathers() {
@@ -78,12 +81,12 @@ impl Task for Arguments {
     }
 }
 
-impl Arguments {
+impl MonteCarloArguments {
     fn computed(&self, common: &Common, out: &Path) -> Result<Summary, Failure> {
         self.additional.check(&self.estimator)?;
         let mut provenance = common.provenance("monte-carlo");
         let of = self.of.read(read_any_simulated, &mut provenance)?;
-        let taken = self.estimator.iter().try_for_each(|own| own.check(&of.vessel));
+        let taken = self.estimator.iter().try_for_each(|estimator| estimator.check(&of.vessel));
         taken.map_err(|e| Failure::invalid(of.files.vessel, &e))?;
         let (files, config) = (of.files, &of.config);
         of.logged_helm().check(files.dictionary, &self.estimator)?;
@@ -98,7 +101,7 @@ impl Arguments {
         study.estimators.check_forces().map_err(|e| Failure::invalid(files.campaign, &e))?;
         note_plays(&study.campaign, &mut provenance);
         self.check_room(&study, files.campaign, out)?;
-        let done = Done { study: &study, files: &files, bounds: config.bounds(), quiet: common.quiet };
+        let done = Counting { study: &study, files: &files, bounds: config.bounds(), quiet: common.quiet };
         let (campaign, keep) = (&study.campaign, (self.keep, self.keep_first));
         let mut kept = Kept::new(keep, campaign.vessel(), campaign.reacting(), out, &provenance)?;
         let tally = match self.until {
@@ -113,9 +116,7 @@ impl Arguments {
         let summary = published(out, &provenance, document, kept)?;
         Ok(summary.also(not_relative(campaign.vessel())))
     }
-}
 
-impl Arguments {
     /// Size and seed of the campaign.
     fn settings(&self, config: &CampaignFile, common: &Common, file: &Path) -> Result<Settings, Failure> {
         let settings = config.settings(common.seed);
@@ -126,14 +127,8 @@ impl Arguments {
         };
         if realizations > most {
             let expected = format!("at most {most}, as many as run numbers have place for");
-            let remedy = "take fewer, or campaigns of other seeds";
-            return Err(Failure::refuse(
-                file,
-                "`realizations`",
-                &realizations.to_string(),
-                &expected,
-                remedy,
-            ));
+            let (given, remedy) = (realizations.to_string(), "take fewer, or campaigns of other seeds");
+            return Err(Failure::refuse(file, "`realizations`", &given, &expected, remedy));
         }
         Ok(Settings { realizations, ..settings })
     }
@@ -172,7 +167,7 @@ impl Arguments {
     /// The runs of this shard, or all.
     fn mine(&self, study: &MonteCarlo) -> Vec<(usize, Range<usize>)> {
         let groups = study.groups();
-        study.parts(self.sharding.shard.map_or(0..groups, |shard| shard.range(groups)), BLOCK)
+        study.parts(self.sharding.shard.map_or(0..groups, |shard| shard.range(groups)), BLOCK_OF_GROUPS)
     }
 
     /// Refuses work that does not fit into memory or on disk.
@@ -182,7 +177,7 @@ impl Arguments {
         let runs = if self.until.is_some() { 0.0 } else { study.campaign.runs() as f64 };
         let rows = study.campaign.samples() as f64 + 1.0;
         let designs = study.campaign.designs() as f64;
-        let each = (BLOCK * LANES) as f64;
+        let each = (BLOCK_OF_GROUPS * LANES) as f64;
         let at_once = 2.0 * each * rayon::current_num_threads() as f64;
         let estimators = study.estimators.estimators.len() as f64;
         let kept =
@@ -191,9 +186,9 @@ impl Arguments {
             Keep::Trajectories => self.keep_first.map_or(runs, |first| f64::from(first) * designs).min(runs),
             _ => 0.0,
         };
-        let found = format!("{runs} runs of {} samples", study.campaign.samples());
+        let size = format!("{runs} runs of {} samples", study.campaign.samples());
         let remedy = "keep less, or take fewer `realizations`";
-        let work = Work { file, thing: "`realizations`", found: &found, remedy };
+        let work = Work { file, thing: "`realizations`", found: &size, remedy };
         let simulated = at_once.min(runs.max(each)) * rows * layout.run_bytes();
         let encoded = trajectories.min(at_once) * rows * layout.working_bytes();
         budget().memory(work, simulated + encoded + runs * kept)?;
@@ -220,8 +215,8 @@ fn validation<'a>(
     config: &CampaignFile,
     file: &Path,
 ) -> Result<ValidationRuns<'a>, Failure> {
-    let own = generator(file, vessel, &config.validation_dictionary(), &mut Provenance::default())?;
-    let runs = undisturbed(vessel, &own, Source::Value, "validation");
+    let maneuvers = generator(file, vessel, &config.validation_dictionary(), &mut Provenance::default())?;
+    let runs = undisturbed(vessel, &maneuvers, Source::Value, "validation");
     let runs = runs.map_err(|e| refused(&Files::all(file), e))?;
     ValidationRuns::new(vessel, runs).ok_or_else(|| {
         let (expected, remedy) = ("at least one maneuver", "state what estimates are validated on");
@@ -241,14 +236,169 @@ fn published(
     let part = provenance.shard.map_or(String::new(), |shard| format!(", shard {shard}"));
     let runs = |c: &validation::tally::Counted| c.runs;
     let first = document.tally.counted.first().map(|counted| counted.estimator);
-    let own = document.tally.counted.iter().filter(|counted| Some(counted.estimator) == first);
+    let of_first = document.tally.counted.iter().filter(|counted| Some(counted.estimator) == first);
     let plays = provenance.settings.get("plays").and_then(Value::as_array).into_iter().flatten();
     let statements = plays.filter_map(Value::as_str).chain(document.statements.iter().map(String::as_str));
     let said: Vec<String> = statements.map(|said| format!("; {}", said.trim_end_matches('.'))).collect();
-    let runs: u64 = own.map(runs).sum();
+    let runs: u64 = of_first.map(runs).sum();
     Ok(Summary::of(
         out,
         format!("{runs} runs{part}{}", said.concat()),
         json!({"runs": runs, "scores": document.scores, "paired": document.paired}),
     ))
+}
+
+/// Simulates trials that are designed in rounds, from a crude model, beside trials that are designed once; writes
+/// sequential.parquet and sequential.json
+#[derive(Parser)]
+#[command(
+    name = "sequential",
+    after_help = "Example:\n  sequential --vessel pipelines/paper/vessel.toml --dictionary pipelines/paper/dictionary.toml \
+    --campaign pipelines/paper/campaign.toml --config pipelines/sequential/sequential.toml --out sequential.parquet"
+)]
+pub struct SequentialArguments {
+    /// The vessel, with its true parameters
+    #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
+    vessel: PathBuf,
+    /// The maneuvers
+    #[arg(long, value_name = "dictionary.toml")]
+    dictionary: PathBuf,
+    /// The disturbances
+    #[arg(long, value_name = "campaign.toml")]
+    campaign: PathBuf,
+    /// Rounds, sea time, accuracy
+    #[arg(long, value_name = "sequential.toml")]
+    config: PathBuf,
+    #[command(flatten)]
+    sharding: Sharding,
+}
+
+/// The usual name of the table.
+const ROUNDS: &str = "sequential.parquet";
+
+impl Task for SequentialArguments {
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        let mut provenance = common.provenance("sequential");
+        let inputs = [&self.vessel, &self.dictionary, &self.campaign, &self.config].into_iter();
+        let out = common.main_output(ROUNDS, inputs.chain(&self.sharding.gather))?;
+        let vessel = StageOfTerms::Sequential.read_simulated(&self.vessel, &mut provenance)?;
+        let generator = read_dictionary(&self.dictionary, &vessel, &mut provenance)?;
+        let campaign = read_campaign(&self.campaign, &mut provenance)?;
+        let config = read_sequential(&self.config, &mut provenance)?;
+        let seed = common.seed.unwrap_or(campaign.seed);
+        provenance.settings.insert("seed".into(), json!(seed));
+        let of = |file: &'_ Path| {
+            let file = file.to_owned();
+            move |e: Invalid| Failure::invalid(&file, &e)
+        };
+        rounds::truth(&vessel).map_err(of(&self.vessel))?;
+        let knowledge = config.knowledge(&vessel, seed).map_err(of(&self.config))?;
+        let rounds = config.rounds as usize;
+        let ends = rounds::ends(&vessel, config.duration_s, rounds).map_err(of(&self.config))?;
+        self.check_room(&config)?;
+        let noise = campaign.predictable_noise().map_err(of(&self.campaign))?;
+        let sea = campaign.sea(&vessel).map_err(of(&self.vessel))?;
+        let estimators = RunEstimators {
+            vessel: &vessel,
+            estimators: vec![Estimator::OutputError],
+            removal: MeanRemoval::Complete,
+            initial: InitialState::Known,
+            additional: AdditionalUnknowns::default(),
+            levels: Some(campaign.levels(vessel.sample_rate_hz)),
+        };
+        let segments = campaign.random.map_or(5, |random| random.segments as usize);
+        let files = Files {
+            vessel: &self.vessel,
+            dictionary: &self.dictionary,
+            campaign: &self.config,
+            sea: &self.campaign,
+            design: &self.config,
+        };
+        let trial = Trial::new(sea, &generator, noise, estimators, knowledge, ends, segments)
+            .map_err(|e| files.refused(e))?;
+        let (document, rate_hz) = (beside(&out, ROUNDS, "sequential.json"), vessel.sample_rate_hz);
+        let outputs = [out.as_path(), document.as_path()];
+        let made = if self.sharding.gathers() {
+            let shards = &self.sharding.gather;
+            Made::gathered(shards, outputs, &columns(rate_hz), provenance, |reader| rows(reader, rate_hz))?
+        } else {
+            provenance.shard = self.sharding.shard;
+            realized(&trial, &files, (config.realizations, rate_hz), outputs, (provenance, common.quiet))?
+        };
+        publish(self, &document, made, &trial, (&config, rate_hz))
+    }
+}
+
+impl SequentialArguments {
+    /// Refuses more realizations than fit into memory: their rows are kept for the summary while they are converted
+    /// to columns.
+    fn check_room(&self, config: &SequentialFile) -> Result<(), Failure> {
+        let (realizations, rounds) = (config.realizations, config.rounds);
+        let rows = f64::from(realizations) * Arm::ALL.len() as f64 * f64::from(rounds);
+        let size = format!("{realizations} realizations of {rounds} rounds");
+        let remedy = "take fewer `realizations`, or --shard";
+        let work = Work { file: &self.config, thing: "`realizations`", found: &size, remedy };
+        let part = f64::from(self.sharding.shard.map_or(1, |shard| shard.count));
+        Ok(budget().memory(work, 2.0 * rows / part * size_of::<Row>() as f64)?)
+    }
+}
+
+fn publish(
+    a: &SequentialArguments,
+    file: &Path,
+    made: Made<Row>,
+    trial: &Trial,
+    (config, rate_hz): (&SequentialFile, f64),
+) -> Result<Summary, Failure> {
+    if let Some(shard) = made.provenance.shard {
+        return made.publish_shard(shard, "rows");
+    }
+    let Made { table, provenance, rows } = made;
+    let (out, count) = (table.path().to_owned(), config.realizations);
+    if rows.iter().all(|row| row.parameter_error.is_none()) {
+        return Err(Failure::NoAnswer(format!(
+            "{}: rounds: found no estimate in any of {count} realizations, expected some that converge; lengthen `duration_s`, or \
+             give the vessel a nominal model nearer to it",
+            a.config.display(),
+        )));
+    }
+    let summary = rounds::Summary::new(&rows, trial.ends(), config.accuracy, rate_hz);
+    let document = document(config, summary, trial.maneuvers());
+    let said: Vec<String> =
+        trial.statement().into_iter().chain(document.statements.iter().cloned()).collect();
+    let said = said.join("; ");
+    let details = json!({"realizations": count, "statements": document.statements});
+    inputs::publish(table, file, &provenance, || Ok(document))?;
+    Ok(Summary::of(&out, format!("{count} realizations; {said}"), details))
+}
+
+/// The rows of this shard, or all.
+fn realized(
+    trial: &Trial,
+    files: &Files,
+    (count, rate_hz): (u32, f64),
+    out: [&Path; 2],
+    (provenance, quiet): (Provenance, bool),
+) -> Result<Made<Row>, Failure> {
+    let together = together(count);
+    let groups = (count as usize).div_ceil(together);
+    let mine = provenance.shard.map_or(groups, |shard| shard.range(groups).len());
+    // Every round of every arm is simulated and estimated from the beginning.
+    let each = Arm::ALL.len() as f64 * trial.ends().iter().sum::<usize>() as f64;
+    let seconds = (mine * together) as f64 * each * Estimator::OutputError.seconds_per_row();
+    let progress = WorkProgress::new("realizations", mine * together, quiet).foretold(seconds);
+    Made::computed(out, &columns(rate_hz), provenance, groups, |group| {
+        let first = (group * together) as u32;
+        let numbers = first..count.min(first + together as u32);
+        let advance = numbers.len();
+        let rows = trial.realizations(numbers).map_err(|e| files.refused(e));
+        progress.advance(advance);
+        rows
+    })
+}
+
+/// Realizations that are computed together. With more of them, fewer lanes are idle while some searches continue;
+/// with few realizations only one group of lanes, so that all shards and threads have work.
+fn together(count: u32) -> usize {
+    (count as usize / (8 * LANES)).clamp(1, 4) * LANES
 }

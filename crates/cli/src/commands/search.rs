@@ -13,11 +13,10 @@ use study::documents::SearchDocument;
 use study::files::read_any_vessel;
 
 use crate::cli::{Common, member, none_given, samples};
-use crate::failure::Failure;
+use crate::failure::{Failure, WorkProgress};
 use crate::inputs;
 use crate::physical::{WeightFlags, absent, note, unfit};
 use crate::pool::RunFlags;
-use crate::progress::Progress;
 use crate::stage::{Summary, Task};
 
 /// Finds which terms a ship's model needs, from recordings of her; writes search.json and model.json. A ridge, chosen by
@@ -29,7 +28,7 @@ use crate::stage::{Summary, Task};
     after_help = "Example:\n  estimate search --vessel pipelines/esso-osaka/vessel.toml \
     --trajectories trajectories.parquet --recordings ingest.json --out search.json"
 )]
-pub struct Arguments {
+pub struct SearchArguments {
     /// The vessel; its terms are the structure that the search begins with
     #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     vessel: PathBuf,
@@ -123,11 +122,11 @@ const RESAMPLES: u32 = 50;
 /// Length of the windows of terms per sample \[s\], by default.
 const WINDOW_S: f64 = 60.0;
 
-impl Task for Arguments {
+impl Task for SearchArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
         let given = read_any_vessel(&self.vessel, &mut provenance)?;
-        let of_forces = Some(&given).filter(|own| own.model.forces.is_some()).cloned();
+        let of_forces = Some(&given).filter(|vessel| vessel.model.forces.is_some()).cloned();
         match &of_forces {
             Some(ship) if !self.core => return self.forces(ship, (common, provenance)),
             Some(_) => self.check_averaged()?,
@@ -159,15 +158,15 @@ impl Task for Arguments {
             average: self.average.map(|models| AverageOptions { models, seed: common.seed.unwrap_or(1) }),
             rate_hz: begun.vessel.sample_rate_hz,
         };
-        let found = match &of_forces {
+        let structure = match &of_forces {
             None => {
-                let progress = Progress::new("fits, at most", options.fits(), common.quiet);
+                let progress = WorkProgress::new("fits, at most", options.fits(), common.quiet);
                 begun.find(&runs, &options, &|count| progress.advance(count))
             }
             Some(ship) => self.averaged((ship, &begun, &runs), &options, (common, &mut provenance))?,
         };
         let FoundStructure { search, model, average: averaged } =
-            found.map_err(|e| refused(self.of.file(), &e))?;
+            structure.map_err(|e| refused(self.of.file(), &e))?;
         let settings = [
             ("fitted_window_samples", json!(cut.window)),
             ("every_samples", json!(cut.every)),
@@ -177,12 +176,9 @@ impl Task for Arguments {
             ("runs", json!(self.of.runs)),
             ("leave_out", json!(self.of.leave_out)),
         ];
-        let bootstrap = options
-            .bootstrap
-            .map(|bootstrap| [("bootstrap", json!(bootstrap.resamples)), ("seed", json!(bootstrap.seed))]);
-        let average = options
-            .average
-            .map(|average| [("average", json!(average.models)), ("seed", json!(average.seed))]);
+        let bootstrap =
+            options.bootstrap.map(|of| [("bootstrap", json!(of.resamples)), ("seed", json!(of.seed))]);
+        let average = options.average.map(|of| [("average", json!(of.models)), ("seed", json!(of.seed))]);
         let core = self.core.then_some([("core", json!(true))]).into_iter().flatten();
         let settings = settings.into_iter().chain(core).chain(bootstrap.into_iter().chain(average).flatten());
         provenance.settings.extend(settings.map(|(key, value)| (key.to_owned(), value)));
@@ -204,7 +200,7 @@ fn summary(out: &Path, search: &SearchDocument) -> Summary {
     )
 }
 
-impl Arguments {
+impl SearchArguments {
     /// Searches for forces that `vessel` lacks.
     fn forces(
         &self,
@@ -217,7 +213,7 @@ impl Arguments {
         let single = member(&out, MAIN, "model.json", read())?;
         let terms: Option<TermLists> =
             self.terms.as_ref().map(|path| inputs::toml(path, "terms", &mut provenance)).transpose()?;
-        let listed = terms.map(|own| [own.surge, own.sway, own.yaw]);
+        let listed = terms.map(|term| [term.surge, term.sway, term.yaw]);
         let rate_hz = vessel.sample_rate_hz;
         let window = ("--fitted-window-s", self.fitted_window_s);
         let search = ForceSearch {
@@ -231,9 +227,9 @@ impl Arguments {
         let of = self.terms.as_ref().unwrap_or(&self.vessel);
         search.check().map_err(|e| Failure::invalid(of, &e))?;
         let runs = self.of.read_of_forces(vessel, &mut provenance)?;
-        let progress = Progress::new("searches", search.searches(), common.quiet);
-        let found = search.find(&runs, &|count| progress.advance(count));
-        let FoundStructure { search: document, model, .. } = found.map_err(|e| self.unfound(e))?;
+        let progress = WorkProgress::new("searches", search.searches(), common.quiet);
+        let structure = search.find(&runs, &|count| progress.advance(count));
+        let FoundStructure { search: document, model, .. } = structure.map_err(|e| self.unfound(e))?;
         let noted = [
             ("fitted_window_s", json!(search.settings.window_s)),
             ("window_samples", json!(search.scored)),
@@ -262,7 +258,7 @@ impl Arguments {
         let of_forces = self.of.read_of_forces(ship, provenance)?;
         note([("prior_weight", json!(settings.prior_weight))], provenance);
         let averaged_search = AveragedSearch { search: begun, options, vessel: ship, settings };
-        let progress = Progress::new("fits, at most", averaged_search.fits(), common.quiet);
+        let progress = WorkProgress::new("fits, at most", averaged_search.fits(), common.quiet);
         Ok(averaged_search.find([runs, &of_forces], &|count| progress.advance(count)))
     }
 
@@ -284,8 +280,8 @@ impl Arguments {
             ("--bootstrap", self.bootstrap.is_some()),
             ("--average", self.average.is_some()),
         ];
-        let found = "a ship with forces, which is searched for missing products one by one";
-        none_given(flags.into_iter().chain(self.roles.given()), found, "terms per sample")
+        let ship = "a ship with forces, which is searched for missing products one by one";
+        none_given(flags.into_iter().chain(self.roles.given()), ship, "terms per sample")
     }
 
     /// Why nothing was found.
@@ -305,11 +301,8 @@ impl Arguments {
 
     /// The bootstrap over recordings, only for a search for few terms.
     fn bootstrap(&self, common: &Common) -> Option<BootstrapOptions> {
-        let wanted = BootstrapOptions {
-            resamples: self.bootstrap.unwrap_or(RESAMPLES),
-            seed: common.seed.unwrap_or(1),
-        };
-        (self.compact && wanted.resamples > 0).then_some(wanted)
+        let (resamples, seed) = (self.bootstrap.unwrap_or(RESAMPLES), common.seed.unwrap_or(1));
+        (self.compact && resamples > 0).then_some(BootstrapOptions { resamples, seed })
     }
 
     /// The start of the search, and its candidate terms.
@@ -345,20 +338,19 @@ impl RoleFlags {
     }
 
     fn named(&self) -> NamedRoles {
-        let Self { rudder, propeller, ahead, astern, thrust, port, starboard, wind, wind_from, even, odd } =
-            self.clone();
+        let flags = self.clone();
         NamedRoles {
-            rudders: rudder,
-            propellers: propeller,
-            ahead,
-            astern,
-            thrusts: thrust,
-            ports: port,
-            starboards: starboard,
-            wind,
-            wind_from,
-            even,
-            odd,
+            rudders: flags.rudder,
+            propellers: flags.propeller,
+            ahead: flags.ahead,
+            astern: flags.astern,
+            thrusts: flags.thrust,
+            ports: flags.port,
+            starboards: flags.starboard,
+            wind: flags.wind,
+            wind_from: flags.wind_from,
+            even: flags.even,
+            odd: flags.odd,
         }
     }
 }
@@ -383,13 +375,10 @@ fn refused(file: &Path, error: &SearchError) -> Failure {
             &format!("at least {needed} for --average, of which 70 % without any fold are as many as folds"),
             "add recordings, or ask for fewer --folds",
         ),
-        SearchError::NoWindow => Failure::refuse(
-            file,
-            "windows",
-            "no run as long as a window",
-            "at least one",
-            "shorten --window-s",
-        ),
+        SearchError::NoWindow => {
+            let (lacking, remedy) = ("no run as long as a window", "shorten --window-s");
+            Failure::refuse(file, "windows", lacking, "at least one", remedy)
+        }
         SearchError::NoResample => {
             answer("models that can be searched for again; add recordings, or set --bootstrap 0")
         }

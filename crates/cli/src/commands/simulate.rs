@@ -3,19 +3,13 @@
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-use crate::cli::{Common, Sharding, beside, check_positive, given};
-use crate::failure::Failure;
-use crate::inputs;
-use crate::plan::MAIN;
-use crate::simulate::{
-    CampaignFlags, Files, check_campaign, check_maneuvers, logs, note_plays, write_campaign, write_maneuvers,
-};
-use crate::stage::{Summary, Task};
 use clap::Parser;
-use files::{Provenance, Shard, commit, gather};
+use files::{Provenance, Shard, Staged, Work, commit, gather, stage_set_document};
+use logs::chain::{Entry, Fault, Logbook, NoLogs, force_factors};
+use maneuver::Generator;
 use serde_json::{Value, json};
 use ship::engine::Segment;
-use ship::model::Source;
+use ship::model::{Source, Vessel};
 use study::campaign_file::CampaignFile;
 use study::documents::{SIMULATED_FILE, SimulatedLogsDocument};
 use study::files::{generator, kept_to_data, read_any_simulated, read_campaign, read_dictionary};
@@ -24,6 +18,15 @@ use study::track::read_planned;
 use study::trajectories::{DataLabel, ID, VERSION};
 use trial::campaign::{self, Maneuvers, Refusal, Settings};
 
+use crate::cli::{Common, Sharding, beside, budget, check_positive, folder_of, given, in_folder};
+use crate::commands::plan::MAIN;
+use crate::failure::Failure;
+use crate::inputs;
+use crate::simulate::{
+    CampaignFlags, Files, check_campaign, check_maneuvers, note_plays, write_campaign, write_maneuvers,
+};
+use crate::stage::{Summary, Task};
+
 /// Simulates a ship: single maneuvers, whole trials, plans, and what her instruments log
 #[derive(Parser)]
 #[command(
@@ -31,7 +34,7 @@ use trial::campaign::{self, Maneuvers, Refusal, Settings};
     after_help = "Example:\n  simulate dictionary --vessel pipelines/paper/vessel.toml \
     --dictionary pipelines/paper/dictionary.toml --out dictionary.parquet"
 )]
-pub struct Arguments {}
+pub struct SimulateArguments {}
 
 /// Simulates each maneuver of a dictionary alone, without current, wind and noise
 #[derive(Parser)]
@@ -102,7 +105,7 @@ pub struct Validation {
     after_help = "Example:\n  simulate plan --vessel pipelines/helsinki/vessel.toml \
     --campaign pipelines/helsinki/campaign.toml --plan out/helsinki/plan.json --out planned.parquet"
 )]
-pub struct Plan {
+pub struct PlanTrials {
     /// The vessel
     #[arg(long, visible_alias = "model", required_unless_present = "gather", value_name = "vessel.toml")]
     vessel: Option<PathBuf>,
@@ -137,8 +140,8 @@ pub struct Logs {
 
 impl Task for Dictionary {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let own = [&self.vessel, &self.dictionary].into_iter().flatten();
-        let out = common.main_output("dictionary.parquet", own.chain(&self.sharding.gather))?;
+        let files = [&self.vessel, &self.dictionary].into_iter().flatten();
+        let out = common.main_output("dictionary.parquet", files.chain(&self.sharding.gather))?;
         if self.sharding.gathers() {
             return gathered(&self.sharding, &out);
         }
@@ -222,11 +225,11 @@ impl Task for Campaign {
     }
 }
 
-impl Task for Plan {
+impl Task for PlanTrials {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let track = self.plan.as_deref().map(|plan| beside(plan, MAIN, "track.parquet"));
-        let own = [&self.vessel, &self.campaign, &self.plan, &track].into_iter().flatten();
-        let out = common.main_output("planned.parquet", own.chain(&self.sharding.gather))?;
+        let files = [&self.vessel, &self.campaign, &self.plan, &track].into_iter().flatten();
+        let out = common.main_output("planned.parquet", files.chain(&self.sharding.gather))?;
         if self.sharding.gathers() {
             return gathered(&self.sharding, &out);
         }
@@ -309,10 +312,9 @@ impl Task for Logs {
         DataLabel::SimulatedLogs.label(&mut provenance);
         let out =
             common.output_in_any_folder(SIMULATED_FILE, [&self.vessel, &self.dictionary, &self.logs])?;
-        let files = logs::Files { vessel: &self.vessel, dictionary: &self.dictionary, logs: &self.logs };
-        let entries = logs::simulate(&files, &vessel, &generator, &config, seed)?;
+        let entries = simulate(self, &vessel, &generator, &config, seed)?;
         let document = SimulatedLogsDocument::of(&vessel, &config, &entries);
-        logs::publish(&out, &entries, &document, &provenance)?;
+        publish(&out, &entries, &document, &provenance)?;
         let (recordings, samples) = (entries.len(), config.samples);
         let maneuvers = recordings / config.repeats as usize;
         let said: String = document.statements.iter().map(|statement| format!("; {statement}")).collect();
@@ -323,4 +325,57 @@ impl Task for Logs {
                 "statements": document.statements}),
         ))
     }
+}
+
+/// Simulates the logs of `config`, which is one of `files`.
+fn simulate(
+    files: &Logs,
+    vessel: &Vessel,
+    generator: &Generator,
+    config: &LogsFile,
+    seed: u64,
+) -> Result<Vec<Entry>, Failure> {
+    let names: Vec<&str> = generator.maneuvers().iter().map(|m| m.name.as_str()).collect();
+    config.check(&names, vessel.sample_rate_hz).map_err(|e| Failure::invalid(&files.logs, &e))?;
+    check_room(&files.logs, config, &names, vessel.sample_rate_hz)?;
+    let parameters = vessel.parameters(Source::Value).map_err(|e| Failure::invalid(&files.vessel, &e))?;
+    let entries = || {
+        let chain = config.chain(vessel, &parameters, force_factors(vessel)?);
+        Logbook::new(chain, generator, config.schedule(), seed)?.entries()
+    };
+    entries().map_err(|NoLogs { fault, what }| {
+        let file = match fault {
+            Fault::Vessel => &files.vessel,
+            Fault::Maneuvers => &files.dictionary,
+            Fault::Thrusters => &files.logs,
+        };
+        Failure::invalid(file, &what)
+    })
+}
+
+/// Refuses logs that do not fit into memory, where all are held until they are written.
+fn check_room(file: &Path, config: &LogsFile, maneuvers: &[&str], rate_hz: f64) -> Result<(), Failure> {
+    /// Characters of a cell with its separator.
+    const CELL: f64 = 14.0;
+    let rows = config.rows(maneuvers, rate_hz);
+    let cells = rows * (4 + 2 * config.thruster.len()) as f64;
+    let (size, remedy) = (format!("logs of {rows} rows"), "take fewer `repeats` or `samples`");
+    Ok(budget().memory(Work { file, thing: "`repeats`", found: &size, remedy }, CELL * cells)?)
+}
+
+/// Writes the logs and `out` next to them: all or nothing.
+fn publish(
+    out: &Path,
+    entries: &[Entry],
+    document: &SimulatedLogsDocument,
+    provenance: &Provenance,
+) -> Result<(), Failure> {
+    in_folder(folder_of(out), || {
+        let mut files = Vec::with_capacity(entries.len() + 1);
+        for (entry, recording) in entries.iter().zip(&document.recordings) {
+            files.push(Staged::bytes(folder_of(out).join(&recording.file), entry.text.as_bytes())?);
+        }
+        files.push(stage_set_document(out, provenance, document, &files)?);
+        Ok(commit(files)?)
+    })
 }

@@ -3,21 +3,22 @@
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
+use estimation::pooled::Covariance;
 use estimation::{ValidationRuns, not_relative};
-use files::{Provenance, TableReader};
+use files::{Provenance, TableReader, TableWriter, commit_with_document, encode_block};
+use seatrial::{Merits, Unsimulated};
 use serde_json::json;
 use ship::model::Vessel;
 use study::campaign_file::CampaignFile;
+use study::documents::merit_rows;
 use study::estimates;
-use study::files::{read_any_simulated, read_campaign};
+use study::files::{read_any_simulated, read_campaign, read_dictionary, read_model};
 use study::scores::{self, Row};
 use study::trajectories::refuse_shard;
 
-use crate::cli::{Common, Sharding, beside, given};
-use crate::failure::Failure;
-use crate::inputs;
-use crate::progress::Progress;
-use crate::sharded::{self, Made};
+use crate::cli::{Common, Sharding, beside, given, member};
+use crate::failure::{Failure, WorkProgress};
+use crate::inputs::{self, Made};
 use crate::stage::{Summary, Task};
 
 /// Scores each estimate by how far its parameters and simulations are off; writes scores.parquet and validation.json
@@ -28,7 +29,7 @@ use crate::stage::{Summary, Task};
     --campaign pipelines/paper/campaign.toml --estimates estimates.parquet --validation validation.parquet \
     --out scores.parquet"
 )]
-pub struct Arguments {
+pub struct ValidateArguments {
     /// The vessel
     #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     vessel: PathBuf,
@@ -52,7 +53,7 @@ const MAIN: &str = "scores.parquet";
 /// server of 2024 (0.04 s for a thousand estimates and a thousand samples).
 const SIMULATED_PER_SECOND: f64 = 2.5e7;
 
-impl Task for Arguments {
+impl Task for ValidateArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("validate");
         let vessel = read_any_simulated(&self.vessel, &mut provenance)?;
@@ -73,7 +74,7 @@ impl Task for Arguments {
     }
 }
 
-impl Arguments {
+impl ValidateArguments {
     /// Scores the estimates of this shard, or all.
     fn computed(
         &self,
@@ -96,7 +97,7 @@ impl Arguments {
         let blocks = self.sharding.shard.map_or(reader.blocks(), |s| s.range(reader.blocks()).len());
         let share = blocks as f64 / reader.blocks().max(1) as f64;
         let seconds = share * reader.rows() as f64 * validation.samples() as f64 / SIMULATED_PER_SECOND;
-        let progress = Progress::new("blocks of estimates", blocks, quiet).foretold(seconds);
+        let progress = WorkProgress::new("blocks of estimates", blocks, quiet).foretold(seconds);
         let score = |i: usize| {
             let score = validation.score(&estimates::rows(&reader, vessel, file, i)?, truth.as_deref());
             progress.advance(1);
@@ -136,13 +137,114 @@ fn publish(
 ) -> Result<Summary, Failure> {
     let Made { table, provenance, rows } = made;
     let out = table.path().to_owned();
-    let found = study::validated(&rows, config.bounds(), validation.samples(), &provenance);
-    let diverged: u64 = found.designs.iter().map(|d| d.diverged).sum();
+    let validated = study::validated(&rows, config.bounds(), validation.samples(), &provenance);
+    let diverged: u64 = validated.designs.iter().map(|d| d.diverged).sum();
     let summary = Summary::of(
         &out,
         format!("{} runs, {diverged} diverged", rows.len()),
-        json!({"runs": rows.len(), "diverged": diverged, "designs": found.designs}),
+        json!({"runs": rows.len(), "diverged": diverged, "designs": validated.designs}),
     );
-    sharded::publish(table, document, &provenance, || Ok(found))?;
+    inputs::publish(table, document, &provenance, || Ok(validated))?;
     Ok(summary)
+}
+
+/// Measures overshoots, turning circles and stopping distances against IMO MSC.137(76); writes merit.json, merit.parquet
+#[derive(Parser)]
+#[command(
+    name = "merit",
+    after_help = "Example:\n  validate merit --vessel pipelines/coaster/vessel.toml \
+    --dictionary pipelines/coaster/dictionary.toml --length-m 100 --out merit.json"
+)]
+pub struct MeritArguments {
+    /// The ship, or a model of it
+    #[arg(long, visible_alias = "model", value_name = "vessel.toml|model.json")]
+    vessel: PathBuf,
+    /// The maneuvers; without it the logs show which they are
+    #[arg(long, value_name = "dictionary.toml", required_unless_present = "trajectories")]
+    dictionary: Option<PathBuf>,
+    /// Runs of these maneuvers, simulated or measured; without them the ship is simulated, undisturbed
+    #[arg(long, value_name = "trajectories.parquet")]
+    trajectories: Option<PathBuf>,
+    /// Length between perpendiculars [m]; that of the ship's forces without it
+    #[arg(long, value_name = "M")]
+    length_m: Option<f64>,
+    /// Simulates a model with so many draws of its parameters from their covariance
+    #[arg(long, value_name = "N", conflicts_with = "trajectories", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    draws: Option<u32>,
+    /// Adds the derivative of every figure by every parameter of the model, for `design --criterion figures`
+    #[arg(long)]
+    slopes: bool,
+}
+
+/// What the document is usually called.
+const MERIT: &str = "merit.json";
+
+impl Task for MeritArguments {
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        let mut provenance = common.provenance("validate");
+        let read = || [&self.vessel].into_iter().chain(&self.dictionary).chain(&self.trajectories);
+        let out = common.main_output(MERIT, read())?;
+        let table = member(&out, MERIT, "merit.parquet", read())?;
+        let vessel = read_any_simulated(&self.vessel, &mut provenance)?;
+        let of_forces =
+            || vessel.model.forces.as_ref().map(|forces| forces.forces.description().ship.length_m);
+        let length_m = self.length_m.or_else(of_forces);
+        let Some(length_m) = length_m.filter(|length_m| *length_m > 0.0 && *length_m <= 1e3) else {
+            let given = length_m.map_or("none".to_owned(), |length| length.to_string());
+            let expected = "more than 0, at most 1000 m; correct it";
+            return Err(Failure::Usage(format!("--length-m: found {given}, expected {expected}")));
+        };
+        let length = vessel.check_length(length_m, "--length-m", None);
+        length.map_err(|e| Failure::invalid(&self.vessel, &e))?;
+        let read = |file: &PathBuf| read_dictionary(file, &vessel, &mut provenance);
+        let generator = self.dictionary.as_ref().map(read).transpose()?;
+        let file = self.dictionary.as_ref().or(self.trajectories.as_ref()).unwrap_or(&self.vessel);
+        let refused = |e| Failure::invalid(file, &e);
+        let mut merits = Merits::new(&vessel, generator.as_ref(), length_m).map_err(refused)?;
+        match (&self.trajectories, self.draws) {
+            (Some(file), _) => {
+                let reader = inputs::trajectories(file, "trajectories", &vessel, &mut provenance)?;
+                let are_logged = !reader.true_states();
+                if self.dictionary.is_none() && !are_logged {
+                    let (expected, remedy) = ("logs, as `ingest` writes them", "give --dictionary");
+                    return Err(Failure::refuse(file, "trajectories", "simulated ones", expected, remedy));
+                }
+                for block in 0..reader.blocks() {
+                    merits.add(&reader.runs(block)?, reader.poses(block)?.as_deref(), are_logged);
+                }
+            }
+            (None, None) => merits.simulate().map_err(|e| match e {
+                Unsimulated::Unheld(e) => refused(e),
+                Unsimulated::Diverged(e) => Failure::invalid(&self.vessel, &e),
+            })?,
+            (None, Some(draws)) => {
+                let seed = common.seed.unwrap_or(1);
+                merits.simulate_drawn(&self.covariance()?, draws, seed).map_err(refused)?;
+            }
+        }
+        if self.slopes {
+            merits.differentiate().map_err(|e| Failure::invalid(&self.vessel, &e))?;
+        }
+        let given = [("length_m", json!(length_m)), ("draws", json!(self.draws))];
+        provenance.settings.extend(given.map(|(key, value)| (key.to_owned(), value)));
+        let file = self.trajectories.as_ref().unwrap_or(file);
+        let merits = merits.found().map_err(|e| Failure::NoAnswer(format!("{}: {e}", file.display())));
+        let ((document, rows), columns) = (merits?, merit_rows());
+        let mut writer = TableWriter::create(&table, columns.schema(), &provenance)?.with_document(&out);
+        writer.push(encode_block(columns.schema(), &columns.table(&rows))?)?;
+        commit_with_document(writer.finish()?, &out, &provenance, &document)?;
+        let statements = &document.statements;
+        let details = json!({"maneuvers": document.maneuvers.len(), "statements": statements});
+        Ok(Summary::of(&out, document.in_short(), details))
+    }
+}
+
+impl MeritArguments {
+    /// What the model's file says of its parameters.
+    fn covariance(&self) -> Result<Covariance, Failure> {
+        read_model(&self.vessel)?.and_then(|model| model.errors_of_parameters().cloned()).ok_or_else(|| {
+            let expected = "a model with one, as `estimate pool` writes it";
+            Failure::refuse(&self.vessel, "`covariance`", "none", expected, "leave out --draws")
+        })
+    }
 }

@@ -1,18 +1,31 @@
+use std::path::PathBuf;
+
+use clap::Parser;
 use design::{Bounds, CountOptions, Design, Length, Options, Segments, Streamed, counted, solve_streamed};
-use files::{Provenance, commit, exists, read_document, stage_document};
+use files::{Digest, Provenance, Staged, commit, exists, read_document, stage_document, stage_set_document};
+use maneuver::Generator;
+use numerics::Watch;
+use seatrial::{UpdateError, Updating};
 use serde_json::json;
-
-use super::Arguments;
-use super::problem::Problem;
-use super::refusal::{no_design, scarce};
-use crate::cli::Common;
-use crate::failure::Failure;
-use crate::stage::{Summary, Task};
-use study::documents::{DesignDocument, MomentsDocument, Solved};
+use ship::engine::refuse_endless;
+use ship::model::Vessel;
+use study::campaign_file::CampaignFile;
+use study::design_files::{Promised, read_limits};
+use study::documents::{DesignDocument, MomentsDocument, RefinedFiles, Solved};
+use study::files::{StageOfTerms, is_guess, read_campaign, read_dictionary};
 use study::moments_table::{MomentsTable, TableError, table_of};
-use trial::moments::Moments;
+use trial::campaign::Plan;
+use trial::moments::{Moments, check_constants};
+use trial::refining::{Limits, Refinement, Refusal, Start, StatedLimits};
 
-impl Task for Arguments {
+use crate::cli::{Common, beside};
+use crate::design::{DesignArguments, Problem, no_criterion, no_design, scarce};
+use crate::failure::{Failure, WorkProgress};
+use crate::inputs;
+use crate::simulate::Files;
+use crate::stage::{Summary, Task};
+
+impl Task for DesignArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         self.check()?;
         let inputs = [&self.moments].into_iter().chain(&self.available).chain(&self.figures);
@@ -27,7 +40,7 @@ impl Task for Arguments {
         provenance.settings.extend(label.map(|(k, v)| (k.clone(), v.clone())));
         let seed = common.seed.unwrap_or(1);
         let (moments, streamed) = match moments.maneuvers.is_empty() && exists(table_of(&self.moments)) {
-            true => self.streamed(moments, seed).map(|(own, found)| (own, Some(found)))?,
+            true => self.streamed(moments, seed).map(|(moments, streamed)| (moments, Some(streamed)))?,
             false => (moments, None),
         };
         let document = design(self, (seed, streamed), &moments, &mut provenance)?;
@@ -39,7 +52,7 @@ impl Task for Arguments {
     }
 }
 
-impl Arguments {
+impl DesignArguments {
     /// Options of the search for shares.
     fn options(&self, seed: u64) -> Options {
         Options { tolerance: self.tolerance, random_starts: self.starts, seed, ..Options::default() }
@@ -59,7 +72,7 @@ impl Arguments {
             )));
         }
         let table = MomentsTable::open(&self.moments, head, self.estimated())?;
-        let found = solve_streamed(&table, &self.options(seed)).map_err(|e| match e {
+        let streamed = solve_streamed(&table, &self.options(seed)).map_err(|e| match e {
             TableError::Table(error) => error.into(),
             TableError::Design(error) => {
                 let dictionary = table.with(&[(0, 0)]).map_err(Failure::from).and_then(|moments| {
@@ -72,13 +85,13 @@ impl Arguments {
                 }
             }
         })?;
-        Ok((table.with(&found.members)?, found))
+        Ok((table.with(&streamed.members)?, streamed))
     }
 }
 
 /// The design of `moments`: criterion, stock, shares, counts, order.
 fn design(
-    a: &Arguments,
+    a: &DesignArguments,
     (seed, streamed): (u64, Option<Streamed>),
     moments: &Moments,
     provenance: &mut Provenance,
@@ -111,7 +124,8 @@ fn design(
     let restricted = few.as_ref().map(|(_, found)| &found.design);
     let design = restricted.unwrap_or(&relaxed);
     let count_options = CountOptions { random_starts: a.starts, seed, ..CountOptions::default() };
-    let figures = problem.figures(design, &bounds, length.samples, &options)?;
+    let figures = problem.of.figures(design, &bounds, length.samples, &options);
+    let figures = figures.map_err(|e| no_criterion(a, e))?;
     let sequence = problem.arranged(design, length.samples, provenance)?;
     let segments = length.segments.map(|(total, samples)| {
         let segments = Segments::within((total, samples), available.as_ref(), restricted);
@@ -135,4 +149,179 @@ fn design(
         moments,
     }
     .into())
+}
+
+/// Improves the input signals of a designed trial, within limits of inputs and motion
+#[derive(Parser)]
+#[command(
+    name = "refine",
+    after_help = "Writes refined.json, and inputs.csv, refined-dictionary.toml and design.json for `simulate campaign`.\n\n\
+    Example:\n  design refine --vessel vessel.toml --dictionary dictionary.toml --design design.json --campaign campaign.toml --out refined/"
+)]
+pub struct Refine {
+    /// The vessel
+    #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
+    pub(super) vessel: PathBuf,
+    /// The maneuvers that the design is of
+    #[arg(long, value_name = "dictionary.toml")]
+    pub(super) dictionary: PathBuf,
+    /// The design whose experiment is the start
+    #[arg(long, value_name = "design.json")]
+    pub(super) design: PathBuf,
+    /// Disturbances, and the experiment's duration
+    #[arg(long, value_name = "campaign.toml")]
+    campaign: PathBuf,
+    /// Limits: u_m_s, v_m_s, r_rad_s, tables `inputs` and `rates` (per second) by input; default: those of [generate] in the
+    /// dictionary, else what the start reaches
+    #[arg(long, value_name = "limits.toml")]
+    limits: Option<PathBuf>,
+    /// Maximum number of iterations
+    #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    iterations: u32,
+}
+
+impl Task for Refine {
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        let mut provenance = common.provenance("design refine");
+        let inputs = || {
+            let all = [&self.vessel, &self.dictionary, &self.design, &self.campaign];
+            all.into_iter().chain(&self.limits)
+        };
+        let out = common.main_output("refined.json", inputs())?;
+        let others = ["inputs.csv", "refined-dictionary.toml", "design.json"]
+            .map(|name| beside(&out, "refined.json", name));
+        for path in &others {
+            Common { out: path.clone(), ..common.clone() }.main_output("", inputs())?;
+        }
+        let vessel = StageOfTerms::Refine.read(&self.vessel, &mut provenance)?.with_disturbances_held();
+        check_constants(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
+        let refinement = search(self, &vessel, &mut provenance, common.quiet)?;
+        settings(self, &refinement, &mut provenance);
+        let is_guess = is_guess(&self.vessel, &vessel);
+        let files = RefinedFiles { vessel: &vessel, found: &refinement, is_guess };
+        let document = files.document();
+        let [csv, dictionary, design] = &others;
+        let refined = files.dictionary();
+        // The refined design belongs to the refined dictionary, no longer to the original one.
+        let mut of_design = provenance.clone();
+        of_design.inputs.insert("dictionary".into(), Digest::of_bytes(refined.as_bytes()));
+        let mut staged = vec![
+            Staged::bytes(csv, files.inputs().as_bytes())?,
+            Staged::bytes(dictionary, refined.as_bytes())?,
+            stage_document(design, &of_design, &files.design(&document))?,
+        ];
+        staged.push(stage_set_document(&out, &provenance, &document, &staged)?);
+        commit(staged)?;
+        let details = json!({
+            "before": document.before.value, "after": document.after.value, "worth": document.worth,
+            "iterations": document.iterations, "settled": document.settled,
+        });
+        Ok(Summary::of(&out, document.summary(), details))
+    }
+}
+
+/// Reads the design's experiment and its limits, and refines it.
+fn search(
+    a: &Refine,
+    vessel: &Vessel,
+    provenance: &mut Provenance,
+    quiet: bool,
+) -> Result<Refinement, Failure> {
+    let generator = read_dictionary(&a.dictionary, vessel, provenance)?;
+    let config = read_campaign(&a.campaign, provenance)?;
+    let design = inputs::document(&a.design, "design", provenance)?;
+    let plan = plan(a, vessel, &generator, &config, &design)?;
+    let noise = config.some_noise().map_err(|e| Failure::invalid(&a.campaign, &e))?;
+    let refused = |e| not_refined(a, e);
+    let start = Start::new(vessel, &generator, &plan, noise).map_err(|e| files(a).refused(e))?;
+    let model = &vessel.model;
+    let inputs: Vec<&str> = model.variables[3..3 + model.inputs].iter().map(|v| v.name.as_str()).collect();
+    let stated = match &a.limits {
+        Some(path) => read_limits(path, &inputs, provenance)?,
+        None => StatedLimits::default(),
+    };
+    let (limits, start) = Limits::new(&stated, vessel, &generator, start).map_err(refused)?;
+    let progress = WorkProgress::new("iterations, at most", a.iterations as usize, quiet);
+    let watch = Watch::new(move || {
+        progress.advance(1);
+        true
+    });
+    Refinement::search(vessel, start, limits, a.iterations as usize, &watch).map_err(refused)
+}
+
+/// The experiment of the design in a campaign.
+fn plan(
+    a: &Refine,
+    vessel: &Vessel,
+    generator: &Generator,
+    config: &CampaignFile,
+    design: &DesignDocument,
+) -> Result<Plan, Failure> {
+    let samples = vessel.samples(config.duration_s);
+    refuse_endless("`duration_s`", samples).map_err(|e| Failure::invalid(&a.campaign, &e))?;
+    let names: Vec<String> = generator.maneuvers().iter().map(|m| m.name.clone()).collect();
+    design.designed().plan(&names, generator.tables(), samples).map_err(|e| files(a).refused(e))
+}
+
+fn files(a: &Refine) -> Files<'_> {
+    let (campaign, sea) = (&a.campaign, &a.campaign);
+    Files { vessel: &a.vessel, dictionary: &a.dictionary, campaign, sea, design: &a.design }
+}
+
+/// The settings that the result depends on besides the inputs.
+fn settings(a: &Refine, found: &Refinement, provenance: &mut Provenance) {
+    let settings = &mut provenance.settings;
+    settings.insert("simulate_with".into(), json!(found.start.source));
+    settings.insert("relative_to".into(), json!(found.start.source));
+    settings.insert("iterations".into(), json!(a.iterations));
+}
+
+/// Why an experiment is not refined.
+fn not_refined(a: &Refine, why: Refusal) -> Failure {
+    match why {
+        Refusal::Trial(why) => files(a).refused(why),
+        Refusal::Limits(e) => Failure::invalid(a.limits.as_ref().unwrap_or(&a.dictionary), &e),
+        Refusal::NotIdentifiable { parameter } => Failure::NoAnswer(format!(
+            "{}: the design's experiment: found one that does not distinguish `{parameter}` from the other parameters, expected a \
+             start that excites all; begin with another design",
+            a.design.display()
+        )),
+    }
+}
+
+/// Compares what a design promised with what is known after its trial
+#[derive(Parser)]
+#[command(
+    name = "update",
+    after_help = "Example:\n  design update --design design.json --moments moments.json --model model.json --out design-update.json"
+)]
+pub struct Update {
+    /// The design whose trial has been run
+    #[arg(long, value_name = "design.json")]
+    design: PathBuf,
+    /// The moments that it was made from
+    #[arg(long, value_name = "moments.json")]
+    moments: PathBuf,
+    /// The estimate of the trial, with its covariance
+    #[arg(long, value_name = "model.json")]
+    model: PathBuf,
+    /// Figures of merit with their slopes, those of the design
+    #[arg(long, value_name = "merit.json")]
+    figures: Option<PathBuf>,
+}
+
+impl Task for Update {
+    fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        let inputs = [&self.design, &self.moments, &self.model].into_iter().chain(&self.figures);
+        let out = common.main_output("design-update.json", inputs)?;
+        let mut provenance = common.provenance("design update");
+        let of = Promised::read(&self.design, &self.moments, self.figures.as_deref(), &mut provenance)?;
+        let model = of.model(&self.model, &mut provenance)?;
+        let document = Updating::new(&of).after(&model).map_err(|e| match e {
+            UpdateError::Design(e) => Failure::invalid(&self.design, &e),
+            UpdateError::Model(e) => Failure::invalid(&self.model, &e),
+        })?;
+        commit(vec![stage_document(&out, &provenance, &document)?])?;
+        Ok(Summary::of(&out, document.summary(), json!({"parameter_error": document.parameter_error})))
+    }
 }

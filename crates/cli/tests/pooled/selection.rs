@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use cli::commands::counts::counts;
+use cli::inputs::counts;
 use files::Provenance;
 use serde_json::Value;
 

@@ -1,5 +1,4 @@
-use crate::figures::axis::{Axis, round_step};
-use crate::figures::layout::{BASE, GRID, LABEL, NOTE, note};
+use crate::figures::axis::{Axis, BASE, GRID, LABEL, NOTE, note, round_step};
 use crate::figures::palette::BLUE;
 use crate::figures::svg::{Anchor, Lettering, Look, Paint, Sheet};
 use crate::figures::text;
@@ -38,29 +37,30 @@ const LETTER: f64 = 8.0;
 /// by chance. The first column, of the error with itself, goes from −1 to 1; the others share another axis.
 pub fn correlations(columns: &[&str], rows: &[CorrelationRow<'_>]) -> String {
     let height = HEAD + rows.len() as f64 * ROW + FOOT;
-    let grid = Grid::new(columns.len(), rows);
+    let grid = CorrelationGrid::new(columns.len(), rows);
     Sheet::figure(WIDTH, height, "Correlations of errors over lags", |sheet| {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful")]
+        let letters = (grid.width / LETTER) as usize;
         for (i, title) in columns.iter().enumerate() {
-            let title = text::shortened(title, grid.letters());
+            let title = text::shortened(title, letters);
             sheet.text(&title, (grid.left(i), 12.0), Lettering::new(LABEL, Anchor::Start).bold());
         }
         for (i, row) in rows.iter().enumerate() {
             grid.row(sheet, HEAD + i as f64 * ROW, row);
         }
-        if let Some(row) = rows.last() {
-            let across = row.cells.iter().enumerate().map(|(i, cell)| grid.across(i, cell));
-            across.for_each(|across| foot(sheet, &across, HEAD + rows.len() as f64 * ROW));
+        for (i, cell) in rows.last().iter().flat_map(|row| &row.cells).enumerate() {
+            foot(sheet, &grid.across(i, cell), HEAD + rows.len() as f64 * ROW);
         }
     })
 }
 
 /// The positions of the columns, and the vertical range of those after the first.
-struct Grid {
+struct CorrelationGrid {
     width: f64,
     most: f64,
 }
 
-impl Grid {
+impl CorrelationGrid {
     fn new(columns: usize, rows: &[CorrelationRow<'_>]) -> Self {
         let beyond = rows.iter().flat_map(|row| row.cells.iter().skip(1).flat_map(|cell| cell.values));
         let bounds = rows.iter().map(|row| 2.0 * row.bound);
@@ -73,13 +73,6 @@ impl Grid {
     fn left(&self, column: usize) -> f64 {
         let further = if column > 0 { MARGIN } else { 0.0 };
         MARGIN + further + column as f64 * (self.width + GAP)
-    }
-
-    /// Maximum length of a title.
-    fn letters(&self) -> usize {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful")]
-        let most = (self.width / LETTER) as usize;
-        most
     }
 
     fn across(&self, column: usize, cell: &CorrelationCell<'_>) -> Axis {

@@ -5,34 +5,23 @@
 //! only the surrounding text follows the page.
 
 mod areas;
-mod cells;
-mod clip;
-mod colours;
-mod grid;
 mod input;
 mod legend;
-mod legend_entries;
-mod margins;
-mod marks;
-mod numbers;
-mod outline;
-mod simplify;
 mod spots;
-mod surround;
-mod tracks;
 mod view;
 
+use legend::Legend;
 use refusal::Invalid;
+use view::{LABEL, NOTE, View, WIDTH};
 
-use crate::figures::svg::{self, Colours, Sheet};
+use crate::figures::axis::round_step;
+use crate::figures::svg::{self, Anchor, Colours, Lettering, Look, Paint, Path, Point, Sheet};
+use crate::figures::text;
 
 pub use input::{
-    Area, Cells, Class, Contour, Frame, Graticule, Map, Margin, Purpose, Raster, Spot, Symbol, Track,
-    TrackStyle, Tube,
+    Cells, ChartedArea, Class, Contour, Frame, Graticule, Map, Margin, PlottedTrack, Purpose, Raster, Spot,
+    Symbol, TrackStyle, Tube,
 };
-
-use legend::Legend;
-use view::{LABEL, View, WIDTH};
 
 /// Name of the legend's group.
 const LEGEND: &str = "Legend";
@@ -78,32 +67,32 @@ pub fn map_figure(map: &Map) -> Result<String, Invalid> {
     let view = View::new(&map.frame)?;
     let mut sheet = Sheet::new(Colours::Kept);
     draw(&mut sheet, &view, map);
-    surround::draw(&mut sheet, &view, &map.graticule);
-    map.warning.iter().for_each(|warning| surround::warning(&mut sheet, &view, warning));
+    draw_surround(&mut sheet, &view, &map.graticule);
+    map.warning.iter().for_each(|warning| self::warning(&mut sheet, &view, warning));
     let legend = Legend::new(map);
     sheet.labelled(LEGEND, |sheet| legend.draw(sheet));
-    Ok(whole(map, &sheet, (view.opposite.1 + surround::FOOT).max(legend.height())))
+    Ok(whole(map, &sheet, (view.opposite.1 + FOOT).max(legend.height())))
 }
 
 fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
-    sheet.bar(view.corner, view.opposite, colours::background(map.uncharted));
+    sheet.bar(view.corner, view.opposite, input::background(map.uncharted));
     if let Some(cells) = &map.cells {
-        cells::draw(sheet, view, cells, &map.depth_limits_m);
+        areas::draw(sheet, view, cells, &map.depth_limits_m);
     }
     areas::water(sheet, view, map);
-    tracks::contours(sheet, view, &map.contours);
-    map.margins.iter().for_each(|margin| margins::draw(sheet, view, margin));
+    areas::contours(sheet, view, &map.contours);
+    map.margins.iter().for_each(|margin| areas::draw_margin(sheet, view, margin));
     areas::obstacles(sheet, view, map);
-    surround::graticule(sheet, view, &map.graticule);
+    graticule(sheet, view, &map.graticule);
     spots::draw(sheet, view, map);
-    map.tube.iter().for_each(|tube| margins::tube(sheet, view, tube));
-    tracks::outlines(sheet, view, std::slice::from_ref(&map.edge), colours::EDGE);
-    tracks::outlines(sheet, view, &map.speed_limits, colours::SPEED_LIMIT);
-    tracks::outlines(sheet, view, &map.corridors, colours::CORRIDOR);
-    tracks::draw(sheet, view, map);
-    marks::hulls(sheet, view, &map.hulls);
-    marks::ends(sheet, view, map);
-    numbers::draw(sheet, view, map);
+    map.tube.iter().for_each(|tube| areas::tube(sheet, view, tube));
+    areas::draw_outlines(sheet, view, std::slice::from_ref(&map.edge), input::EDGE);
+    areas::draw_outlines(sheet, view, &map.speed_limits, input::SPEED_LIMIT);
+    areas::draw_outlines(sheet, view, &map.corridors, input::CORRIDOR);
+    areas::draw_tracks(sheet, view, map);
+    areas::draw_outlines(sheet, view, &map.hulls, input::HULL);
+    spots::ends(sheet, view, map);
+    spots::draw_numbers(sheet, view, map);
 }
 
 fn whole(map: &Map, sheet: &Sheet, height: f64) -> String {
@@ -112,4 +101,147 @@ fn whole(map: &Map, sheet: &Sheet, height: f64) -> String {
     let (title, described) = (Sheet::written(&map.title), Sheet::written(&map.description));
     let head = format!("<title>{title}</title>\n<desc>{described}</desc>\n");
     sheet.svg((WIDTH + legend::WIDTH, height), &map.title, &attributes, &head)
+}
+
+/// Space below the frame for labels, scale bar and north arrow [px].
+const FOOT: f64 = 56.0;
+/// Height of a warning [px].
+const WARNING: f64 = 22.0;
+const TICK: f64 = 5.0;
+const BAR: f64 = 5.0;
+/// Least share of the frame's width of a scale bar.
+const LEAST_SHARE: f64 = 0.16;
+
+/// Fine lines across the map.
+fn graticule(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
+    let (low, high) = (view.corner, view.opposite);
+    let mut path = Path::default();
+    for (x, _) in columns(view, graticule) {
+        path.line(&[(x, low.1), (x, high.1)]);
+    }
+    for (y, _) in rows(view, graticule) {
+        path.line(&[(low.0, y), (high.0, y)]);
+    }
+    sheet.path(&path, Look::drawn(input::DARK.faded(0.16), 0.6));
+}
+
+/// The frame with its labels, and below it the scale bar and the north arrow.
+fn draw_surround(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
+    let (low, high) = (view.corner, view.opposite);
+    sheet.bar(low, high, Look::drawn(input::DARK, 1.3));
+    labels(sheet, view, graticule);
+    scale_bar(sheet, view, high.1 + 38.0);
+    north_arrow(sheet, (high.0 - 9.0, high.1 + 38.0));
+}
+
+/// A prominent line across the top of the map.
+fn warning(sheet: &mut Sheet, view: &View, warning: &str) {
+    let (left, right) = (view.corner.0, view.opposite.0);
+    sheet.bar(view.corner, (right, view.corner.1 + WARNING), Look::filled(input::DANGER));
+    let letters = Lettering::new(NOTE, Anchor::Middle).painted(input::WHITE).bold();
+    sheet.text(warning, (0.5 * (left + right), view.corner.1 + 0.5 * WARNING), letters);
+}
+
+/// Pixels of the labels below the frame.
+fn columns<'a>(view: &View, graticule: &'a Graticule) -> Vec<(f64, &'a str)> {
+    within(&graticule.x, (view.corner.0, view.opposite.0), |x| view.place([x, 0.0]).0)
+}
+
+/// Pixels of the labels left of it.
+fn rows<'a>(view: &View, graticule: &'a Graticule) -> Vec<(f64, &'a str)> {
+    within(&graticule.y, (view.corner.1, view.opposite.1), |y| view.place([0.0, y]).1)
+}
+
+fn within(labels: &[(f64, String)], (low, high): (f64, f64), pixel: impl Fn(f64) -> f64) -> Vec<(f64, &str)> {
+    let placed = labels.iter().map(|(at, label)| (pixel(*at), label.as_str()));
+    placed.filter(|(at, _)| (low..=high).contains(at)).collect()
+}
+
+/// Ticks outwards, each with its label if that does not overlap the last one or leave the frame.
+fn labels(sheet: &mut Sheet, view: &View, graticule: &Graticule) {
+    let (low, high) = (view.corner, view.opposite);
+    let tick = Look::drawn(Paint::ink(0.6), 1.0);
+    let letters = Lettering::new(NOTE, Anchor::Middle).painted(Paint::ink(0.75));
+    let mut free = Free::new(low.0 - 20.0, high.0 + 4.0);
+    for (x, label) in columns(view, graticule) {
+        sheet.line((x, high.1), (x, high.1 + TICK), tick);
+        if free.take(x, label) {
+            sheet.text(label, (x, high.1 + 14.0), letters);
+        }
+    }
+    let mut free = Free::new(low.1 - 4.0, high.1 + 12.0);
+    for (y, label) in rows(view, graticule) {
+        sheet.line((low.0 - TICK, y), (low.0, y), tick);
+        if free.take(y, label) {
+            sheet.text(label, (low.0 - 14.0, y), letters.upwards());
+        }
+    }
+}
+
+/// Free space along one side of the frame.
+struct Free {
+    low: f64,
+    high: f64,
+    taken: Vec<(f64, f64)>,
+}
+
+impl Free {
+    fn new(low: f64, high: f64) -> Self {
+        Self { low, high, taken: Vec::new() }
+    }
+
+    /// Takes the space of a label centred at `at`, if it is free.
+    fn take(&mut self, at: f64, label: &str) -> bool {
+        let half = 0.5 * text::width(label, NOTE);
+        let (from, to) = (at - half, at + half);
+        let apart = |&(low, high): &(f64, f64)| to + 8.0 < low || high + 8.0 < from;
+        let free = from >= self.low && to <= self.high && self.taken.iter().all(apart);
+        if free {
+            self.taken.push((from, to));
+        }
+        free
+    }
+}
+
+/// A bar of a round length, in alternating parts.
+fn scale_bar(sheet: &mut Sheet, view: &View, y: f64) {
+    let (left, right) = (view.corner.0, view.opposite.0);
+    let metres = round_step(LEAST_SHARE * (right - left) / view.scale);
+    let width = metres * view.scale;
+    let label = length(metres);
+    sheet.titled(&format!("scale: {label}"), |sheet| {
+        sheet.bar((left, y), (left + width, y + BAR), Look::drawn(Paint::ink(1.0), 0.8));
+        let parts = if is_five(metres) { 5 } else { 4 };
+        for part in (0..parts).step_by(2) {
+            let at = |k: i32| left + width * f64::from(k) / f64::from(parts);
+            sheet.bar((at(part), y), (at(part + 1), y + BAR), Look::filled(Paint::ink(1.0)));
+        }
+        let letters = Lettering::new(NOTE, Anchor::Start).painted(Paint::ink(0.85));
+        sheet.text(&label, (left + width + 8.0, y + 0.5 * BAR), letters);
+    });
+}
+
+/// Whether a round number begins with a five.
+fn is_five(round: f64) -> bool {
+    (libm::log10(round).rem_euclid(1.0) - libm::log10(5f64)).abs() < 1e-6
+}
+
+/// A round length in metres or kilometres.
+fn length(metres: f64) -> String {
+    let (length, unit) = if metres < 1000.0 { (metres, "m") } else { (metres / 1000.0, "km") };
+    format!("{} {unit}", text::number(length, length))
+}
+
+/// An arrow around `at`, with its letter.
+fn north_arrow(sheet: &mut Sheet, (x, y): Point) {
+    sheet.titled("north is up", |sheet| {
+        let mut dark = Path::default();
+        dark.ring(&[(x, y - 9.0), (x, y + 6.0), (x - 6.0, y + 11.0)]);
+        let mut light = Path::default();
+        light.ring(&[(x, y - 9.0), (x + 6.0, y + 11.0), (x, y + 6.0)]);
+        sheet.path(&dark, Look::filled(Paint::ink(1.0)).outlined(Paint::ink(1.0), 1.0));
+        sheet.path(&light, Look::drawn(Paint::ink(1.0), 1.0));
+        let letter = Lettering::new(NOTE, Anchor::Middle).painted(Paint::ink(0.85)).bold();
+        sheet.text("N", (x - 18.0, y + 2.0), letter);
+    });
 }

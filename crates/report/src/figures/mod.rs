@@ -7,35 +7,21 @@
 //!
 //! Values that are not finite are omitted; [`map`] has none. The same input gives the same bytes.
 
-mod accuracy;
 mod axis;
+mod bars;
 mod correlations;
-mod front;
+mod dots;
 mod histogram;
-mod histogram_figure;
-mod layout;
 pub mod map;
 pub mod palette;
-mod relative_errors;
-mod scored;
-mod sensitivities;
-mod shares;
 mod svg;
 pub(crate) mod text;
-mod thin;
 mod traces;
-mod tracks;
 
-pub use accuracy::{AccuracyCurve, accuracy};
+pub use bars::{ErrorRow, SensitivityRow, ShareRow, relative_errors, sensitivities, shares};
 pub use correlations::{CorrelationCell, CorrelationRow, correlations};
-pub use front::{FrontDot, front};
-pub use histogram::Histogram;
-pub use histogram_figure::{HistogramAxis, HistogramPanel, histogram_pair};
+pub use dots::{AccuracyCurve, FrontDot, ScoredDot, accuracy, front, scored};
+pub use histogram::{Histogram, HistogramAxis, HistogramPanel, histogram_pair};
 pub use map::{Map, map_figure};
-pub use relative_errors::{ErrorRow, relative_errors};
-pub use scored::{ScoredDot, scored};
-pub use sensitivities::{SensitivityRow, sensitivities};
-pub use shares::{ShareRow, shares};
 pub use text::number as tick_number;
-pub use traces::{Curve, TraceColumn, TraceRow, traces};
-pub use tracks::{Track, TrackLine, tracks};
+pub use traces::{Curve, TraceColumn, TraceRow, TrackCell, TrackLine, traces, tracks};

@@ -1,9 +1,10 @@
 //! Times, places and moves as the crew reads them.
 
-use crate::number::{exact, or_dash, percent, three};
 use study::documents::{
     Check, CostUnit, PlanDocument, PlanLattice, PlanPose, PlanStatus, PlanStep, Side, VoyageLeg,
 };
+
+use crate::number::{exact, or_dash, percent, three};
 
 /// One knot \[m/s\].
 const KNOT: f64 = 1852.0 / 3600.0;
@@ -83,8 +84,8 @@ pub(crate) fn cost(value: f64, unit: CostUnit) -> String {
 
 /// The optimality gap of a plan that is not proved optimal.
 pub(crate) fn gap(plan: &PlanDocument) -> Option<String> {
-    let known = || format!("at most {} dearer than the best", cost(plan.gap, plan.cost_unit));
-    (plan.status == PlanStatus::Feasible).then(known)
+    (plan.status == PlanStatus::Feasible)
+        .then(|| format!("at most {} dearer than the best", cost(plan.gap, plan.cost_unit)))
 }
 
 /// The clearance of the hull from obstacles; `None` if it touches one. The distance is measured on a raster that
@@ -127,8 +128,8 @@ pub(crate) fn action(step: &PlanStep, leg: &VoyageLeg, lattice: &PlanLattice) ->
         "straight" => "straight ahead".to_owned(),
         "turn-port" => format!("turn to port {}", turn(step, leg, lattice)),
         "turn-starboard" => format!("turn to starboard {}", turn(step, leg, lattice)),
-        "faster" => format!("faster{}", reached(&step.to, lattice)),
-        "slower" => format!("slower{}", reached(&step.to, lattice)),
+        "faster" => format!("faster{}", new_speed(&step.to, lattice)),
+        "slower" => format!("slower{}", new_speed(&step.to, lattice)),
         other => other.to_owned(),
     }
 }
@@ -138,7 +139,7 @@ fn turn(step: &PlanStep, leg: &VoyageLeg, lattice: &PlanLattice) -> String {
     format!("{how}, to\u{a0}{}", level(lattice, step.to.h))
 }
 
-fn reached(to: &PlanPose, lattice: &PlanLattice) -> String {
+fn new_speed(to: &PlanPose, lattice: &PlanLattice) -> String {
     match to.mode.as_ref().and_then(|mode| lattice.modes.get(mode)) {
         Some(speed) if speed.abs() < REST => ", to a stop".to_owned(),
         Some(speed) => format!(", to {}\u{a0}m/s ({}\u{a0}kn)", three(*speed), knots(*speed)),

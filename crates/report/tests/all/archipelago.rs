@@ -1,7 +1,7 @@
 //! A made-up archipelago with a planned trial of nine maneuvers, of the size of the paper's.
 
 use report::figures::map::{
-    Area, Cells, Class, Frame, Graticule, Map, Margin, Purpose, Raster, Track, TrackStyle,
+    Cells, ChartedArea, Class, Frame, Graticule, Map, Margin, PlottedTrack, Purpose, Raster, TrackStyle,
 };
 
 const GRID: Raster = Raster { origin: [0.0, 0.0], cell_m: 25.0, nx: 176, ny: 140 };
@@ -54,16 +54,17 @@ fn per_cell<T>(value: impl Fn(f64) -> T) -> Vec<T> {
     cells.map(|at| value(from_shore(at))).collect()
 }
 
-fn islands() -> Vec<Area> {
+fn islands() -> Vec<ChartedArea> {
     let around = |k: usize, size: f64| {
         let ring = (0..240).map(|step| std::f64::consts::TAU * f64::from(step) / 240.0);
         let [x, y] = ISLANDS[k].0;
         ring.map(|a| [x + size * shore(k, a) * a.cos(), y + size * shore(k, a) * a.sin()]).collect::<Vec<_>>()
     };
     let lake = |k: usize| if k == 6 { vec![around(k, 0.3)] } else { Vec::new() };
-    let land = (0..ISLANDS.len()).map(|k| Area { class: Class::Land, ring: around(k, 1.0), holes: lake(k) });
+    let land =
+        (0..ISLANDS.len()).map(|k| ChartedArea { class: Class::Land, ring: around(k, 1.0), holes: lake(k) });
     let no_go = vec![[3050.0, 2760.0], [3020.0, 3300.0], [2280.0, 3250.0], [2330.0, 2710.0]];
-    land.chain([Area { class: Class::NoGo, ring: no_go, holes: Vec::new() }]).collect()
+    land.chain([ChartedArea { class: Class::NoGo, ring: no_go, holes: Vec::new() }]).collect()
 }
 
 /// Points from `from` to `to`, oscillating by `swing` metres `times` times in between.
@@ -87,9 +88,9 @@ fn turn(from: [f64; 2], at: [f64; 2], to: [f64; 2]) -> Vec<[f64; 2]> {
     (0..=20).map(|k| point(f64::from(k) / 20.0)).collect()
 }
 
-fn plan() -> Vec<Track> {
+fn plan() -> Vec<PlottedTrack> {
     const SWINGS: [(f64, f64); 3] = [(45.0, 4.0), (110.0, 2.0), (70.0, 1.0)];
-    let track = |style, points, number| Track { style, points, number };
+    let track = |style, points, number| PlottedTrack { style, points, number };
     let mut tracks = Vec::new();
     for (leg, pair) in TURNS.windows(2).enumerate() {
         let (from, to) = (pair[0], pair[1]);
@@ -132,7 +133,7 @@ fn graticule() -> Graticule {
 pub fn archipelago() -> Map {
     let tracks = plan();
     let whole: Vec<[f64; 2]> = tracks.iter().flat_map(|track| track.points.clone()).collect();
-    let sheaf = (0..250).map(|run| Track {
+    let sheaf = (0..250).map(|run| PlottedTrack {
         style: TrackStyle::Realization,
         points: drifting(&whole, 8.0 + f64::from(run) / 5.0, f64::from(run) * 2.4),
         number: None,

@@ -2,7 +2,7 @@
 
 use report::figures::{
     AccuracyCurve, Curve, ErrorRow, FrontDot, Histogram, HistogramAxis, HistogramPanel, SensitivityRow,
-    ShareRow, TraceColumn, TraceRow, Track, TrackLine, accuracy, front, histogram_pair, palette,
+    ShareRow, TraceColumn, TraceRow, TrackCell, TrackLine, accuracy, front, histogram_pair, palette,
     relative_errors, sensitivities, shares, tick_number, traces, tracks,
 };
 use report::picture;
@@ -138,8 +138,8 @@ fn traces_survive_gaps_and_unequal_lengths() {
     check(&traces(&[], &[]));
 }
 
-fn track<'a>(name: &'a str, x: &'a [f64], y: &'a [f64]) -> Track<'a> {
-    Track { name, lines: vec![TrackLine { x, y, colour: None }] }
+fn track<'a>(name: &'a str, x: &'a [f64], y: &'a [f64]) -> TrackCell<'a> {
+    TrackCell { name, lines: vec![TrackLine { x, y, colour: None }] }
 }
 
 #[test]

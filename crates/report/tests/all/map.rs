@@ -3,8 +3,8 @@
 use crate::archipelago::archipelago;
 use crate::drawing::{attribute, check, corners, doubled_area, elements, frame};
 use report::figures::map::{
-    Area, Cells, Class, Contour, Frame, Map, Margin, Purpose, Raster, Spot, Symbol, Track, TrackStyle, Tube,
-    parted,
+    Cells, ChartedArea, Class, Contour, Frame, Map, Margin, PlottedTrack, Purpose, Raster, Spot, Symbol,
+    TrackStyle, Tube, parted,
 };
 use report::figures::map_figure;
 
@@ -20,12 +20,12 @@ fn square(low: f64, high: f64) -> Vec<[f64; 2]> {
     vec![[low, low], [high, low], [high, high], [low, high]]
 }
 
-fn land(ring: Vec<[f64; 2]>, holes: Vec<Vec<[f64; 2]>>) -> Area {
-    Area { class: Class::Land, ring, holes }
+fn land(ring: Vec<[f64; 2]>, holes: Vec<Vec<[f64; 2]>>) -> ChartedArea {
+    ChartedArea { class: Class::Land, ring, holes }
 }
 
-fn track(style: TrackStyle, points: Vec<[f64; 2]>, number: Option<u64>) -> Track {
-    Track { style, points, number }
+fn track(style: TrackStyle, points: Vec<[f64; 2]>, number: Option<u64>) -> PlottedTrack {
+    PlottedTrack { style, points, number }
 }
 
 /// The path of land on the map, which comes before the legend.
@@ -371,7 +371,7 @@ fn the_shoalest_is_drawn_last_in_the_colour_of_its_label() {
     let class = |least_m| Class::Depth { least_m };
     let grid = Raster { origin: [100.0, 100.0], cell_m: 100.0, nx: 3, ny: 1 };
     let cells = Cells { grid, classes: depths.iter().map(|&depth| Some(class(depth))).collect() };
-    let area = |depth| Area { class: class(depth), ring: square(100.0, 400.0), holes: vec![] };
+    let area = |depth| ChartedArea { class: class(depth), ring: square(100.0, 400.0), holes: vec![] };
     let limits = vec![5.0, 10.0];
     let base = Map { depth_limits_m: limits, ..Map::default() };
     for map in [

@@ -90,13 +90,15 @@ pub fn document() -> MapDocument {
 
 /// The same, as a figure takes it.
 fn figure() -> figure::Map {
-    use figure::{Area, Cells, Class, Contour, Margin, Purpose, Spot, Symbol, Track, TrackStyle, Tube};
+    use figure::{
+        Cells, ChartedArea, Class, Contour, Margin, PlottedTrack, Purpose, Spot, Symbol, TrackStyle, Tube,
+    };
     let grid = figure::Raster { origin: [0.0, 0.0], cell_m: 250.0, nx: 4, ny: 2 };
     let depth = |least_m| Class::Depth { least_m };
     let [deep, shoal] = [Some(depth(12.0)), Some(depth(3.0))];
     let set = |text: &str| text.chars().map(|c| c == '#').collect::<Vec<_>>();
-    let track = |style, number| Track { style, points: WAY.to_vec(), number };
-    let area = |class, ring: [[f64; 2]; 3], holes| Area { class, ring: ring.to_vec(), holes };
+    let track = |style, number| PlottedTrack { style, points: WAY.to_vec(), number };
+    let area = |class, ring: [[f64; 2]; 3], holes| ChartedArea { class, ring: ring.to_vec(), holes };
     let spot = |at, symbol, depth_m, title: &str| Spot { at, symbol, depth_m, title: title.to_owned() };
     figure::Map {
         title: "Planned trial, unsafe".to_owned(),

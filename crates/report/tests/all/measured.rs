@@ -1,6 +1,6 @@
 //! The page of measured logs: the resulting model and its residuals.
 
-use report::{Measured, Study, render};
+use report::{MeasuredStudy, Study, render};
 use serde_json::json;
 use study::documents::{CompareDocument, CrossvalDocument, ModelDocument, TrustDocument};
 
@@ -37,7 +37,7 @@ fn crossval(recommended: Option<&str>, candidates: &[&str]) -> CrossvalDocument 
     .unwrap()
 }
 
-fn page(measured: Measured) -> String {
+fn page(measured: MeasuredStudy) -> String {
     let study = Study { name: "tank".to_owned(), measured: Some(measured), ..Study::default() };
     render(&study).html.replace('\u{a0}', " ")
 }
@@ -46,7 +46,7 @@ fn page(measured: Measured) -> String {
 fn the_parameters_are_those_of_the_delivered_model_which_is_named() {
     let said = |recommended: Option<&str>, candidates: &[&str]| {
         let crossval = Some(crossval(recommended, candidates));
-        page(Measured { model: Some(model(None)), crossval, ..Measured::default() })
+        page(MeasuredStudy { model: Some(model(None)), crossval, ..MeasuredStudy::default() })
     };
     for (recommended, candidates, words) in [
         (Some("iv"), &["iv"][..], "Estimated by iv, which cross-validation recommends."),
@@ -64,15 +64,15 @@ fn the_parameters_are_those_of_the_delivered_model_which_is_named() {
         assert!(html.contains(words) && html.contains("The delivered model, by iv"), "{words}");
         assert_eq!(html.contains("No estimator"), recommended.is_none());
     }
-    let alone = page(Measured { model: Some(model(None)), ..Measured::default() });
+    let alone = page(MeasuredStudy { model: Some(model(None)), ..MeasuredStudy::default() });
     assert!(alone.contains("No cross-validation says which estimator to take."));
     assert!(alone.contains("surge constant") && alone.contains("<td class=\"number\">0.250</td>"));
-    assert!(page(Measured::default()).contains("<code>model.json</code>"));
+    assert!(page(MeasuredStudy::default()).contains("<code>model.json</code>"));
 }
 
 #[test]
 fn truth_stands_beside_the_estimates_where_there_is_one() {
-    let html = |truth| page(Measured { model: Some(model(truth)), ..Measured::default() });
+    let html = |truth| page(MeasuredStudy { model: Some(model(truth)), ..MeasuredStudy::default() });
     assert!(!html(None).contains(">True<") && html(Some(-0.3)).contains(">True<"));
     // Two standard errors below.
     assert!(html(Some(-0.3)).contains("<td class=\"number\">−2.0</td>"));
@@ -92,7 +92,7 @@ fn what_is_left_of_the_errors_is_drawn_over_the_band() {
         "statements": [], "models": [], "differences": [], "bands": null, "outside": [], "correlations": states
     }))
     .unwrap();
-    let html = page(Measured { compared: Some((found, Vec::new())), ..Measured::default() });
+    let html = page(MeasuredStudy { compared: Some((found, Vec::new())), ..MeasuredStudy::default() });
     for words in ["What is left of the errors", ">rudder<", "±0.0980 with N = 400", "lag [samples]", "sway"]
     {
         assert!(html.contains(words), "{words}");
@@ -146,7 +146,7 @@ fn trust(candidates: usize, likely: usize) -> TrustDocument {
 #[test]
 fn what_a_model_may_lack_is_ranked_and_the_unlikely_is_folded_away() {
     let said = |candidates: usize, likely: usize| {
-        page(Measured { trust: Some(trust(candidates, likely)), ..Measured::default() })
+        page(MeasuredStudy { trust: Some(trust(candidates, likely)), ..MeasuredStudy::default() })
     };
     let all = said(9, 7);
     let (open, folded) = all.split_once("<details>").unwrap();
@@ -167,7 +167,7 @@ fn what_a_model_may_lack_is_ranked_and_the_unlikely_is_folded_away() {
 
 #[test]
 fn a_parameter_at_its_bound_correlates_with_nothing() {
-    let html = page(Measured { trust: Some(trust(1, 0)), ..Measured::default() });
+    let html = page(MeasuredStudy { trust: Some(trust(1, 0)), ..MeasuredStudy::default() });
     let (_, table) = html.split_once(">Correlation<").unwrap();
     let cells: Vec<&str> = table.split("<td class=\"number\">").skip(1).take(4).collect();
     let cell = |i: usize| cells[i].split('<').next().unwrap();

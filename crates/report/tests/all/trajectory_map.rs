@@ -4,17 +4,20 @@ use std::path::Path;
 
 use files::{Provenance, commit, stage_document};
 use report::figures::map::parted;
-use report::figures::map::{Area, Class, Map, Track, TrackStyle};
+use report::figures::map::{ChartedArea, Class, Map, PlottedTrack, TrackStyle};
 use report::figures::map_figure;
 use report::{Sources, load, render};
 
 use crate::mock_plan;
 
 fn drawn() -> String {
-    let track =
-        Track { style: TrackStyle::Basic, points: vec![[100.0, 200.0], [900.0, 700.0]], number: Some(1) };
+    let track = PlottedTrack {
+        style: TrackStyle::Basic,
+        points: vec![[100.0, 200.0], [900.0, 700.0]],
+        number: Some(1),
+    };
     let ring = vec![[0.0, 0.0], [300.0, 0.0], [0.0, 300.0]];
-    let island = Area { class: Class::Land, ring, holes: Vec::new() };
+    let island = ChartedArea { class: Class::Land, ring, holes: Vec::new() };
     let whole = Map {
         title: "Planned trial".to_owned(),
         description: "10 basic moves <proved> & \"done\"".to_owned(),

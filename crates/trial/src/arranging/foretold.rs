@@ -8,7 +8,7 @@ use estimation::{output_information, parameter_error};
 use numerics::lanes::interleave;
 use numerics::statistics::median;
 use numerics::{LANES, scaled_inverse, times};
-use regression::{Batch, MeanRemoval, Noise, middle, moments};
+use regression::{Batch, MeanRemoval, Noise, meat, moments};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::engine::{Streams, check_diverged, simulate_one};
@@ -178,7 +178,7 @@ impl Arranging<'_> {
             segments: [&[0]; LANES],
         };
         let information = moments(&batch);
-        let middles = self.noise().map(|noise| middle(&batch, &theta, &noise));
+        let middles = self.noise().map(|noise| meat(&batch, &theta, &noise));
         let sizes: Vec<usize> = model.degrees.iter().map(|d| d.terms.len() + 1).collect();
         let kept: Vec<usize> =
             sizes.iter().map(|n| if removal == MeanRemoval::Complete { *n } else { n - 1 }).collect();

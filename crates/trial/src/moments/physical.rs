@@ -9,7 +9,7 @@ use estimation::pooled::Covariance;
 use maneuver::Generator;
 use numerics::scaled_inverse;
 use refusal::Invalid;
-use regression::{Batch, Noise, middle, moments};
+use regression::{Batch, Noise, meat, moments};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::engine::{Run, Segment};
@@ -306,7 +306,7 @@ impl<'a> Prediction<'a> {
     /// # Errors
     /// A free simulation that diverges.
     pub fn moments(&self, batch: &Batch, runs: &[Run]) -> Result<Vec<(bool, ManeuverMoments)>, Invalid> {
-        let mut middles = self.noise.as_ref().map(|(noise, theta)| middle(batch, theta, noise).into_iter());
+        let mut middles = self.noise.as_ref().map(|(noise, theta)| meat(batch, theta, noise).into_iter());
         let of = |(run, sums): (&Run, regression::ManeuverMoments)| {
             let mut middle = middles.as_mut().and_then(Iterator::next).into_iter().flatten();
             let degree = |((d, m), nonstationarity): ((DegreeOfFreedom, Vec<f64>), f64)| DegreeMoments {

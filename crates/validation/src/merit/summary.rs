@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use maneuver::merit::{Figure, Record};
-use maneuver::{Generator, Kind};
+use maneuver::{Generator, ManeuverKind as Kind};
 use numerics::statistics::{mean, mean_interval, quantile, spread};
 use refusal::Invalid;
 use schemars::JsonSchema;

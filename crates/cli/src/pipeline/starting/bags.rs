@@ -1,42 +1,39 @@
 //! Bags in a folder of logs: what is in the first of them, and which are parts of one recording.
 
 use std::fmt::Write;
+use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
-use files::{Error, budget};
-use logs::guess::{BagGuess, Needed, Placed, TopicGuess};
-use logs::{Format, Topic, bag_census, database_census};
-use refusal::foreign;
+use files::{Error, ForeignTable, Timed, budget, open};
+use flate2::read::MultiGzDecoder;
+use logs::guess::{BagGuess, Head, Needed, Placed, SentenceGuess};
+use logs::{Format, LogError, Topic, bag_census, database_census, has_sentences, sentence_census};
+use refusal::{foreign, listed};
 use study::ingest_file::read::{check_format, database};
-use study::refuse;
-
-use super::reading::{reader, wrong};
-use super::text::{MARK, channel, quoted};
+use study::{invalid, refuse};
+use toml::Value;
 
 /// Endings of bags.
 pub(super) const BAGS: [&str; 8] =
     [".mcap", ".mcap.gz", ".bag", ".bag.gz", ".bag.active", ".db3", ".ulg", ".ulg.gz"];
 
 /// What is in the first of `files` in `folder`, for a model that needs the channels `needed`.
-///
-/// # Errors
-/// Files of several formats; a file that cannot be read; one without a topic from which the motion follows.
 pub(super) fn guessed(folder: &Path, files: &[String], needed: &[Needed]) -> Result<BagGuess, Error> {
     let (first, format) = (&files[0], Format::of(&files[0]));
     if let Some(other) = files.iter().find(|file| Format::of(file) != format) {
-        let found = format!("`{}` beside `{}`", foreign(other), foreign(first));
+        let formats = format!("`{}` beside `{}`", foreign(other), foreign(first));
         let remedy =
             "name a folder with those of one format, or write ingest.toml yourself (docs/own-logs.md)";
-        return Err(refuse(folder, "logs", &found, "bags of one format", remedy));
+        return Err(refuse(folder, "logs", &formats, "bags of one format", remedy));
     }
     let path = folder.join(first);
     let topics = topics(&path, format)?;
     let guess = BagGuess::of(format, &topics, needed);
     if guess.topics.is_empty() {
-        let found = format!("none among {} topics", topics.len());
+        let none = format!("none among {} topics", topics.len());
         let expected = "a topic with a motion, such as one of nav_msgs/Odometry or vehicle_odometry";
         let remedy = "write ingest.toml yourself (docs/own-logs.md)";
-        return Err(refuse(&path, "topic", &found, expected, remedy));
+        return Err(refuse(&path, "topic", &none, expected, remedy));
     }
     Ok(guess)
 }
@@ -82,7 +79,8 @@ pub(super) fn groups(guess: &BagGuess, patterns: &[String], files: &[String]) ->
         if let Some(publisher) = topic.publisher {
             let _ = writeln!(text, "publisher = \"{publisher}\"{MARK}: the first of several");
         }
-        text += &clock(topic);
+        let unit = topic.clock_unit.map_or(String::new(), |unit| format!(", unit = {}", quoted(unit)));
+        let _ = writeln!(text, "time = {{ column = {}{unit} }}", quoted(topic.clock));
         if let Some([w, x, y, z]) =
             topic.quaternion.as_ref().map(|parts| parts.each_ref().map(|part| quoted(part)))
         {
@@ -97,14 +95,10 @@ pub(super) fn groups(guess: &BagGuess, patterns: &[String], files: &[String]) ->
     text
 }
 
-fn clock(topic_guess: &TopicGuess) -> String {
-    let unit = topic_guess.clock_unit.map_or(String::new(), |unit| format!(", unit = {}", quoted(unit)));
-    format!("time = {{ column = {}{unit} }}\n", quoted(topic_guess.clock))
-}
-
 /// The channels of a topic, on one line where they are few and have one mark.
 fn channels(placed: &[Placed]) -> String {
-    let is_short = placed.len() == 1 || placed.len() == 2 && placed.iter().all(|own| mark(own).is_empty());
+    let is_short =
+        placed.len() == 1 || placed.len() == 2 && placed.iter().all(|channel| mark(channel).is_empty());
     match placed {
         [] => String::new(),
         [.., last] if is_short => {
@@ -124,4 +118,149 @@ fn mark(placed: &Placed) -> String {
         (true, false) => format!("{MARK}: by the name of the topic"),
         (_, true) => format!("{MARK}: by the name of the topic, which says no unit"),
     }
+}
+
+/// The bytes of the log at `path`, unpacked where its name ends with `.gz`.
+fn reader(path: &Path) -> Result<Box<dyn BufRead>, Error> {
+    let file = open(path)?;
+    Ok(match path.extension().is_some_and(|end| end == "gz") {
+        true => Box::new(BufReader::new(MultiGzDecoder::new(file))),
+        false => Box::new(BufReader::new(file)),
+    })
+}
+
+/// What is wrong with the log at `path`.
+fn wrong(path: &Path, error: LogError) -> Error {
+    match error {
+        LogError::Unreadable(error) => Error::io(path, "read", error),
+        LogError::Invalid(wrong) => invalid(path, &wrong),
+    }
+}
+
+/// What is at the end of a line that was guessed.
+pub(super) const MARK: &str = "  # guessed";
+
+/// `text` in quotes as TOML has them.
+pub(super) fn quoted(text: &str) -> String {
+    Value::from(text).to_string()
+}
+
+/// A channel as an item of a list.
+fn channel(placed: &Placed) -> String {
+    let [column, channel, unit] = [&placed.column, &placed.channel, &placed.unit].map(|text| quoted(text));
+    let optional = if placed.is_optional { ", optional = true" } else { "" };
+    format!("{{ column = {column}, channel = {channel}, unit = {unit}{optional} }}")
+}
+
+/// Endings of files in Parquet.
+pub(super) const PARQUET: [&str; 1] = [".parquet"];
+
+/// Rows that are looked at.
+const ROWS: usize = 400;
+
+/// The columns and first rows of the file at `path`, and how many rows it has.
+pub(super) fn head(path: &Path) -> Result<(Head, usize), Error> {
+    let table = ForeignTable::open(path)?;
+    let columns = table.columns().to_vec();
+    let cells: Vec<Vec<String>> = columns.iter().map(|column| first(&table, column)).collect();
+    Ok((Head::of_cells(columns, &cells), table.rows()))
+}
+
+/// The first cells of `column`, times of a type as text; none of a type that holds nothing for a log.
+fn first(table: &ForeignTable, column: &str) -> Vec<String> {
+    let mut cells = Vec::new();
+    let mut keep = |cell: String| {
+        if cells.len() < ROWS {
+            cells.push(cell);
+        }
+    };
+    // What cannot be read is refused when the file is ingested, if it is needed there.
+    let _ = match table.timed(column) {
+        Some(Timed::Moments { .. } | Timed::OfDay { .. }) => {
+            table.seconds(column, |second| keep(of_day(second)))
+        }
+        Some(Timed::Days) => Ok(()),
+        None => table
+            .numbers(column, |number| {
+                keep(if number.is_finite() { number.to_string() } else { String::new() })
+            })
+            .or_else(|_| table.texts(column, |text| keep(text.to_owned()))),
+    };
+    cells
+}
+
+/// A time \[s\] as text: of which day says nothing about the step between rows.
+fn of_day(second: f64) -> String {
+    let second = second.rem_euclid(86_400.0);
+    let (hours, minutes) = ((second / 3600.0).floor(), (second / 60.0).floor() % 60.0);
+    match second.is_finite() {
+        true => format!("1970-01-01T{hours:02}:{minutes:02}:{:09.6}", second % 60.0),
+        false => String::new(),
+    }
+}
+
+/// Endings of logs of sentences.
+pub(super) const SENTENCES: [&str; 2] = [".nmea", ".nmea.gz"];
+
+/// Endings of files in which there may be sentences.
+pub(super) const PERHAPS: [&str; 4] = [".log", ".txt", ".log.gz", ".txt.gz"];
+
+/// Bytes of a file that are looked at for a sentence.
+const LOOKED: u64 = 1 << 14;
+
+/// Whether the file at `path` begins with sentences.
+pub(super) fn is_of_sentences(path: &Path) -> bool {
+    let mut bytes = Vec::new();
+    let read = reader(path).map(|file| file.take(LOOKED).read_to_end(&mut bytes));
+    // Damage is reported when the file is ingested.
+    read.is_ok() && has_sentences(&String::from_utf8_lossy(&bytes))
+}
+
+/// What is in the log at `path`, for a model that needs the channels `needed`.
+pub(super) fn guessed_sentences(path: &Path, needed: &[Needed]) -> Result<SentenceGuess, Error> {
+    check_format(path, Format::Nmea, true)?;
+    let spoken = sentence_census(reader(path)?).map_err(|error| wrong(path, error))?;
+    let remedy = "write ingest.toml yourself (docs/own-logs.md)";
+    let Some(guess) = SentenceGuess::of(&spoken, needed) else {
+        let expected = "sentences with a time: RMC, ZDA, GGA, GNS or GLL";
+        let remedy = "write ingest.toml yourself, with the `format` of stamps (docs/own-logs.md)";
+        return Err(refuse(path, "time", "none", expected, remedy));
+    };
+    match guess.placed.is_empty() {
+        false => Ok(guess),
+        true => {
+            let none = format!("none among {}", listed(&guess.unused));
+            Err(refuse(path, "field", &none, "one of a motion, such as GGA.latitude or HDT.heading", remedy))
+        }
+    }
+}
+
+/// The group of files of `ingest.toml`.
+pub(super) fn group(guess: &SentenceGuess, patterns: &[String]) -> String {
+    let listed = |all: &[String]| all.iter().map(|text| quoted(text)).collect::<Vec<_>>().join(", ");
+    let mut text = format!("\n[[file]]\npattern = [{}]\n", listed(patterns));
+    if !patterns.iter().all(|pattern| SENTENCES.iter().any(|end| pattern.to_lowercase().ends_with(end))) {
+        text += "format = \"nmea\"\n";
+    }
+    let spread = if guess.is_spread { ", repeated = \"spread\"" } else { "" };
+    let why = if guess.is_spread { ", and are spread until the next one" } else { "" };
+    let _ = writeln!(text, "# Sentences without a time have that of the last {}{why}.", guess.clock);
+    let _ = writeln!(text, "time = {{ column = {}{spread} }}{MARK}", quoted(guess.clock));
+    if guess.is_unchecked {
+        let _ = writeln!(text, "checksums = \"optional\"{MARK}: most sentences have none");
+    }
+    if !guess.prefer.is_empty() {
+        let prefer = listed(&guess.prefer);
+        let _ = writeln!(text, "prefer = [{prefer}]{MARK}: the talkers that say most come first");
+    }
+    let line = |placed: &Placed| {
+        let why = if placed.is_channel_guessed { ": by the kind of sentence" } else { "" };
+        let mark = if placed.is_channel_guessed { MARK } else { "" };
+        format!("    {},{mark}{why}\n", channel(placed))
+    };
+    let _ = writeln!(text, "channel = [\n{}]", guess.placed.iter().map(line).collect::<String>());
+    if !guess.unused.is_empty() {
+        let _ = writeln!(text, "\n# Fields that are not used: {}", listed(&guess.unused));
+    }
+    text
 }

@@ -5,12 +5,9 @@ use std::fmt::Write;
 use logs::guess::{BagGuess, Guess, Head, Needed, Placed, SentenceGuess};
 use logs::{Format, TimeUnit};
 
-use super::bags;
-use super::looking::{Found, Looked};
-use super::presets::Preset;
-use super::sentences;
-use super::table::PARQUET;
-use super::text::{MARK, quoted};
+use crate::pipeline::starting::bags::{self, MARK, PARQUET, quoted};
+use crate::pipeline::starting::looking::{LogGuess, Looked};
+use crate::pipeline::starting::presets::Preset;
 use crate::pipeline::steps::SEARCHED;
 
 /// Rows that a gap may be as long as.
@@ -20,20 +17,20 @@ const GAP_ROWS: f64 = 5.0;
 pub(super) fn written(looked: &Looked, preset: &Preset) -> String {
     let rate_hz = preset.sample_rate_hz();
     let mut text = match &looked.found {
-        Found::Table(head, guess) => {
+        LogGuess::Table(head, guess) => {
             let lacks = looked.half_a_wind();
-            let placed: String = guess.placed.iter().map(|own| channel(own, lacks)).collect();
+            let placed: String = guess.placed.iter().map(|placed| channel(placed, lacks)).collect();
             let step_s = guess.clock.as_ref().map_or(1.0, |clock| clock.step_s);
             general(looked, rate_hz, step_s) + &files(looked, head, guess) + &placed
         }
-        Found::Bag(guess) => {
+        LogGuess::Bag(guess) => {
             general_of_bags(looked, guess, rate_hz) + &bags::groups(guess, &looked.patterns, &looked.files)
         }
-        Found::Sentences(guess) => {
-            general_of_sentences(looked, guess, rate_hz) + &sentences::group(guess, &looked.patterns)
+        LogGuess::Sentences(guess) => {
+            general_of_sentences(looked, guess, rate_hz) + &bags::group(guess, &looked.patterns)
         }
     };
-    looked.missing().iter().for_each(|own| text += &missing(own, &looked.found));
+    looked.missing().iter().for_each(|need| text += &missing(need, &looked.found));
     text += &unplaced(looked);
     text += preset.thrusters();
     text
@@ -255,14 +252,14 @@ fn channel(placed: &Placed, lacks: Option<[&str; 2]>) -> String {
     text
 }
 
-fn missing(needed: &Needed, found: &Found) -> String {
+fn missing(needed: &Needed, found: &LogGuess) -> String {
     let [channel, unit] = [&needed.channel, &needed.unit].map(|text| quoted(text));
     match found {
-        Found::Table(..) => format!(
+        LogGuess::Table(..) => format!(
             "\n# The model needs this channel, and no column was recognised as it: name its column.\n# [[file.channel]]\n\
              # column = \"\"\n# channel = {channel}\n# unit = {unit}\n"
         ),
-        Found::Bag(_) | Found::Sentences(_) => format!(
+        LogGuess::Bag(_) | LogGuess::Sentences(_) => format!(
             "\n# The model needs this channel, and no field was recognised as it: name its field in a `channel` above.\n\
              #    {{ column = \"\", channel = {channel}, unit = {unit} }},\n"
         ),
@@ -273,7 +270,7 @@ fn missing(needed: &Needed, found: &Found) -> String {
 fn unplaced(looked: &Looked) -> String {
     let line = |name: &String| format!("#   {}\n", quoted(name));
     let mut text = String::new();
-    if let Found::Table(_, guess) = &looked.found
+    if let LogGuess::Table(_, guess) = &looked.found
         && !guess.unplaced.is_empty()
     {
         text += "\n# Columns that are not used:\n";

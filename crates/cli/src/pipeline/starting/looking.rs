@@ -9,13 +9,10 @@ use flate2::read::MultiGzDecoder;
 use logs::Format;
 use logs::guess::{BagGuess, Guess, Head, Named, Needed, Placed, SentenceGuess};
 use refusal::{foreign, listed};
-
 use study::ingest_file::read::check_format;
 use study::{invalid, refuse};
 
-use super::bags::{self, BAGS};
-use super::sentences::{self, PERHAPS, SENTENCES, is_of_sentences};
-use super::table::{self, PARQUET};
+use crate::pipeline::starting::bags::{self, BAGS, PARQUET, PERHAPS, SENTENCES, is_of_sentences};
 
 /// Bytes of a log that are looked at.
 const LOOKED: u64 = 1 << 17;
@@ -31,7 +28,7 @@ const OTHERS: [&str; 2] = [".bin", ".mat"];
 
 /// What is in the first of the logs.
 #[derive(Debug)]
-pub enum Found {
+pub enum LogGuess {
     /// Columns, and what they are likely to be.
     Table(Head, Guess),
     /// Topics, and what they are likely to be.
@@ -52,7 +49,7 @@ pub struct Looked {
     /// The length of a usual one \[s\], about.
     pub(super) usual_s: f64,
     /// What is in the first of them.
-    pub found: Found,
+    pub found: LogGuess,
     /// Logs of other formats beside them.
     pub others: Vec<String>,
 }
@@ -62,10 +59,6 @@ const LONG: f64 = 0.95;
 
 impl Looked {
     /// Looks at the logs in `folder` and in its subfolders, for a model that needs the channels `needed`.
-    ///
-    /// # Errors
-    /// A folder that cannot be listed; no log in CSV or Parquet, no bag and no sentences; logs of several ships, or with different columns;
-    /// columns that fit one channel equally; bags of several formats, or that cannot be read; sentences without a time.
     pub fn at(folder: &Path, needed: &[Needed]) -> Result<Self, Error> {
         if !folder.is_dir() {
             let remedy = "name the folder of the logs";
@@ -104,24 +97,24 @@ impl Looked {
         needed: &[Needed],
     ) -> Result<Self, Error> {
         let first = &files[0];
-        let seen: Vec<Seen> =
-            files.iter().map(|file| Seen::of(&folder.join(file))).collect::<Result<_, _>>()?;
-        for (file, own) in files.iter().zip(&seen) {
-            check_columns(folder, (first, &seen[0].head), (file, &own.head))?;
+        let seen: Vec<SeenTable> =
+            files.iter().map(|file| SeenTable::of(&folder.join(file))).collect::<Result<_, _>>()?;
+        for (file, log) in files.iter().zip(&seen) {
+            check_columns(folder, (first, &seen[0].head), (file, &log.head))?;
         }
         check_ships(folder, files.iter().zip(&seen))?;
-        let mut rows: Vec<f64> = seen.iter().map(|own| own.rows).collect();
+        let mut rows: Vec<f64> = seen.iter().map(|log| log.rows).collect();
         rows.sort_by(f64::total_cmp);
         let (usual_rows, head) = (rows[rows.len() / 2], seen[0].head.clone());
         let guess = Guess::of(&head, needed);
         let Some(clock) = &guess.clock else {
-            let found = format!("none that is called a time or increases among {}", listed(&head.columns));
+            let lacking = format!("none that is called a time or increases among {}", listed(&head.columns));
             let remedy = "write ingest.toml yourself, with its `time` (docs/own-logs.md)";
-            return Err(refuse(&folder.join(first), "time", &found, "a column with the time", remedy));
+            return Err(refuse(&folder.join(first), "time", &lacking, "a column with the time", remedy));
         };
         let usual_s = usual_rows * clock.step_s;
         let (folder, patterns) = (folder.to_owned(), patterns(&files, &[CSV.as_slice(), &PARQUET].concat()));
-        Ok(Self { folder, patterns, files, usual_s, found: Found::Table(head, guess), others })
+        Ok(Self { folder, patterns, files, usual_s, found: LogGuess::Table(head, guess), others })
     }
 
     fn of_bags(
@@ -132,7 +125,7 @@ impl Looked {
     ) -> Result<Self, Error> {
         let guess = bags::guessed(folder, &files, needed)?;
         let (folder, patterns, usual_s) = (folder.to_owned(), patterns(&files, &BAGS), guess.length_s);
-        Ok(Self { folder, patterns, files, usual_s, found: Found::Bag(guess), others })
+        Ok(Self { folder, patterns, files, usual_s, found: LogGuess::Bag(guess), others })
     }
 
     fn of_sentences(
@@ -141,9 +134,9 @@ impl Looked {
         others: Vec<String>,
         needed: &[Needed],
     ) -> Result<Self, Error> {
-        let guess = sentences::guessed(&folder.join(&files[0]), needed)?;
+        let guess = bags::guessed_sentences(&folder.join(&files[0]), needed)?;
         let patterns = patterns(&files, &[SENTENCES.as_slice(), &PERHAPS].concat());
-        let (folder, usual_s, found) = (folder.to_owned(), guess.length_s, Found::Sentences(guess));
+        let (folder, usual_s, found) = (folder.to_owned(), guess.length_s, LogGuess::Sentences(guess));
         Ok(Self { folder, patterns, files, usual_s, found, others })
     }
 
@@ -157,14 +150,15 @@ impl Looked {
             let end = known.filter(|end| lower.ends_with(*end)).map(|end| end.len()).max().unwrap_or(0);
             file.rfind('/').map_or(0, |slash| slash + 1)..file.len() - end
         };
-        let size = |file: &String| std::fs::metadata(self.folder.join(file)).map_or(0, |own| own.len());
+        let size =
+            |file: &String| std::fs::metadata(self.folder.join(file)).map_or(0, |metadata| metadata.len());
         let mut sizes: Vec<u64> = self.files.iter().map(size).collect();
         sizes.sort_unstable();
         let usual = sizes[sizes.len() / 2] as f64;
         let is_long = |file: &&String| size(file) as f64 > LONG * usual;
-        let five = self.files.chunks(5).filter(|own| own.len() > 2);
-        let one = five.filter_map(|own| {
-            let (before, after) = own.split_at(2);
+        let five = self.files.chunks(5).filter(|files| files.len() > 2);
+        let one = five.filter_map(|files| {
+            let (before, after) = files.split_at(2);
             let all = after.iter().chain(before).filter(is_long);
             all.map(|file| &file[name(file)]).find(is_plain)
         });
@@ -174,17 +168,17 @@ impl Looked {
     /// How many lines of `ingest.toml` are guessed.
     pub fn guessed(&self) -> usize {
         let marks = |placed: &[Placed]| -> usize {
-            let marks = placed
-                .iter()
-                .map(|own| usize::from(own.is_channel_guessed) + usize::from(own.is_unit_guessed));
+            let marks = placed.iter().map(|channel| {
+                usize::from(channel.is_channel_guessed) + usize::from(channel.is_unit_guessed)
+            });
             marks.sum()
         };
         match &self.found {
-            Found::Table(_, guess) => {
+            LogGuess::Table(_, guess) => {
                 marks(&guess.placed) + guess.clock.iter().filter(|clock| clock.is_unit_guessed).count()
             }
-            Found::Bag(guess) => guess.topics.iter().map(|topic| marks(&topic.placed)).sum(),
-            Found::Sentences(guess) => {
+            LogGuess::Bag(guess) => guess.topics.iter().map(|topic| marks(&topic.placed)).sum(),
+            LogGuess::Sentences(guess) => {
                 // The clock, and what else stands on a line of its own.
                 marks(&guess.placed)
                     + 1
@@ -196,21 +190,23 @@ impl Looked {
 
     /// Whether the relative wind's speed and direction are logged: then the model takes both.
     pub(super) fn take_wind(&mut self) -> bool {
-        let is_whole = WIND.iter().all(|channel| self.placed().any(|own| own.channel == *channel));
+        let is_whole = WIND.iter().all(|channel| self.placed().any(|placed| placed.channel == *channel));
         let placed: Vec<&mut Placed> = match &mut self.found {
-            Found::Table(_, guess) => guess.placed.iter_mut().collect(),
-            Found::Bag(guess) => guess.topics.iter_mut().flat_map(|topic| &mut topic.placed).collect(),
-            Found::Sentences(guess) => guess.placed.iter_mut().collect(),
+            LogGuess::Table(_, guess) => guess.placed.iter_mut().collect(),
+            LogGuess::Bag(guess) => guess.topics.iter_mut().flat_map(|topic| &mut topic.placed).collect(),
+            LogGuess::Sentences(guess) => guess.placed.iter_mut().collect(),
         };
-        for own in placed.into_iter().filter(|own| is_whole && WIND.contains(&own.channel.as_str())) {
-            own.is_optional = false;
+        for channel in
+            placed.into_iter().filter(|channel| is_whole && WIND.contains(&channel.channel.as_str()))
+        {
+            channel.is_optional = false;
         }
         is_whole
     }
 
     /// The channel of the wind that is not used, for the other is not logged, and what it lacks.
     pub fn half_a_wind(&self) -> Option<[&'static str; 2]> {
-        let has = |channel: &str| self.placed().any(|own| own.channel == channel);
+        let has = |channel: &str| self.placed().any(|placed| placed.channel == channel);
         match WIND.map(has) {
             [true, false] => Some([WIND[0], "direction"]),
             [false, true] => Some([WIND[1], "speed"]),
@@ -220,18 +216,18 @@ impl Looked {
 
     fn placed(&self) -> Box<dyn Iterator<Item = &Placed> + '_> {
         match &self.found {
-            Found::Table(_, guess) => Box::new(guess.placed.iter()),
-            Found::Bag(guess) => Box::new(guess.topics.iter().flat_map(|topic| &topic.placed)),
-            Found::Sentences(guess) => Box::new(guess.placed.iter()),
+            LogGuess::Table(_, guess) => Box::new(guess.placed.iter()),
+            LogGuess::Bag(guess) => Box::new(guess.topics.iter().flat_map(|topic| &topic.placed)),
+            LogGuess::Sentences(guess) => Box::new(guess.placed.iter()),
         }
     }
 
     /// Channels of the model that were not found.
     pub fn missing(&self) -> &[Needed] {
         match &self.found {
-            Found::Table(_, guess) => &guess.missing,
-            Found::Bag(guess) => &guess.missing,
-            Found::Sentences(guess) => &guess.missing,
+            LogGuess::Table(_, guess) => &guess.missing,
+            LogGuess::Bag(guess) => &guess.missing,
+            LogGuess::Sentences(guess) => &guess.missing,
         }
     }
 }
@@ -259,18 +255,18 @@ fn list(folder: &Path, below: &str, names: &mut Vec<String>) -> Result<(), Error
 }
 
 /// What was seen of a log.
-struct Seen {
+struct SeenTable {
     head: Head,
     /// Its rows, about.
     rows: f64,
 }
 
-impl Seen {
+impl SeenTable {
     /// The columns and first rows of the log at `path`.
     fn of(path: &Path) -> Result<Self, Error> {
         check_format(path, Format::of(&path.to_string_lossy()), true)?;
         if ends(&path.to_string_lossy(), &PARQUET) {
-            let (head, rows) = table::head(path)?;
+            let (head, rows) = bags::head(path)?;
             return Ok(Self { head, rows: rows as f64 });
         }
         let unreadable = |e| Error::io(path, "read", e);
@@ -294,14 +290,14 @@ impl Seen {
 fn no_log(folder: &Path, all: &[String]) -> Error {
     let foreign_log = all.iter().find_map(|name| check_format(&folder.join(name), Format::Csv, true).err());
     foreign_log.unwrap_or_else(|| {
-        let found = match all {
+        let logs = match all {
             [] => "none".to_owned(),
             [first, more @ ..] => {
                 format!("`{}` and {} more files, of formats that are not known", foreign(first), more.len())
             }
         };
         let expected = "files that end with .csv, .csv.gz, .tsv, .parquet, .mcap, .bag, .db3, .ulg or .nmea";
-        refuse(folder, "logs", &found, expected, "name the folder of the logs, or their files so")
+        refuse(folder, "logs", &logs, expected, "name the folder of the logs, or their files so")
     })
 }
 
@@ -309,16 +305,16 @@ fn no_log(folder: &Path, all: &[String]) -> Error {
 fn check_columns(
     folder: &Path,
     (first, known): (&str, &Head),
-    (file, own): (&str, &Head),
+    (file, head): (&str, &Head),
 ) -> Result<(), Error> {
-    if own.columns == known.columns && own.separator == known.separator {
+    if head.columns == known.columns && head.separator == known.separator {
         return Ok(());
     }
     let lacks = |these: &Head, those: &Head| {
         let lacking = those.columns.iter().find(|column| !these.columns.contains(column));
         lacking.map(|column| format!("`{}`", foreign(column)))
     };
-    let found = match (lacks(known, own), lacks(own, known)) {
+    let difference = match (lacks(known, head), lacks(head, known)) {
         (Some(more), _) => format!("a column {more} that {} has not", foreign(first)),
         (None, Some(less)) => format!("no column {less}, which {} has", foreign(first)),
         (None, None) => {
@@ -328,13 +324,16 @@ fn check_columns(
     let expected = "logs of one ship with the same columns";
     let remedy =
         "name a folder with those of one ship, or write a [[file]] for each kind yourself (docs/own-logs.md)";
-    Err(refuse(&folder.join(file), "columns", &found, expected, remedy))
+    Err(refuse(&folder.join(file), "columns", &difference, expected, remedy))
 }
 
 /// Refuses logs that name several ships.
-fn check_ships<'a>(folder: &Path, files: impl Iterator<Item = (&'a String, &'a Seen)>) -> Result<(), Error> {
+fn check_ships<'a>(
+    folder: &Path,
+    files: impl Iterator<Item = (&'a String, &'a SeenTable)>,
+) -> Result<(), Error> {
     let mut known: Option<(String, String)> = None;
-    for (file, Seen { head, .. }) in files {
+    for (file, SeenTable { head, .. }) in files {
         let Some(at) = head.columns.iter().position(|column| Named::of(column).is_identity()) else {
             continue;
         };
@@ -344,11 +343,11 @@ fn check_ships<'a>(folder: &Path, files: impl Iterator<Item = (&'a String, &'a S
                 None => known = Some((ship.to_owned(), file.clone())),
                 Some((other, _)) if other == ship => {}
                 Some((other, before)) => {
-                    let found =
+                    let ships =
                         format!("`{}` beside `{}` of {}", foreign(ship), foreign(other), foreign(before));
                     let thing = format!("column `{}`", foreign(&head.columns[at]));
                     let remedy = "put the logs of each ship into a folder of its own";
-                    return Err(refuse(&folder.join(file), &thing, &found, "logs of one ship", remedy));
+                    return Err(refuse(&folder.join(file), &thing, &ships, "logs of one ship", remedy));
                 }
             }
         }

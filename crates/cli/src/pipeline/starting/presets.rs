@@ -1,8 +1,30 @@
 //! Ships that a new study can begin with.
 
+use std::fmt::Write;
+use std::path::Path;
+
+use files::{Error, Provenance, read_hand_written};
 use logs::guess::Needed;
 use refusal::Invalid;
-use ship::model::VesselFile;
+use ship::engine::Streams;
+use ship::model::{Vessel, VesselFile};
+use study::files as hand_written;
+use study::files::read_any_vessel;
+
+/// A hand-written file of a new study: its name and its text.
+pub type NewFile = (String, String);
+
+/// A file with the line that editors find its schema by.
+pub(super) fn with_schema((name, text): NewFile) -> NewFile {
+    let (up, last) = name.rsplit_once('/').map_or(("", name.as_str()), |(_, last)| ("../", last));
+    match hand_written::kind_of(last) {
+        None => (name, text),
+        Some(kind) => {
+            let text = format!("#:schema {up}schemas/{}\n{text}", hand_written::file_name(kind));
+            (name, text)
+        }
+    }
+}
 
 /// A ship that a new study can begin with.
 #[derive(Debug)]
@@ -12,8 +34,10 @@ pub struct Preset {
     /// What it is, in a few words.
     pub about: &'static str,
     vessel: &'static str,
-    dictionary: &'static str,
-    campaign: &'static str,
+    /// Its maneuvers.
+    pub(super) dictionary: &'static str,
+    /// Its simulated trials.
+    pub(super) campaign: &'static str,
     flags: &'static str,
     /// Inputs as a table, if a maneuver plays one.
     table: Option<(&'static str, &'static str)>,
@@ -23,8 +47,9 @@ pub struct Preset {
     plan: Option<(&'static str, f64)>,
 }
 
+/// A preset by its folder: with a plan in an area of this side, with thrusters, with the table in this file.
 macro_rules! preset {
-    ($name:literal, $about:literal, $table:expr, $thrusters:expr, $plan:expr) => {
+    ($name:literal, $about:literal $(, plan $side:literal)? $(, thrusters $thrusters:literal)? $(, table $table:literal)?) => {
         Preset {
             name: $name,
             about: $about,
@@ -32,9 +57,9 @@ macro_rules! preset {
             dictionary: include_str!(concat!("../../../presets/", $name, "/dictionary.toml")),
             campaign: include_str!(concat!("../../../presets/", $name, "/campaign.toml")),
             flags: include_str!(concat!("../../../presets/", $name, "/study.mk")),
-            table: $table,
-            thrusters: $thrusters,
-            plan: $plan,
+            table: [$(Some(($table, include_str!(concat!("../../../presets/", $name, "/", $table)))),)? None][0],
+            thrusters: [$(Some(include_str!(concat!("../../../presets/", $name, "/", $thrusters))),)? None][0],
+            plan: [$(Some((include_str!(concat!("../../../presets/", $name, "/plan.toml.in")), $side)),)? None][0],
         }
     };
 }
@@ -44,60 +69,27 @@ pub const PRESETS: [Preset; 9] = [
     preset!(
         "model-ship",
         "a model ship of 1 m with two azimuth thrusters aft",
-        None,
-        Some(include_str!("../../../presets/model-ship/thrusters.toml")),
-        Some((include_str!("../../../presets/model-ship/plan.toml.in"), 300.0))
+        plan 300.0,
+        thrusters "thrusters.toml"
     ),
-    preset!(
-        "coaster",
-        "a coaster of 100 m with rudder and propeller, for standard maneuvers",
-        None,
-        None,
-        Some((include_str!("../../../presets/coaster/plan.toml.in"), 16_000.0))
-    ),
+    preset!("coaster", "a coaster of 100 m with rudder and propeller, for standard maneuvers", plan 16_000.0),
     preset!(
         "full-scale",
         "a ship of 30 m with azimuth thrusters fore and aft",
-        None,
-        Some(include_str!("../../../presets/full-scale/thrusters.toml")),
-        Some((include_str!("../../../presets/full-scale/plan.toml.in"), 7_000.0))
+        plan 7_000.0,
+        thrusters "thrusters.toml"
     ),
-    preset!(
-        "kvlcc2",
-        "a 7 m model of the tanker KVLCC2, with rudder and measured thrust",
-        None,
-        None,
-        Some((include_str!("../../../presets/kvlcc2/plan.toml.in"), 2_800.0))
-    ),
+    preset!("kvlcc2", "a 7 m model of the tanker KVLCC2, with rudder and measured thrust", plan 2_800.0),
     preset!(
         "esso-osaka",
         "a 3 m model of the tanker Esso Osaka, with rudder and propeller",
-        Some(("crash-stop.csv", include_str!("../../../presets/esso-osaka/crash-stop.csv"))),
-        None,
-        Some((include_str!("../../../presets/esso-osaka/plan.toml.in"), 600.0))
+        plan 600.0,
+        table "crash-stop.csv"
     ),
-    preset!(
-        "esso-osaka-3m",
-        "a 3 m model of the tanker Esso Osaka, by forces",
-        None,
-        None,
-        Some((include_str!("../../../presets/esso-osaka-3m/plan.toml.in"), 900.0))
-    ),
-    preset!("mariner", "the cargo ship Mariner of 160.93 m, by hydrodynamic derivatives", None, None, None),
-    preset!(
-        "kvlcc2-l7",
-        "a 7 m model of the tanker KVLCC2, by the MMG standard method",
-        None,
-        None,
-        Some((include_str!("../../../presets/kvlcc2-l7/plan.toml.in"), 2_100.0))
-    ),
-    preset!(
-        "otter",
-        "the uncrewed vessel Otter of 2 m with two propellers, by forces",
-        None,
-        None,
-        Some((include_str!("../../../presets/otter/plan.toml.in"), 500.0))
-    ),
+    preset!("esso-osaka-3m", "a 3 m model of the tanker Esso Osaka, by forces", plan 900.0),
+    preset!("mariner", "the cargo ship Mariner of 160.93 m, by hydrodynamic derivatives"),
+    preset!("kvlcc2-l7", "a 7 m model of the tanker KVLCC2, by the MMG standard method", plan 2_100.0),
+    preset!("otter", "the uncrewed vessel Otter of 2 m with two propellers, by forces", plan 500.0),
 ];
 
 impl Preset {
@@ -106,29 +98,19 @@ impl Preset {
     /// # Errors
     /// No such preset: names them and the nearest.
     pub fn named(name: &str) -> Result<&'static Self, Invalid> {
-        let unknown = || Invalid::unknown("preset", name, PRESETS.iter().map(|own| own.name));
-        PRESETS.iter().find(|own| own.name == name).ok_or_else(unknown)
+        let unknown = || Invalid::unknown("preset", name, PRESETS.iter().map(|preset| preset.name));
+        PRESETS.iter().find(|preset| preset.name == name).ok_or_else(unknown)
     }
 
     /// The files of a study of it that is simulated.
     pub(super) fn files(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
-        let own = [
+        let files = [
             ("vessel.toml", self.vessel),
             ("dictionary.toml", self.dictionary),
             ("campaign.toml", self.campaign),
             ("study.mk", self.flags),
         ];
-        own.into_iter().chain(self.table)
-    }
-
-    /// Its maneuvers.
-    pub(super) fn dictionary(&self) -> &'static str {
-        self.dictionary
-    }
-
-    /// Its simulated trials.
-    pub(super) fn campaign(&self) -> &'static str {
-        self.campaign
+        files.into_iter().chain(self.table)
     }
 
     /// The thrusters that its forces are made by, as `ingest.toml` has them; empty if its inputs are logged.
@@ -142,11 +124,11 @@ impl Preset {
     /// A ship whose speed nothing commands: names those that have one.
     pub(super) fn plan(&self) -> Result<(&'static str, f64), Invalid> {
         self.plan.ok_or_else(|| {
-            let others = PRESETS.iter().filter(|own| own.plan.is_some()).map(|own| own.name);
+            let others = PRESETS.iter().filter(|preset| preset.plan.is_some()).map(|preset| preset.name);
             let expected =
                 format!("a ship whose speed can be commanded: {}", others.collect::<Vec<_>>().join(", "));
-            let found = format!("{}, {}", self.name, self.about);
-            Invalid::new("--chart", found, expected, "begin with one of them")
+            let preset = format!("{}, {}", self.name, self.about);
+            Invalid::new("--chart", preset, expected, "begin with one of them")
         })
     }
 
@@ -171,10 +153,10 @@ impl Preset {
 
     /// The channels that logs of it must have: speeds and angles of its thrusters, or else its inputs.
     pub(super) fn needed(&self) -> Vec<Needed> {
-        let own = |channel: &str, unit: &str| Needed { channel: channel.to_owned(), unit: unit.to_owned() };
+        let need = |channel: &str, unit: &str| Needed { channel: channel.to_owned(), unit: unit.to_owned() };
         let named = |key: &str, unit: &str| {
             let quoted = |line: &str| Some(line.strip_prefix(key)?.split('"').nth(1)?.to_owned());
-            self.thrusters().lines().filter_map(quoted).map(|name| own(&name, unit)).collect::<Vec<_>>()
+            self.thrusters().lines().filter_map(quoted).map(|name| need(&name, unit)).collect::<Vec<_>>()
         };
         let thrusters = [named("speed = ", "1/s"), named("angle = ", "rad")].concat();
         if !thrusters.is_empty() {
@@ -183,7 +165,7 @@ impl Preset {
         // A preset that cannot be parsed needs nothing; a test parses all.
         let vessel = self.vessel.parse::<VesselFile>();
         vessel.map_or(Vec::new(), |vessel| {
-            vessel.input.iter().map(|input| own(&input.name, &input.unit)).collect()
+            vessel.input.iter().map(|input| need(&input.name, &input.unit)).collect()
         })
     }
 
@@ -235,4 +217,126 @@ fn without_value(line: &str) -> String {
     let first = parts.next().unwrap_or_default();
     let rest = parts.map(|part| &part[part.find([' ', ',']).unwrap_or(part.len())..]);
     std::iter::once(first).chain(rest).collect()
+}
+
+/// The ship whose maneuvers are scaled, and the one whose sea is: preset, length \[m\] and speed \[m/s\].
+const SAILED: (&str, f64, f64) = ("kvlcc2-l7", 7.0, 1.179);
+const AT_SEA: (&str, f64, f64) = ("mariner", 160.93, 7.7175);
+/// Shorter ships sail in tanks \[m\].
+const AT_SEA_M: f64 = 20.0;
+/// Simulated trials of each design: their page is there within a minute.
+const TRIALS: u32 = 8;
+/// Draws until a ship is one that can be.
+const DRAWS: u64 = 100;
+
+/// The files of a study of the ship with rudders in `file`: standard maneuvers and a sea for her length and speed. What she is
+/// simulated by is what the file says, or else its nominal numbers, or with a `seed` numbers drawn from their priors.
+///
+/// # Errors
+/// A file that cannot be read; a ship that no rudder steers.
+pub fn of_ship(file: &Path, seed: Option<u64>) -> Result<Vec<NewFile>, Error> {
+    let refuse = |invalid: Invalid| Error::invalid(file, invalid);
+    let vessel = read_any_vessel(file, &mut Provenance::default())?;
+    let text = read_hand_written(file)?;
+    let text: String = text.split_inclusive('\n').filter(|line| !line.starts_with("#:schema ")).collect();
+    let written = parsed(&text).map_err(refuse)?;
+    let remedy = "begin with a preset, `seatrial new <folder> --vessel <preset>`, and replace its files";
+    let none = |thing: &str, found: &str| {
+        let expected = "a ship with forces and a rudder, which standard maneuvers are written for";
+        refuse(Invalid::new(thing, found, expected, remedy))
+    };
+    let Some(ship) = written.ship.as_ref().filter(|_| vessel.model.forces.is_some()) else {
+        return Err(none("[ship]", "none in this file"));
+    };
+    let Some(rudder) = written.rudder.first().map(|rudder| rudder.input.as_str()) else {
+        return Err(none("[[rudder]]", "none"));
+    };
+    let (length_m, speed_m_s) = (ship.length_m, ship.speed_m_s);
+    let of = |name: &str| Preset::named(name).map_err(refuse);
+    let sea = if length_m < AT_SEA_M { SAILED } else { AT_SEA };
+    let is_alone = vessel.model.inputs == 1;
+    let scaled = |text: &str, (_, own_m, own_m_s): (&str, f64, f64)| {
+        let time = length_m / own_m * own_m_s / speed_m_s;
+        let lines = text.lines().filter(|line| !line.starts_with("approach = "));
+        let mut scaled = String::new();
+        for line in lines {
+            scaled += &scaled_line(line, speed_m_s, time, rudder);
+            if is_alone && line.starts_with("speed_m_s = ") {
+                _ = writeln!(scaled, "approach = {{ {rudder} = 0.0 }}");
+            }
+        }
+        scaled
+    };
+    let flags = format!(
+        "# Flags of the stages, where they are to differ from the usual ones.\n\
+         # Length between perpendiculars [m], for the figures of merit.\nLENGTH_M = {length_m}\n"
+    );
+    let files = [
+        ("vessel.toml", with_truth(&text, &written, &vessel, seed).map_err(refuse)?),
+        ("dictionary.toml", scaled(of(SAILED.0)?.dictionary, SAILED)),
+        ("campaign.toml", scaled(of(sea.0)?.campaign, sea)),
+        ("study.mk", flags),
+    ];
+    Ok(files.into_iter().map(|(name, text)| with_schema((name.to_owned(), text))).collect())
+}
+
+fn parsed(text: &str) -> Result<VesselFile, Invalid> {
+    text.parse()
+        .map_err(|e: toml::de::Error| Invalid::new("file", e.message(), "a vessel.toml", "correct it"))
+}
+
+/// A line of a preset, for another speed \[m/s\], by a factor on times and with another name of the rudder.
+fn scaled_line(line: &str, speed_m_s: f64, time: f64, rudder: &str) -> String {
+    let number = |key: &str| {
+        let rest = line.strip_prefix(key)?.strip_prefix(" = ")?;
+        let text = rest.split_whitespace().next()?;
+        Some((text.parse::<f64>().ok()?, &rest[text.len()..]))
+    };
+    let timed = ["duration_s", "turn_s", "dwell_s"].into_iter().find_map(|key| Some((key, number(key)?)));
+    match (timed, number("speed_m_s")) {
+        (Some((key, (seconds, rest))), _) => format!("{key} = {:.1}{rest}\n", (time * seconds).round()),
+        (None, Some((_, rest))) => format!("speed_m_s = {speed_m_s}{rest}\n"),
+        (None, None) if line.starts_with("realizations = ") => format!("realizations = {TRIALS}\n"),
+        (None, None) => line.replace("{ delta = ", &format!("{{ {rudder} = ")) + "\n",
+    }
+}
+
+/// `text` with the numbers that simulated trials follow, where it has none.
+fn with_truth(text: &str, file: &VesselFile, vessel: &Vessel, seed: Option<u64>) -> Result<String, Invalid> {
+    let names: Vec<&str> = vessel.model.parameter_names().collect();
+    if !file.value.is_empty() || vessel.value.iter().all(Option::is_some) {
+        return Ok(text.to_owned());
+    }
+    let priors = vessel.model.forces.iter().flat_map(|forces| forces.forces.parameters());
+    let priors: Vec<f64> = priors.map(|parameter| parameter.prior.unwrap_or(0.0)).collect();
+    let with_numbers = |draws: &[f64]| {
+        let origin = match seed {
+            None => "the nominal ones".to_owned(),
+            Some(seed) => format!("drawn from the priors with seed {seed}"),
+        };
+        let mut text = format!(
+            "{}\n\n# The true numbers, which simulated trials follow: {origin}.\n[value]\n",
+            text.trim_end()
+        );
+        for (i, name) in names.iter().enumerate().filter(|(i, _)| vessel.value[*i].is_none()) {
+            _ = writeln!(
+                text,
+                "\"{name}\" = {}",
+                vessel.nominal[i] + priors.get(i).unwrap_or(&0.0) * draws[i]
+            );
+        }
+        text
+    };
+    let Some(seed) = seed else { return Ok(with_numbers(&vec![0.0; names.len()])) };
+    let mut last = Invalid::new("--seed", "no ship", "one that can be", "take another");
+    for draw in 0..DRAWS {
+        let mut draws = vec![0.0; names.len()];
+        Streams::new(seed, "truth").normals(draw as u32, 0, &mut draws);
+        let text = with_numbers(&draws);
+        match parsed(&text).and_then(Vessel::from_file) {
+            Ok(_) => return Ok(text),
+            Err(why) => last = why,
+        }
+    }
+    Err(last)
 }

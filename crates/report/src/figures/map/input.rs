@@ -1,3 +1,8 @@
+use crate::figures::palette;
+use crate::figures::svg::{Look, Paint};
+
+pub use study::documents::{MapPurpose as Purpose, MapSymbol as Symbol};
+
 /// The contents of a map. Positions are `[x, y]` in metres, x east, y north.
 #[derive(Clone, Debug, Default)]
 pub struct Map {
@@ -17,7 +22,7 @@ pub struct Map {
     /// A raster of classes, below the areas.
     pub cells: Option<Cells>,
     /// Polygons.
-    pub areas: Vec<Area>,
+    pub areas: Vec<ChartedArea>,
     /// Depth contours.
     pub contours: Vec<Contour>,
     /// Cells that only the safety margin blocks, drawn in this order.
@@ -37,7 +42,7 @@ pub struct Map {
     /// The informative maneuvers, each with its number of uses; their order is that of the colours.
     pub maneuvers: Vec<(String, u64)>,
     /// Lines.
-    pub tracks: Vec<Track>,
+    pub tracks: Vec<PlottedTrack>,
     /// Outlines of the hull at chosen poses.
     pub hulls: Vec<Vec<[f64; 2]>>,
     /// The start of the trial.
@@ -84,7 +89,7 @@ pub enum Class {
 
 /// A polygon with holes. Rings may be closed or open, in either direction.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Area {
+pub struct ChartedArea {
     /// Its class.
     pub class: Class,
     /// Outer ring.
@@ -124,19 +129,10 @@ pub struct Cells {
     pub classes: Vec<Option<Class>>,
 }
 
-/// The purpose of a margin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Purpose {
-    /// Passing through: drawn in pale red.
-    Transit,
-    /// Informative maneuvers: drawn hatched.
-    Trial,
-}
-
 /// Cells that only the safety margin blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Margin {
-    /// Its purpose.
+    /// Its purpose: in pale red for transit, hatched for trial.
     pub purpose: Purpose,
     /// The raster of the cells.
     pub grid: Raster,
@@ -155,15 +151,6 @@ pub struct Spot {
     pub depth_m: Option<f64>,
     /// Its title.
     pub title: String,
-}
-
-/// How a charted point is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Symbol {
-    /// As a depth.
-    Sounding,
-    /// As an object to keep clear of.
-    Danger,
 }
 
 /// Cells that hulls swept.
@@ -192,7 +179,7 @@ pub enum TrackStyle {
 
 /// A line.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Track {
+pub struct PlottedTrack {
     /// Its style.
     pub style: TrackStyle,
     /// Its points in order; less than two draw nothing.
@@ -209,3 +196,110 @@ pub struct Graticule {
     /// Positions y \[m\] with their labels, left of the frame.
     pub y: Vec<(f64, String)>,
 }
+
+/// Ink on the map, which stays light on a dark page.
+pub(crate) const DARK: Paint = Paint::solid((0x1d, 0x24, 0x2b));
+pub(crate) const WHITE: Paint = Paint::solid((0xff, 0xff, 0xff));
+/// Water of unknown depth: greener than every shade of depth.
+const WATER: Paint = Paint::solid((0xdd, 0xef, 0xec));
+/// Water of the only shade.
+const PLAIN: Paint = Paint::solid((0xd9, 0xe9, 0xf5));
+const UNCHARTED: Paint = Paint::solid((0xe3, 0xe3, 0xdf));
+const SHALLOW: (f64, f64, f64) = (143.0, 194.0, 229.0);
+const DEEP: (f64, f64, f64) = (240.0, 247.0, 252.0);
+const SAND: Paint = Paint::solid((0xe2, 0xc5, 0x9c));
+const SHORE: Paint = Paint::solid((0x76, 0x55, 0x2e));
+const FORBIDDEN: Paint = Paint::solid((0xe6, 0xcf, 0xe6));
+const FORBIDDEN_EDGE: Paint = Paint::solid((0xa0, 0x20, 0x80));
+pub(crate) const DANGER: Paint = Paint::solid((0xc8, 0x28, 0x1e));
+const PALE_RED: Paint = Paint::solid((0xf6, 0xbd, 0xb4));
+/// Okabe and Ito's yellow.
+const YELLOW: Paint = Paint::solid((0xf0, 0xe4, 0x42));
+const VIOLET: Paint = Paint::solid((0x7b, 0x3a, 0xa8));
+const GREY: Paint = Paint::solid((0x62, 0x66, 0x6a));
+const FINE: f64 = 0.7;
+
+pub(crate) const fn background(uncharted: bool) -> Look {
+    Look::filled(if uncharted { UNCHARTED } else { WATER })
+}
+
+/// Shade number `band` of `bands`, from the shoalest: the shoaler, the bluer. A border of its own colour covers the
+/// seam to the next.
+pub(crate) fn depth(band: usize, bands: usize) -> Look {
+    let paint = match bands {
+        0 | 1 => PLAIN,
+        _ => Paint::solid(between(band as f64 / (bands - 1) as f64)),
+    };
+    Look::filled(paint).outlined(paint, 0.5)
+}
+
+fn between(share: f64) -> (u8, u8, u8) {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between two colours")]
+    let mix = |from: f64, to: f64| (from + share * (to - from)).round() as u8;
+    (mix(SHALLOW.0, DEEP.0), mix(SHALLOW.1, DEEP.1), mix(SHALLOW.2, DEEP.2))
+}
+
+pub(crate) const LAND: Look = Look::filled(SAND).outlined(SHORE, FINE);
+pub(crate) const NO_GO: Look = Look::filled(FORBIDDEN).outlined(FORBIDDEN_EDGE, 1.2).dashed(5.0, 3.0);
+
+/// Fill and border of a margin.
+pub(crate) const fn margin(purpose: Purpose) -> Look {
+    match purpose {
+        Purpose::Transit => Look::filled(PALE_RED.faded(0.85)).outlined(DANGER.faded(0.7), FINE),
+        Purpose::Trial => Look::drawn(DANGER.faded(0.65), FINE).dashed(2.5, 2.0),
+    }
+}
+
+pub(crate) const HATCH: Look = Look::drawn(DANGER.faded(0.5), FINE);
+
+/// The halo below a track, which makes it stand out.
+pub(crate) const fn halo(width: f64) -> Look {
+    Look::drawn(WHITE.faded(0.85), width)
+}
+
+/// Width of the line of a maneuver.
+pub(crate) const MANEUVER: f64 = 3.2;
+
+/// Colours of maneuver `index`: its line and, beyond the palette's five, a line within it.
+pub(crate) fn maneuver(index: usize) -> (Look, Option<Look>) {
+    let line = Look::drawn(maneuver_paint(index), MANEUVER);
+    let within = match index / 5 % 3 {
+        0 => None,
+        1 => Some(Look::drawn(WHITE, 1.1)),
+        _ => Some(Look::drawn(DARK, 1.1)),
+    };
+    (line, within)
+}
+
+pub(crate) fn maneuver_paint(index: usize) -> Paint {
+    Paint::solid(palette::series(index))
+}
+
+/// A depth contour and its value.
+pub(crate) const CONTOUR_PAINT: Paint = Paint::solid((0x4f, 0x7f, 0xab));
+pub(crate) const CONTOUR: Look = Look::drawn(CONTOUR_PAINT, FINE);
+pub(crate) const DEPTH_DIGITS: Paint = Paint::solid((0x3d, 0x55, 0x6b));
+pub(crate) const DANGER_CIRCLE: Look =
+    Look::filled(Paint::solid((0xbf, 0xdc, 0xee))).outlined(DARK, 0.9).dashed(1.2, 1.6);
+
+/// The area swept by simulated vessels.
+pub(crate) const TUBE: Look = Look::filled(DARK.faded(0.16)).outlined(DARK.faded(0.45), 0.6);
+/// The edge of an area that is not a box.
+pub(crate) const EDGE: Look = Look::drawn(DARK, 1.3).dashed(7.0, 3.0);
+/// Areas with a speed limit.
+pub(crate) const SPEED_LIMIT: Look = Look::drawn(FORBIDDEN_EDGE.faded(0.9), 1.2).dashed(1.5, 2.5);
+/// The corridor of a leg.
+pub(crate) const CORRIDOR: Look = Look::drawn(VIOLET.faded(0.75), 0.8).dashed(4.0, 2.5);
+
+pub(crate) const BASIC: Look = Look::drawn(GREY, 2.0);
+pub(crate) const RUN_IN: Look = Look::drawn(DARK, 1.0);
+
+/// One of `drawn` realizations: the more there are, the fainter each.
+pub(crate) fn realization(drawn: usize) -> Look {
+    let opacity = (8.0 / drawn.max(1) as f64).clamp(0.05, 0.4);
+    Look::drawn(DARK.faded((100.0 * opacity).round() / 100.0), 0.6)
+}
+
+pub(crate) const HULL: Look = Look::filled(WHITE.faded(0.35)).outlined(DARK, 0.9);
+pub(crate) const START: Look = Look::filled(YELLOW).outlined(DARK, 1.2);
+pub(crate) const GOAL: Look = Look::filled(VIOLET).outlined(WHITE, 1.2);

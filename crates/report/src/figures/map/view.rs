@@ -1,6 +1,6 @@
 use refusal::Invalid;
 
-use super::input::Frame;
+use crate::figures::map::input::Frame;
 use crate::figures::svg::Point;
 
 /// Width of the figure \[px\]: on a phone its text is two thirds as large.
@@ -81,4 +81,99 @@ impl View {
     pub(crate) fn nearest(&self, at: Point) -> Point {
         (at.0.clamp(self.corner.0, self.opposite.0), at.1.clamp(self.corner.1, self.opposite.1))
     }
+}
+
+/// The parts of a polyline inside the frame.
+pub(crate) fn line(view: &View, points: &[Point]) -> Vec<Vec<Point>> {
+    let mut parts: Vec<Vec<Point>> = Vec::new();
+    let mut open = false;
+    for pair in points.windows(2) {
+        let Some((from, to)) = segment(view, pair[0], pair[1]) else {
+            open = false;
+            continue;
+        };
+        match parts.last_mut() {
+            Some(part) if open => part.push(to),
+            _ => parts.push(vec![from, to]),
+        }
+        open = to == pair[1];
+    }
+    parts
+}
+
+/// The part of a segment inside the frame (Liang and Barsky 1984).
+pub(crate) fn segment(view: &View, from: Point, to: Point) -> Option<(Point, Point)> {
+    let (low, high) = (view.corner, view.opposite);
+    let step = (to.0 - from.0, to.1 - from.1);
+    let sides = [
+        (-step.0, from.0 - low.0),
+        (step.0, high.0 - from.0),
+        (-step.1, from.1 - low.1),
+        (step.1, high.1 - from.1),
+    ];
+    let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+    for (outwards, room) in sides {
+        if outwards == 0.0 && room < 0.0 {
+            return None;
+        }
+        if outwards < 0.0 {
+            enter = enter.max(room / outwards);
+        } else if outwards > 0.0 {
+            leave = leave.min(room / outwards);
+        }
+    }
+    let at = |share: f64| view.nearest((from.0 + share * step.0, from.1 + share * step.1));
+    let start = if enter > 0.0 { at(enter) } else { from };
+    let end = if leave < 1.0 { at(leave) } else { to };
+    (enter <= leave).then_some((start, end))
+}
+
+/// The part of a ring inside the frame, closed along the frame's sides, by clipping at one side at a time.
+pub(crate) fn ring(view: &View, ring: &[Point]) -> Vec<Point> {
+    let (low, high) = (view.corner, view.opposite);
+    let turned = |ring: Vec<Point>| -> Vec<Point> { ring.into_iter().map(|(x, y)| (y, x)).collect() };
+    let across = clipped(&clipped(ring, low.0, 1.0), high.0, -1.0);
+    turned(clipped(&clipped(&turned(across), low.1, 1.0), high.1, -1.0))
+}
+
+/// The part of a ring where `sign * (x - limit)` is not negative.
+fn clipped(ring: &[Point], limit: f64, sign: f64) -> Vec<Point> {
+    let is_in = |at: Point| sign * (at.0 - limit) >= 0.0;
+    let before = ring.iter().cycle().skip(ring.len().saturating_sub(1));
+    let mut kept = Vec::with_capacity(ring.len() + 4);
+    for (&from, &to) in before.zip(ring) {
+        if is_in(from) != is_in(to) {
+            kept.push((limit, from.1 + (limit - from.0) / (to.0 - from.0) * (to.1 - from.1)));
+        }
+        kept.extend(is_in(to).then_some(to));
+    }
+    kept
+}
+
+/// The points of a line that keep it within `tolerance` of itself (Douglas and Peucker 1973).
+pub(crate) fn simplified(points: &[Point], tolerance: f64) -> Vec<Point> {
+    let Some(last) = points.len().checked_sub(1) else { return Vec::new() };
+    let mut kept = vec![false; points.len()];
+    kept[0] = true;
+    kept[last] = true;
+    let mut stretches = vec![(0, last)];
+    while let Some((from, to)) = stretches.pop() {
+        let inner = from + 1..to;
+        let off = |i: usize| (i, distance(points[i], points[from], points[to]));
+        let Some((farthest, most)) = inner.map(off).max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+        if most > tolerance {
+            kept[farthest] = true;
+            stretches.extend([(from, farthest), (farthest, to)]);
+        }
+    }
+    points.iter().zip(kept).filter_map(|(&point, kept)| kept.then_some(point)).collect()
+}
+
+/// Distance of a point from a segment.
+fn distance(point: Point, from: Point, to: Point) -> f64 {
+    let (along, off) = ((to.0 - from.0, to.1 - from.1), (point.0 - from.0, point.1 - from.1));
+    let square = along.0 * along.0 + along.1 * along.1;
+    let share = if square > 0.0 { (off.0 * along.0 + off.1 * along.1) / square } else { 0.0 };
+    let share = share.clamp(0.0, 1.0);
+    libm::hypot(off.0 - share * along.0, off.1 - share * along.1)
 }

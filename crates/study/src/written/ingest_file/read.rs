@@ -11,7 +11,7 @@ use files::{Digest, Digesting, Error, ForeignTable, Scratch, Timed, exists, open
 use flate2::read::MultiGzDecoder;
 use logs::{
     Cells, ClockNotes, Columns, Content, DatabaseFile, Format, Labels, Log, LogError, Moments, Numbering,
-    Plan, Recorded, SNIFFED, Samples, Segmentation, Source, Store, TimeUnit, Wanted, begins_anew,
+    Plan, Recorded, SNIFFED, Samples, Segmentation, Source, Store, TimeUnit, WantedColumn, begins_anew,
     foreign_format, places, read_bag, read_csv, read_database, read_nmea, record,
 };
 use refusal::{Invalid, foreign};
@@ -247,7 +247,7 @@ fn parquet(path: &Path, plan: &Plan, group: usize, store: &Arc<dyn Store>) -> Re
         return Err(refused(plan.too_many_rows(table.rows())));
     }
     let mut clock = ClockNotes::default();
-    let mut column = |(place, w): (usize, &Wanted)| {
+    let mut column = |(place, w): (usize, &WantedColumn)| {
         let timed = table.timed(&w.column).filter(|_| place == 0);
         Ok::<_, Error>(match w.content {
             _ if timed.is_some() => {
