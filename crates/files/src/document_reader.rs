@@ -1,10 +1,11 @@
 //! Reading JSON documents: syntax, kind, version, seal, then the strict contents.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::path::Path;
 
-use refusal::strictly;
-use serde::de::DeserializeOwned;
+use refusal::{Contents, Invalid, Step, Unreadable};
+use serde::de::{DeserializeOwned, DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::error::Category;
 
 use crate::complaint::Complaint;
@@ -44,8 +45,7 @@ pub fn read_part<D: Document>(path: &Path) -> Result<Loaded<D>> {
     let (text, header) = opened(path)?;
     header.check(path, D::ID, D::VERSION)?;
     let digest = seal::check_text(path, &text, header.seal())?.digest;
-    let envelope = strictly(&mut serde_json::Deserializer::from_str(&text));
-    let envelope: Envelope<D> = envelope.map_err(|e| refusal(path, &text, &e))?;
+    let envelope: Envelope<D> = parsed(path, &text)?;
     check_units(path, &units::<D>(), envelope.units(), &text)?;
     check_members(path, envelope.members(), |_| None)?;
     let loaded = envelope.loaded(digest);
@@ -64,9 +64,84 @@ pub fn read_json<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<(T, Dige
     let digest = Digest::of_bytes(&bytes);
     let text = text_of(path, bytes)?;
     weight::check(path, &text)?;
-    let mut reader = serde_json::Deserializer::from_str(&text);
-    let parsed = strictly(&mut reader).and_then(|parsed| reader.end().map(|()| parsed));
-    Ok((parsed.map_err(|e| refusal(path, &text, &e))?, digest))
+    Ok((parsed(path, &text)?, digest))
+}
+
+/// Reads JSON; messages name the file `path`.
+fn parsed<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T> {
+    let contents: Contents = serde_json::from_str(text).map_err(|e| refusal(path, text, &e))?;
+    contents.read().map_err(|fault: Unreadable| {
+        let way = Way { steps: &fault.way, is_key: fault.is_key, message: &fault.message };
+        let placed = way.deserialize(&mut serde_json::Deserializer::from_str(text)).err();
+        placed.map_or_else(
+            || Error::invalid(path, Invalid::new("contents", fault.message.as_str(), "", "")),
+            |e| refusal(path, text, &e),
+        )
+    })
+}
+
+/// Reads along the way to a fault, and fails there: the error has its line.
+#[derive(Clone, Copy)]
+struct Way<'a> {
+    steps: &'a [Step],
+    is_key: bool,
+    message: &'a str,
+}
+
+impl Way<'_> {
+    fn fault<T, E: serde::de::Error>(&self) -> std::result::Result<T, E> {
+        Err(E::custom(self.message))
+    }
+}
+
+impl<'de> DeserializeSeed<'de> for Way<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> std::result::Result<(), D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+macro_rules! fails {
+    ($($method:ident($($type:ty)?)),+) => {
+        $(fn $method<E: serde::de::Error>(self, $(_: $type)?) -> std::result::Result<(), E> {
+            self.fault()
+        })+
+    };
+}
+
+impl<'de> Visitor<'de> for Way<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("what was read before")
+    }
+
+    fails! { visit_bool(bool), visit_i64(i64), visit_u64(u64), visit_f64(f64), visit_str(&str), visit_unit() }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> std::result::Result<(), A::Error> {
+        let Some((Step::Item(place), steps)) = self.steps.split_first() else { return self.fault() };
+        for _ in 0..*place {
+            items.next_element::<IgnoredAny>()?;
+        }
+        items.next_element_seed(Self { steps, ..self })?;
+        self.fault()
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> std::result::Result<(), A::Error> {
+        while let Some(key) = entries.next_key::<String>()? {
+            match self.steps.split_first() {
+                Some((Step::Key(wanted), steps)) if *wanted == key => {
+                    if steps.is_empty() && self.is_key {
+                        return self.fault();
+                    }
+                    entries.next_value_seed(Self { steps, ..self })?;
+                }
+                _ => drop(entries.next_value::<IgnoredAny>()?),
+            }
+        }
+        self.fault()
+    }
 }
 
 /// The text of a document, and its header.

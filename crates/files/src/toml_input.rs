@@ -1,16 +1,17 @@
 //! Hand-written input.
 
+use std::ops::Range;
 use std::path::Path;
 
-use refusal::strictly;
-use serde::de::DeserializeOwned;
+use refusal::{Contents, Unreadable};
+use serde::de::{Deserialize, DeserializeOwned};
 
 use crate::changes::Changes;
 use crate::complaint::Complaint;
 use crate::digest::Digest;
 use crate::error::{Error, Result};
 use crate::ordinary::{bytes_of, open, read};
-use crate::toml_place::{Place, key_at, line_and_column, place_of};
+use crate::toml_place::{Place, key_at, line_and_column, place_of, span_of};
 
 /// Reads a TOML file.
 ///
@@ -54,9 +55,8 @@ pub(crate) fn read_changed<T: DeserializeOwned>(
     // A fault of the file itself is reported with its line.
     let own = |refused: Error| parse_toml::<T>(&text, path).err().unwrap_or(refused);
     let changed = changes.applied(file, &text).map_err(|e| own(Error::invalid(path, e)))?;
-    let parsed = toml::Deserializer::parse(&changed).and_then(strictly);
-    let parsed =
-        parsed.map_err(|e| own(complaint(&changed, path, &e).changed(&changes.in_words(file)).refusal()))?;
+    let parsed = parsed(&changed)
+        .map_err(|fault| own(fault.complaint(&changed, path).changed(&changes.in_words(file)).refusal()))?;
     Ok((parsed, Digest::of_bytes(changed.as_bytes())))
 }
 
@@ -85,12 +85,29 @@ pub(crate) fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String> {
 /// [`Error::Refused`] on a syntax error, an unknown key (with the nearest known key), a missing
 /// key, a wrong type, a list where keys belong or an unknown choice, always with the line.
 pub fn parse_toml<T: DeserializeOwned>(text: &str, path: impl AsRef<Path>) -> Result<T> {
-    let parsed = toml::Deserializer::parse(text).and_then(strictly);
-    parsed.map_err(|e| complaint(text, path.as_ref(), &e).refusal())
+    parsed(text).map_err(|fault| fault.complaint(text, path.as_ref()).refusal())
 }
 
-fn complaint<'a>(text: &str, path: &'a Path, error: &'a toml::de::Error) -> Complaint<'a> {
-    let (message, span) = (error.message(), error.span());
+/// What is wrong with a text, and where.
+struct Fault {
+    message: String,
+    span: Option<Range<usize>>,
+}
+
+fn parsed<T: DeserializeOwned>(text: &str) -> std::result::Result<T, Fault> {
+    let contents = toml::Deserializer::parse(text).and_then(Contents::deserialize);
+    let contents = contents.map_err(|e| Fault { message: e.message().to_owned(), span: e.span() })?;
+    let fault = |Unreadable { message, way, is_key }| Fault { message, span: span_of(text, &way, is_key) };
+    contents.read().map_err(fault)
+}
+
+impl Fault {
+    fn complaint<'a>(&'a self, text: &str, path: &'a Path) -> Complaint<'a> {
+        complaint(text, path, &self.message, self.span.clone())
+    }
+}
+
+fn complaint<'a>(text: &str, path: &'a Path, message: &'a str, span: Option<Range<usize>>) -> Complaint<'a> {
     // Items of a list are read as they are, without their places: the message names the item and the key.
     let named = message.rsplit_once(" (").and_then(|(message, item)| {
         let key = message.split('`').nth(1).unwrap_or_default();

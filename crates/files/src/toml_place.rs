@@ -4,7 +4,7 @@ use std::fs;
 use std::ops::Range;
 use std::path::Path;
 
-use refusal::Invalid;
+use refusal::{Invalid, Step};
 use toml::de::{DeArray, DeTable, DeValue};
 use toml::{Spanned, Value};
 
@@ -32,6 +32,21 @@ pub(crate) fn key_at(text: &str, span: &Range<usize>) -> Option<Place> {
     let mut found = None;
     within_table(whole.get_ref(), span, &mut found);
     found
+}
+
+/// The part of `text` that the `way` leads to: a value, or its key.
+pub(crate) fn span_of(text: &str, way: &[Step], is_key: bool) -> Option<Range<usize>> {
+    let whole = DeTable::parse(text).ok()?;
+    let Some((Step::Key(first), rest)) = way.split_first() else { return Some(whole.span()) };
+    let (mut key, mut value) = whole.get_ref().get_key_value(first.as_str())?;
+    for step in rest {
+        match (step, value.get_ref()) {
+            (Step::Key(name), DeValue::Table(table)) => (key, value) = table.get_key_value(name.as_str())?,
+            (Step::Item(place), DeValue::Array(list)) => value = list.get(*place)?,
+            _ => return None,
+        }
+    }
+    Some(if is_key { key.span() } else { value.span() })
 }
 
 fn holds(outer: &Range<usize>, inner: &Range<usize>) -> bool {

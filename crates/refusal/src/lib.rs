@@ -5,12 +5,12 @@
 #![warn(missing_docs)]
 
 mod choices;
+mod contents;
 mod invalid;
-mod strict;
 mod words;
 
+pub use contents::{Contents, Step, Unreadable, strictly};
 pub use invalid::{Invalid, check_name, check_numbers, check_ranges};
-pub use strict::strictly;
 pub use words::{
     fitted, foreign, gone, listed, names_in, nearest, one_line, shortened, some_of, suggestion, with_remedy,
 };
