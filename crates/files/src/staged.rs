@@ -47,10 +47,7 @@ impl Staged {
     /// file.
     pub fn bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Result<Self> {
         let path = path.as_ref();
-        Self::written(create_temporary(path)?, path, bytes)
-    }
-
-    fn written(file: NamedTempFile, path: &Path, bytes: &[u8]) -> Result<Self> {
+        let file = create_temporary(path)?;
         // Written through the file itself: errors of the temporary file name that file, which is of no use to
         // the user.
         let written = fault::point("write").and_then(|()| file.as_file().write_all(bytes));

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::commit::flush;
-use crate::error::{Error, Result};
+use crate::error::Error;
 use crate::names::folder_of;
 use crate::unfinished;
 
@@ -19,16 +19,14 @@ pub fn whole_folder<E: From<Error>>(
     write: impl FnOnce(&Path) -> std::result::Result<(), E>,
 ) -> std::result::Result<(), E> {
     let parent = folder_of(target);
-    let named = || -> Result<_> {
-        let make = |builder: &tempfile::Builder| {
-            let made = builder.tempdir_in(parent)?;
-            within.iter().try_for_each(|name| fs::create_dir(made.path().join(name)))?;
-            Ok(made)
-        };
-        // The error's own text names the hidden folder, which is of no use to the user: keep its kind only.
-        unfinished::create(parent, 0o777, make).map_err(|e| Error::io(target, "create", e.kind().into()))
+    let make = |builder: &tempfile::Builder| {
+        let made = builder.tempdir_in(parent)?;
+        within.iter().try_for_each(|name| fs::create_dir(made.path().join(name)))?;
+        Ok(made)
     };
-    let made = named()?;
+    // The error's own text names the hidden folder, which is of no use to the user: keep its kind only.
+    let made = unfinished::create(parent, 0o777, make);
+    let made = made.map_err(|e| Error::io(target, "create", e.kind().into()))?;
     write(made.path())?;
     let _held = unfinished::held();
     fs::rename(made.path(), target).map_err(|e| Error::io(target, "rename", e))?;
