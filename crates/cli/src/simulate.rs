@@ -14,7 +14,7 @@ use study::LoggedHelm;
 use study::campaign_file::CampaignFile;
 use study::documents::DesignDocument;
 use study::files::{VesselReader, read_campaign, read_dictionary};
-use study::parts::KeptTables as Kept;
+use study::parts::KeptTables;
 use study::trajectories::{BlockBuilder, LEAST_ROW_BYTES, Layout, SIMULATED_PER_SECOND, rows_per_block};
 use trial::campaign::{Campaign, Maneuvers, Refusal, Settings, SimulatedRun, Tally, Wanted};
 use validation::tally::{Bounds, Tally as RunTally};
@@ -304,7 +304,11 @@ impl Counting<'_> {
     }
 
     /// Realizes and counts `parts`; the kept rows of each are added to `kept` in order.
-    pub fn tallied(&self, parts: Vec<(usize, Range<usize>)>, kept: &mut Kept) -> Result<RunTally, Failure> {
+    pub fn tallied(
+        &self,
+        parts: Vec<(usize, Range<usize>)>,
+        kept: &mut KeptTables,
+    ) -> Result<RunTally, Failure> {
         let runs: usize = parts.iter().map(|(_, runs)| runs.len()).sum();
         let progress = WorkProgress::new("runs", runs, self.quiet).foretold(self.seconds(runs));
         let mut tally = self.blank();
@@ -315,7 +319,7 @@ impl Counting<'_> {
     fn count(
         &self,
         parts: Vec<(usize, Range<usize>)>,
-        kept: &mut Kept,
+        kept: &mut KeptTables,
         tally: &mut RunTally,
         progress: &WorkProgress,
     ) -> Result<(), Failure> {
@@ -352,7 +356,7 @@ impl Counting<'_> {
             let next = next.min(self.study.campaign.realizations());
             let parts = |d| (done..next).step_by(block).map(move |start| (d, start..next.min(start + block)));
             let parts = (0..designs).flat_map(parts).collect();
-            self.count(parts, &mut Kept::default(), &mut tally, &progress)?;
+            self.count(parts, &mut KeptTables::default(), &mut tally, &progress)?;
             done = next;
         }
         Ok(tally)

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
-use refusal::{Contents, Invalid, Step, Unreadable};
+use refusal::{Contents, Invalid, PathStep, Unreadable};
 use serde::de::{DeserializeOwned, DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::error::Category;
 
@@ -83,7 +83,7 @@ fn parsed<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T> {
 /// Reads along the way to a fault, and fails there: the error has its line.
 #[derive(Clone, Copy)]
 struct Way<'a> {
-    steps: &'a [Step],
+    steps: &'a [PathStep],
     is_key: bool,
     message: &'a str,
 }
@@ -120,7 +120,7 @@ impl<'de> Visitor<'de> for Way<'_> {
     fails! { visit_bool(bool), visit_i64(i64), visit_u64(u64), visit_f64(f64), visit_str(&str), visit_unit() }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> std::result::Result<(), A::Error> {
-        let Some((Step::Item(place), steps)) = self.steps.split_first() else { return self.fault() };
+        let Some((PathStep::Item(place), steps)) = self.steps.split_first() else { return self.fault() };
         for _ in 0..*place {
             items.next_element::<IgnoredAny>()?;
         }
@@ -131,7 +131,7 @@ impl<'de> Visitor<'de> for Way<'_> {
     fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> std::result::Result<(), A::Error> {
         while let Some(key) = entries.next_key::<String>()? {
             match self.steps.split_first() {
-                Some((Step::Key(wanted), steps)) if *wanted == key => {
+                Some((PathStep::Key(wanted), steps)) if *wanted == key => {
                     if steps.is_empty() && self.is_key {
                         return self.fault();
                     }

@@ -4,7 +4,7 @@ use std::fs;
 use std::ops::Range;
 use std::path::Path;
 
-use refusal::{Invalid, Step};
+use refusal::{Invalid, PathStep};
 use toml::de::{DeArray, DeTable, DeValue};
 use toml::{Spanned, Value};
 
@@ -35,14 +35,16 @@ pub(crate) fn key_at(text: &str, span: &Range<usize>) -> Option<Place> {
 }
 
 /// The part of `text` that the `way` leads to: a value, or its key.
-pub(crate) fn span_of(text: &str, way: &[Step], is_key: bool) -> Option<Range<usize>> {
+pub(crate) fn span_of(text: &str, way: &[PathStep], is_key: bool) -> Option<Range<usize>> {
     let whole = DeTable::parse(text).ok()?;
-    let Some((Step::Key(first), rest)) = way.split_first() else { return Some(whole.span()) };
+    let Some((PathStep::Key(first), rest)) = way.split_first() else { return Some(whole.span()) };
     let (mut key, mut value) = whole.get_ref().get_key_value(first.as_str())?;
     for step in rest {
         match (step, value.get_ref()) {
-            (Step::Key(name), DeValue::Table(table)) => (key, value) = table.get_key_value(name.as_str())?,
-            (Step::Item(place), DeValue::Array(list)) => value = list.get(*place)?,
+            (PathStep::Key(name), DeValue::Table(table)) => {
+                (key, value) = table.get_key_value(name.as_str())?
+            }
+            (PathStep::Item(place), DeValue::Array(list)) => value = list.get(*place)?,
             _ => return None,
         }
     }

@@ -16,20 +16,20 @@ use crate::{
 
 /// From where on a contradiction is a warning, and from where on the recording is doubtful, so that estimates
 /// refuse it by default.
-struct Bounds {
+struct AxisBounds {
     warned: f64,
     broken: f64,
 }
 
 /// In seconds, and in samples of the common rate: the larger one counts.
-const LAG_S: Bounds = Bounds { warned: 0.25, broken: 2.0 };
-const LAG_SAMPLES: Bounds = Bounds { warned: 0.75, broken: 2.0 };
+const LAG_S: AxisBounds = AxisBounds { warned: 0.25, broken: 2.0 };
+const LAG_SAMPLES: AxisBounds = AxisBounds { warned: 0.75, broken: 2.0 };
 
 /// Distance of the slope from 1.
-const GAIN: Bounds = Bounds { warned: 0.2, broken: 0.5 };
+const GAIN: AxisBounds = AxisBounds { warned: 0.2, broken: 0.5 };
 
 /// Rotation of the velocities against the derivative of position \[rad\] …
-const TURN: Bounds = Bounds { warned: 0.0175, broken: 0.0873 };
+const TURN: AxisBounds = AxisBounds { warned: 0.0175, broken: 0.0873 };
 
 /// … where without it less than this share of the squared difference remains.
 const LEFT: f64 = 0.5;

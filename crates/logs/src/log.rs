@@ -254,7 +254,7 @@ fn offset(times: Samples, offset_s: f64) -> Samples {
 }
 
 /// The rows of a file that are kept, in order of time.
-enum Kept {
+enum KeptSamples {
     /// All of them.
     All,
     /// These, in the order of the file.
@@ -263,7 +263,7 @@ enum Kept {
     Sorted(Vec<u32>),
 }
 
-impl Kept {
+impl KeptSamples {
     /// The file's row that is kept row `i`.
     fn row(&self, i: usize) -> usize {
         match self {
@@ -296,10 +296,10 @@ fn in_order(
     plan: &Plan,
     (group, policy): (usize, NonMonotonic),
     counts: &mut RowSummary,
-) -> Result<Kept, Invalid> {
+) -> Result<KeptSamples, Invalid> {
     let timed = times.iter().filter(|time| time.is_finite()).count();
     if timed > 0 && timed == times.len() && steps(times.iter()).all(|step| step > 0.0) {
-        return Ok(Kept::All);
+        return Ok(KeptSamples::All);
     }
     counts.without_time = ((times.len() - timed) as u64).saturating_sub(counts.unset);
     if timed == 0 {
@@ -330,7 +330,7 @@ fn in_order(
     }
     let sorted = policy == NonMonotonic::Sort && ordered.backwards > 0;
     counts.sorted = if sorted { counts.backwards } else { 0 };
-    Ok(if sorted { Kept::Sorted(ordered.rows) } else { Kept::These(ordered.rows) })
+    Ok(if sorted { KeptSamples::Sorted(ordered.rows) } else { KeptSamples::These(ordered.rows) })
 }
 
 /// Refuses files of one recording that were logged at the same time.
@@ -354,7 +354,7 @@ fn check_seams(times: &Samples, lines: &Numbering, plan: &Plan) -> Result<(), In
 
 /// The kept rows of a file, in order of time.
 struct KeptRows {
-    rows: Kept,
+    rows: KeptSamples,
     lines: Numbering,
     times: Arc<Samples>,
     max_gap_s: f64,
@@ -398,7 +398,7 @@ impl KeptRows {
 
     fn labels(&self, cells: Cells) -> Labels {
         let Cells::Labels(labels) = cells else { return Labels::default() };
-        if matches!(self.rows, Kept::All) {
+        if matches!(self.rows, KeptSamples::All) {
             return labels;
         }
         let mut kept = Labels::default();

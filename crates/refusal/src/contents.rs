@@ -1,7 +1,7 @@
 //! Strict reading of files that people write: refuses what serde accepts in data between programs.
 //!
 //! A file is read into [`Contents`] first, whatever its syntax, and then into the type that is wanted. So each type is
-//! compiled for one reader, and a fault has a [`Step`] by step way to it.
+//! compiled for one reader, and a fault has a [`PathStep`] by step way to it.
 
 use std::collections::BTreeSet;
 use std::fmt::{self, Display};
@@ -34,7 +34,7 @@ pub enum Contents {
 
 /// A step on the way to a value.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Step {
+pub enum PathStep {
     /// To the value of a key.
     Key(String),
     /// To an item of a list, from 0.
@@ -47,13 +47,13 @@ pub struct Unreadable {
     /// In serde's words.
     pub message: String,
     /// The way from the outermost value.
-    pub way: Vec<Step>,
+    pub way: Vec<PathStep>,
     /// Whether the last key itself is wrong, not its value.
     pub is_key: bool,
 }
 
 impl Unreadable {
-    fn below(mut self, step: Step) -> Self {
+    fn below(mut self, step: PathStep) -> Self {
         self.way.insert(0, step);
         self
     }
@@ -252,7 +252,7 @@ impl<'de> SeqAccess<'de> for Items<'_> {
         let Some(item) = self.items.get(self.place) else { return Ok(None) };
         let place = self.place;
         self.place += 1;
-        seed.deserialize(item).map(Some).map_err(|error| error.below(Step::Item(place)))
+        seed.deserialize(item).map(Some).map_err(|error| error.below(PathStep::Item(place)))
     }
 
     fn size_hint(&self) -> Option<usize> {
@@ -270,14 +270,15 @@ impl<'de> MapAccess<'de> for Entries<'_> {
 
     fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Unreadable> {
         let Some((key, _)) = self.entries.get(self.place) else { return Ok(None) };
-        let wrong = |error: Unreadable| Unreadable { is_key: true, ..error.below(Step::Key(key.clone())) };
+        let wrong =
+            |error: Unreadable| Unreadable { is_key: true, ..error.below(PathStep::Key(key.clone())) };
         seed.deserialize(key.as_str().into_deserializer()).map(Some).map_err(wrong)
     }
 
     fn next_value_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value, Unreadable> {
         let (key, value) = &self.entries[self.place];
         self.place += 1;
-        seed.deserialize(value).map_err(|error| error.below(Step::Key(key.clone())))
+        seed.deserialize(value).map_err(|error| error.below(PathStep::Key(key.clone())))
     }
 
     fn size_hint(&self) -> Option<usize> {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use estimation::fitting::{
-    AbsentTerm, Channels, Criticism, Fit, LEVEL, Problem, RecordingView as Recording, Settings, Unfit,
+    AbsentTerm, Channels, Criticism, Fit, LEVEL, Problem, RecordingView, Settings, Unfit,
 };
 use refusal::Invalid;
 use regression::pooled::Part;
@@ -24,9 +24,10 @@ pub(crate) const FEWEST: usize = 3;
 pub(crate) type Recorded = (String, Vec<Part>);
 
 /// All parts of `sources`, as fits take them.
-pub(crate) fn recordings<'r>(sources: impl IntoIterator<Item = &'r Recorded>) -> Vec<Recording<'r>> {
+pub(crate) fn recordings<'r>(sources: impl IntoIterator<Item = &'r Recorded>) -> Vec<RecordingView<'r>> {
     let all = sources.into_iter().flat_map(|(name, parts)| parts.iter().map(move |part| (name, part)));
-    all.map(|(name, part)| Recording { name, inputs: &part.exogenous, measured: &part.measured }).collect()
+    all.map(|(name, part)| RecordingView { name, inputs: &part.exogenous, measured: &part.measured })
+        .collect()
 }
 
 /// A ship that forces are added to, and the recordings that say which.

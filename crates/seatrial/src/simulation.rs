@@ -5,9 +5,7 @@ use std::ops::Range;
 use design::{Bounds, Criterion, Design, NoDesign, Options};
 use estimation::predictor::InitialState;
 use estimation::runs::{AdditionalUnknowns, RunError, RunEstimators};
-use estimation::{
-    EstimateStatus, EstimateView as Candidate, Estimator, RunEstimate, RunScore, ValidationRuns,
-};
+use estimation::{EstimateStatus, EstimateView, Estimator, RunEstimate, RunScore, ValidationRuns};
 use maneuver::{DictionaryFile, Generator};
 use numerics::{GROUPS, LANES};
 use plan::voyage::Shares;
@@ -395,7 +393,7 @@ impl MonteCarlo<'_> {
                     return Err(RunError::TooShort { design: name.to_owned(), run, samples });
                 }
             };
-            Ok(Candidate { design: name, run, estimator: Estimator::Iv, status, parameters })
+            Ok(EstimateView { design: name, run, estimator: Estimator::Iv, status, parameters })
         };
         let candidates = (0..outcomes.len()).map(candidate).collect::<Result<Vec<_>, _>>()?;
         Ok(self.validation.scores(&candidates, self.truth.as_deref()))

@@ -41,7 +41,7 @@ pub enum Refusal {
 #[derive(Clone, Debug)]
 pub struct Refinement {
     /// The experiment at the start.
-    pub start: Start,
+    pub start: RefinementStart,
     /// The limits.
     pub limits: Limits,
     /// Samples between the knots of the change of the start's inputs.
@@ -58,7 +58,7 @@ impl Refinement {
     /// [`Refusal::NotIdentifiable`].
     pub fn search(
         vessel: &Vessel,
-        start: Start,
+        start: RefinementStart,
         limits: Limits,
         iterations: usize,
         watch: &Watch,
@@ -118,8 +118,8 @@ impl Limits {
         stated: &StatedLimits,
         vessel: &Vessel,
         generator: &Generator,
-        start: Start,
-    ) -> Result<(Self, Start), Refusal> {
+        start: RefinementStart,
+    ) -> Result<(Self, RefinementStart), Refusal> {
         let model = &vessel.model;
         let inputs = model.input_names();
         let generated = generated_limits(generator);
@@ -168,7 +168,7 @@ impl Limits {
         SignalLimits { states: [1.0; 3], inputs: ranges, steps }.reached(states, inputs)
     }
 
-    fn check(&self, start: &Start) -> Result<(), Refusal> {
+    fn check(&self, start: &RefinementStart) -> Result<(), Refusal> {
         if let Some(i) = self.allowed.iter().position(|limit| *limit == 0.0) {
             let still = Invalid::new(
                 format!("`{}` of the design's experiment", self.names[i]),
@@ -194,7 +194,7 @@ impl Limits {
 
 /// Inputs, initial state and the data to evaluate them.
 #[derive(Clone, Debug)]
-pub struct Start {
+pub struct RefinementStart {
     /// N × inputs.
     pub inputs: Vec<f64>,
     /// u, v \[m/s\], r \[rad/s\].
@@ -213,7 +213,7 @@ pub struct Start {
     pub slowed: Vec<String>,
 }
 
-impl Start {
+impl RefinementStart {
     /// The experiment of `plan`: maneuvers of `generator` and their samples.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! Solving designs.
 
 use design::{Candidates, Options, solve};
-use maneuver::{DictionaryFile, Generator, Kept, ManeuverKind as Kind, ManeuverSpec, Shape};
+use maneuver::{DictionaryFile, Generator, Kept, ManeuverKind, ManeuverSpec, Shape};
 use serde_json::{Value, json};
 use ship::model::Source;
 
@@ -23,14 +23,14 @@ pub fn generated(paper: &Paper, count: usize) -> anyhow::Result<Candidates> {
         let speed_m_s = 0.2 + fraction(i, 0.754_877_666_246_693) * 0.95;
         let yaw_rate = 0.05 + fraction(i, 0.569_840_290_998_053) * 0.45;
         let kind = if i.is_multiple_of(3) {
-            Kind::Spiral {
+            ManeuverKind::Spiral {
                 speed_m_s,
                 yaw_rate_from_rad_s: 0.0,
                 yaw_rate_to_rad_s: -yaw_rate,
                 sway_speed_m_s: Some(0.2 * fraction(i, 0.381_966_011_250_105)),
             }
         } else {
-            Kind::ZigZag {
+            ManeuverKind::ZigZag {
                 shape: if i % 3 == 1 { Shape::Sine } else { Shape::Square },
                 speed_m_s,
                 yaw_rate_amplitude_rad_s: Some(yaw_rate),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use estimation::fitting::{Problem, RecordingView as Recording, Settings, SimulatedRun};
+use estimation::fitting::{Problem, RecordingView, Settings, SimulatedRun};
 use serde_json::{Value, json};
 use ship::forces::Forces;
 use ship::model::{Vessel, VesselFile};
@@ -44,8 +44,8 @@ pub fn measure(file: Option<&Path>) -> anyhow::Result<Value> {
         Some(path) => recorded(path, &vessel)?,
         None => (0..RECORDINGS).map(|i| simulated(&built.forces, &vessel, i)).collect(),
     };
-    let recordings: Vec<Recording> =
-        rows.iter().map(|(inputs, measured)| Recording { name: "", inputs, measured }).collect();
+    let recordings: Vec<RecordingView> =
+        rows.iter().map(|(inputs, measured)| RecordingView { name: "", inputs, measured }).collect();
     let settings = Settings::new(1.0 / vessel.sample_rate_hz);
     let problem = Problem::new(&built.forces, recordings, vessel.model.exogenous(), settings)?;
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;

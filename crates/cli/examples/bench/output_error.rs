@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use estimation::predictor::{InitialState, RunFit as Fit, Spread, output_error};
+use estimation::predictor::{InitialState, RunFit, Spread, output_error};
 use numerics::LANES;
 use numerics::lanes::lane_of;
 use regression::{Batch, Instruments, MeanRemoval, Outcome};
@@ -22,7 +22,7 @@ pub fn measure(paper: &Paper) -> anyhow::Result<Value> {
         "realizations": RUNS,
         "samples": realizations.experiment.samples(),
         "seconds_per_realization": seconds / f64::from(RUNS),
-        "converged": fits.iter().filter(|fit| matches!(fit, Fit::Converged(_))).count(),
+        "converged": fits.iter().filter(|fit| matches!(fit, RunFit::Converged(_))).count(),
     }))
 }
 
@@ -56,7 +56,7 @@ impl<'a> Realizations<'a> {
         Ok(Self { experiment, runs })
     }
 
-    fn fits(&self) -> Vec<Fit> {
+    fn fits(&self) -> Vec<RunFit> {
         let runs: Vec<RunView> = self.runs.iter().map(|run| self.recording(run)).collect();
         let model = self.experiment.paper.vessel.model.with_intercepts();
         let start = |run: &Measured| vec![model.layout().woven(&run.start, [0.0; 3])];
@@ -74,10 +74,10 @@ impl<'a> Realizations<'a> {
         }
     }
 
-    fn told(&self, run: usize, fit: &Fit) -> Value {
+    fn told(&self, run: usize, fit: &RunFit) -> Value {
         let Measured { measured, start } = &self.runs[run];
         let fitted = match fit {
-            Fit::Converged(found) => {
+            RunFit::Converged(found) => {
                 json!({"parameters": found.parameters, "standard_errors": found.standard_errors})
             }
             _ => Value::Null,

@@ -20,7 +20,7 @@ use study::estimates::{self, distinct};
 use study::files::{
     StageOfTerms, generator, read_any_simulated, read_campaign, read_dictionary, read_sequential,
 };
-use study::parts::{Keep, KeptTables as Kept, MAIN};
+use study::parts::{Keep, KeptTables, MAIN};
 use study::sequential::{SequentialFile, columns, document, rows};
 use study::trajectories::Layout;
 use trial::campaign::Settings;
@@ -103,7 +103,7 @@ impl MonteCarloArguments {
         self.check_room(&study, files.campaign, out)?;
         let done = Counting { study: &study, files: &files, bounds: config.bounds(), quiet: common.quiet };
         let (campaign, keep) = (&study.campaign, (self.keep, self.keep_first));
-        let mut kept = Kept::new(keep, campaign.vessel(), campaign.reacting(), out, &provenance)?;
+        let mut kept = KeptTables::new(keep, campaign.vessel(), campaign.reacting(), out, &provenance)?;
         let tally = match self.until {
             None => done.tallied(self.mine(&study), &mut kept)?,
             Some(width) => done.until(width)?,

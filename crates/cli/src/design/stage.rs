@@ -16,7 +16,7 @@ use study::files::{StageOfTerms, is_guess, read_campaign, read_dictionary};
 use study::moments_table::{MomentsTable, TableError, table_of};
 use trial::campaign::Plan;
 use trial::moments::{Moments, check_constants};
-use trial::refining::{Limits, Refinement, Refusal, Start, StatedLimits};
+use trial::refining::{Limits, Refinement, RefinementStart, Refusal, StatedLimits};
 
 use crate::cli::{Common, beside};
 use crate::design::{DesignArguments, Problem, no_criterion, no_design, scarce};
@@ -233,7 +233,7 @@ fn search(
     let plan = plan(a, vessel, &generator, &config, &design)?;
     let noise = config.some_noise().map_err(|e| Failure::invalid(&a.campaign, &e))?;
     let refused = |e| not_refined(a, e);
-    let start = Start::new(vessel, &generator, &plan, noise).map_err(|e| files(a).refused(e))?;
+    let start = RefinementStart::new(vessel, &generator, &plan, noise).map_err(|e| files(a).refused(e))?;
     let model = &vessel.model;
     let inputs: Vec<&str> = model.variables[3..3 + model.inputs].iter().map(|v| v.name.as_str()).collect();
     let stated = match &a.limits {

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use maneuver::DictionaryFile;
-use maneuver::merit::{Hull, Record, SailedFigures as Found, figures};
+use maneuver::merit::{Hull, Record, SailedFigures, figures};
 use refusal::Invalid;
 use ship::model::Vessel;
 
@@ -64,7 +64,7 @@ impl Log {
         own
     }
 
-    fn figures(&self, dictionary: Option<&str>) -> Result<Found, Invalid> {
+    fn figures(&self, dictionary: Option<&str>) -> Result<SailedFigures, Invalid> {
         let states: Vec<f64> = self.rows.iter().flat_map(|row| row[..3].to_vec()).collect();
         let inputs = self.rows[..self.rows.len() - 1].iter().flat_map(|row| row[6..].to_vec()).collect();
         // A compass goes round.
@@ -80,7 +80,7 @@ impl Log {
     }
 }
 
-fn value(found: &Found, name: &str) -> f64 {
+fn value(found: &SailedFigures, name: &str) -> f64 {
     found.figures.iter().find(|own| own.name == name).unwrap_or_else(|| panic!("{name}: {found:?}")).value
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use maneuver::merit::{Figure, Hull, Record, figures as found};
-use maneuver::{ManeuverKind as Kind, Standard};
+use maneuver::{ManeuverKind, Standard};
 use refusal::Invalid;
 use serde::Deserialize;
 use ship::model::{Vessel, VesselFile};
@@ -18,7 +18,7 @@ fn figures(standard: Standard, record: &Record, hull: &Hull) -> Result<Vec<Figur
 pub struct Case {
     pub ship: String,
     pub length_m: f64,
-    pub maneuver: Kind,
+    pub maneuver: ManeuverKind,
     pub figures: BTreeMap<String, f64>,
     pub inputs: Vec<String>,
     pub rate_hz: f64,

@@ -1,7 +1,7 @@
 //! The covariance predicted from stated disturbances against the spread of estimates, and against its definition.
 
 use numerics::{LANES, Lane};
-use regression::{Estimate, MeanRemoval, Noise, Outcome, meat as middle, moments};
+use regression::{Estimate, MeanRemoval, Noise, Outcome, meat, moments};
 use ship::engine::{Weather, simulate};
 use ship::model::{Source, Vessel};
 
@@ -32,7 +32,7 @@ fn predicted(vessel: &Vessel, experiment: &Experiment, noise: &Noise) -> Vec<f64
     let recording = undisturbed(vessel, experiment);
     let side = SideBySide::new(&[&recording]);
     let batch = side.batch(&vessel.model);
-    let (found, meats) = (moments(&batch), middle(&batch, &truth(vessel), noise));
+    let (found, meats) = (moments(&batch), meat(&batch, &truth(vessel), noise));
     let mut errors = Vec::new();
     for (m, b) in found[0].matrices.iter().zip(&meats[0]) {
         let n = m.len().isqrt();
@@ -110,7 +110,7 @@ fn law_of_a_model_without_states_the_residual_is_a_difference_of_errors() {
     let side = SideBySide::new(&[&recording]);
     let batch = side.batch(&vessel.model);
     let noise = Noise { measurement: [0.3, 0.2, 0.1], current: 0.5 };
-    let found = middle(&batch, &vec![0.0; vessel.model.parameters()], &noise);
+    let found = meat(&batch, &vec![0.0; vessel.model.parameters()], &noise);
     let n = recording.samples();
     let width = vessel.model.exogenous();
     for (d, degree) in vessel.model.degrees.iter().enumerate() {

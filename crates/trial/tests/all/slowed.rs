@@ -4,13 +4,13 @@ use maneuver::Generator;
 use numerics::Watch;
 use regression::Noise;
 use ship::model::{Source, Vessel};
-use trial::refining::{Limits, Refinement, Start, StatedLimits};
+use trial::refining::{Limits, Refinement, RefinementStart, StatedLimits};
 
 const NOISE: Noise = Noise { measurement: [0.1, 0.1, 0.1], current: 0.1 };
 
 /// The experiment of `inputs`, not yet simulated.
-fn start(vessel: &Vessel, inputs: Vec<f64>) -> Start {
-    Start {
+fn start(vessel: &Vessel, inputs: Vec<f64>) -> RefinementStart {
+    RefinementStart {
         inputs,
         initial: [1.0, 0.0, 0.0],
         states: Vec::new(),
@@ -72,7 +72,7 @@ duration_s = 40.0
 fn law_inputs_that_rise_and_fall_between_two_knots_as_fast_as_they_may_are_refined() {
     let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
     let generator = Generator::without_tables(&vessel, &ZIG_ZAG.parse().unwrap()).unwrap();
-    let mut start = Start::new(&vessel, &generator, &[(0, 320)], NOISE).unwrap();
+    let mut start = RefinementStart::new(&vessel, &generator, &[(0, 320)], NOISE).unwrap();
     let names = vessel.model.input_names();
     let last = names.len() - 1;
     for (k, row) in start.inputs.chunks_exact_mut(names.len()).enumerate() {

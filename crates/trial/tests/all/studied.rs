@@ -19,7 +19,7 @@ use trial::campaign::{Campaign, Designed, Maneuvers, Sea, Settings, SimulatedRun
 use trial::moments::{
     CriterionOf, Estimated, Expected, FreeRunModel, Moments, Pool, Prediction, ShipSampler, structure,
 };
-use trial::refining::{Limits, Refinement, Start, StatedLimits};
+use trial::refining::{Limits, Refinement, RefinementStart, StatedLimits};
 use trial::rounds::{self, Arm, Knowledge, Summary, Trial};
 
 use crate::golden::Table;
@@ -686,7 +686,7 @@ fn golden_arranged_experiments() {
 #[test]
 fn golden_refined_experiment() {
     let (vessel, generator) = (vessel(), generator(&vessel()));
-    let start = Start::new(&vessel, &generator, &[(1, 60), (2, 60)], NOISE).unwrap();
+    let start = RefinementStart::new(&vessel, &generator, &[(1, 60), (2, 60)], NOISE).unwrap();
     let states =
         simulate_one(&vessel.model, &vessel.parameters(Source::Value).unwrap(), start.initial, &start.inputs);
     assert_eq!(states, start.states);

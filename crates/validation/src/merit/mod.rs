@@ -5,7 +5,7 @@ mod summary;
 use std::collections::BTreeMap;
 
 use estimation::pooled::Uncertain;
-use maneuver::merit::{Figure, Hull, Record, SailedFigures as Found, figures};
+use maneuver::merit::{Figure, Hull, Record, SailedFigures, figures};
 use maneuver::{Generator, Standard};
 use refusal::Invalid;
 use ship::engine::{Run, Streams, check_runaway, simulate_command};
@@ -77,7 +77,7 @@ impl Gathered {
 }
 
 /// Refuses figures of which one is no number.
-fn all_finite(sailed: Found) -> Result<Found, Invalid> {
+fn all_finite(sailed: SailedFigures) -> Result<SailedFigures, Invalid> {
     match sailed.figures.iter().find(|figure| !figure.value.is_finite()) {
         None => Ok(sailed),
         Some(figure) => Err(Invalid::new(
@@ -152,7 +152,7 @@ impl<'a> Merit<'a> {
     }
 
     /// The place of what a log called `name` was found to be.
-    fn recognised(&mut self, name: &str, maneuver: Option<&Found>) -> usize {
+    fn recognised(&mut self, name: &str, maneuver: Option<&SailedFigures>) -> usize {
         let (kind, sailed) = maneuver.map_or(("", ""), |sailed| (sailed.kind, sailed.sailed.as_str()));
         let is_rest = |rest: &str| rest.is_empty() || rest.starts_with(": ");
         let is_it = |one: &Gathered| one.sailed == sailed && one.name.strip_prefix(name).is_some_and(is_rest);
@@ -201,7 +201,14 @@ impl<'a> Merit<'a> {
         }
     }
 
-    fn note(&mut self, place: usize, design: &str, run: i32, record: &Record, merit: Result<Found, Invalid>) {
+    fn note(
+        &mut self,
+        place: usize,
+        design: &str,
+        run: i32,
+        record: &Record,
+        merit: Result<SailedFigures, Invalid>,
+    ) {
         let gathered = &mut self.gathered[place];
         match merit.and_then(all_finite) {
             Ok(sailed) => {

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use maneuver::merit::{Figure, Record};
-use maneuver::{Generator, ManeuverKind as Kind};
+use maneuver::{Generator, ManeuverKind};
 use numerics::statistics::{mean, mean_interval, quantile, spread};
 use refusal::Invalid;
 use schemars::JsonSchema;
@@ -267,7 +267,7 @@ impl Merit<'_> {
 
     /// The figures of the undisturbed ship with `parameters`, means over the phases in which there is each.
     fn mean_figures(&self, phases: &[Generator], index: usize, parameters: &[f64]) -> MeanFigures {
-        let is_phased = matches!(phases[0].maneuvers()[index].kind, Kind::ZigZagTest(_));
+        let is_phased = matches!(phases[0].maneuvers()[index].kind, ManeuverKind::ZigZagTest(_));
         let phases = if is_phased { phases } else { &phases[..1] };
         let mut mean: Vec<Figure> = Vec::new();
         for (number, phase) in phases.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use estimation::fitting::{Inputs, Prior, Problem, RecordingView as Recording, Settings};
+use estimation::fitting::{Inputs, Prior, Problem, RecordingView, Settings};
 use estimation::pooled::{Covariance, Uncertain};
 use maneuver::{DictionaryFile, Generator};
 use regression::pooled::PooledRuns;
@@ -76,8 +76,8 @@ fn trial(vessel: &Vessel, text: &str, streams: &Streams) -> Vec<Run> {
     (0..generator.maneuvers().len()).map(run).collect()
 }
 
-fn recording(run: &Run) -> Recording<'_> {
-    Recording { name: "", inputs: &run.exogenous, measured: &run.measured }
+fn recording(run: &Run) -> RecordingView<'_> {
+    RecordingView { name: "", inputs: &run.exogenous, measured: &run.measured }
 }
 
 /// A ship that was fitted to runs.
