@@ -1,16 +1,15 @@
 //! Gives the files of a set their names: the members first, the document that vouches for them last.
 
 use std::collections::BTreeSet;
-use std::fs::{self, File};
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::document::{Document, stage_set_document};
 use crate::error::{Error, Result};
-use crate::fault;
 use crate::names::folder_of;
 use crate::provenance::Provenance;
 use crate::set;
-use crate::staged::Staged;
+use crate::staged::{Staged, flush};
 use crate::trace::wrote;
 use crate::unfinished;
 
@@ -62,13 +61,4 @@ fn refuse_same_targets(files: &[Staged]) -> Result<()> {
         }
     }
     Ok(())
-}
-
-/// Flushes the new name to the disk where the system knows how; elsewhere the name may be lost in
-/// a power cut, but never half a file.
-pub(crate) fn flush(folder: &Path) {
-    let _ = fault::point("flush the folder");
-    if let Ok(folder) = File::open(folder) {
-        let _ = folder.sync_all();
-    }
 }

@@ -1,7 +1,6 @@
 //! Decoding one column of one block.
 
 use std::cell::Cell;
-use std::error::Error;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -12,6 +11,7 @@ use parquet::file::metadata::ColumnChunkMetaData;
 
 use crate::budget::budget;
 use crate::columns::{Column, Labels};
+use crate::layout::inner_io;
 use crate::page_bytes::pages;
 use crate::source::Source;
 
@@ -47,14 +47,6 @@ pub(crate) fn decoded<T>(decode: impl FnOnce() -> ParquetResult<T>) -> Result<T,
             Err(other) => Undecoded::Damaged(other.to_string()),
         }),
         Err(_) => Err(Undecoded::Damaged("bytes that cannot be decoded".to_owned())),
-    }
-}
-
-/// The operating system's error inside an error of the parquet crate, or else that error.
-pub(crate) fn inner_io(error: ParquetError) -> Result<io::Error, Box<dyn Error + Send + Sync>> {
-    match error {
-        ParquetError::External(inner) => inner.downcast::<io::Error>().map(|io| *io),
-        other => Err(other.into()),
     }
 }
 

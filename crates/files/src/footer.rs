@@ -13,7 +13,7 @@ use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataOptions, ParquetMe
 use crate::digest::Digest;
 use crate::error::{Error, Result};
 use crate::metadata::KEY;
-use crate::page_bytes::most_bytes;
+use crate::thrift::most_bytes;
 use crate::{seal, thrift};
 
 const MAGIC: &[u8; 4] = b"PAR1";

@@ -8,7 +8,6 @@ use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::errors::ParquetError;
 use parquet::schema::types::{SchemaDescPtr, SchemaDescriptor, Type};
 
-use crate::decode::inner_io;
 use crate::error::{Error, Result};
 use crate::schema::{ColumnSpec, Kind};
 
@@ -39,6 +38,16 @@ impl Layout {
 /// The error of an attempt to write `file`.
 pub(crate) fn write_error(file: &Path, error: ParquetError) -> Error {
     Error::io(file, "write", inner_io(error).unwrap_or_else(std::io::Error::other))
+}
+
+/// The operating system's error inside an error of the parquet crate, or else that error.
+pub(crate) fn inner_io(
+    error: ParquetError,
+) -> std::result::Result<std::io::Error, Box<dyn std::error::Error + Send + Sync>> {
+    match error {
+        ParquetError::External(inner) => inner.downcast::<std::io::Error>().map(|io| *io),
+        other => Err(other.into()),
+    }
 }
 
 fn check_columns(file: &Path, columns: &[ColumnSpec]) -> Result<()> {

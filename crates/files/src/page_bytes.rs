@@ -11,20 +11,12 @@ use parquet::file::metadata::ColumnChunkMetaData;
 use parquet::file::reader::{ChunkReader, Length};
 use parquet::file::serialized_reader::SerializedPageReader;
 
-use crate::budget::budget;
-use crate::source::{From, Source};
-use crate::thrift::{BROKEN, PageSizes, page};
+use crate::source::{ReaderAt, Source};
+use crate::thrift::{BROKEN, PageSizes, most_bytes, page};
 
-/// Share of the memory that a page may take.
-const SHARE: f64 = 0.25;
 /// A header has some ten numbers; with the least and the greatest value of a text it may be longer.
 const USUAL_HEADER: u64 = 512;
 const LONGEST_HEADER: u64 = 1 << 20;
-
-/// Most bytes of a page.
-pub(crate) fn most_bytes() -> u64 {
-    (SHARE * budget().bytes()) as u64
-}
 
 /// Reads the pages of a column, whose blocks have `rows` rows.
 pub(crate) fn pages(
@@ -55,7 +47,7 @@ impl Length for PageBytes {
 }
 
 impl ChunkReader for PageBytes {
-    type T = BufReader<From>;
+    type T = BufReader<ReaderAt>;
 
     fn get_read(&self, start: u64) -> ParquetResult<Self::T> {
         let header = |most: u64| {

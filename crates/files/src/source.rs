@@ -24,8 +24,8 @@ impl Source {
     }
 
     /// A reader from the position `at` on.
-    pub fn from(&self, at: u64) -> From {
-        From { file: Arc::clone(&self.file), at }
+    pub fn from(&self, at: u64) -> ReaderAt {
+        ReaderAt { file: Arc::clone(&self.file), at }
     }
 }
 
@@ -36,7 +36,7 @@ impl Length for Source {
 }
 
 impl ChunkReader for Source {
-    type T = BufReader<From>;
+    type T = BufReader<ReaderAt>;
 
     fn get_read(&self, start: u64) -> ParquetResult<Self::T> {
         Ok(BufReader::new(self.from(start)))
@@ -54,12 +54,12 @@ impl ChunkReader for Source {
 }
 
 /// Reads a file from a position on.
-pub(crate) struct From {
+pub(crate) struct ReaderAt {
     file: Arc<File>,
     at: u64,
 }
 
-impl Read for From {
+impl Read for ReaderAt {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let read = read_at(&self.file, buffer, self.at)?;
         self.at = self.at.saturating_add(read as u64);

@@ -1,5 +1,6 @@
 //! Files that are complete but do not have their names yet: written as a whole or not at all.
 
+use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -8,7 +9,6 @@ use tempfile::{Builder, NamedTempFile, TempPath};
 
 use crate::digest::Digest;
 use crate::error::{Error, Result};
-use crate::fault;
 use crate::names::folder_of;
 use crate::trace::check_within;
 use crate::unfinished;
@@ -99,4 +99,88 @@ fn refuse_special(target: &Path) -> Result<()> {
         Err(_) => ("a device or pipe".to_owned(), "name a file"),
     };
     Err(Error::refuse(target, "output", found, "an ordinary file, or none", remedy))
+}
+
+/// Makes the folder `target`, with the folders `within` it: `write` fills a hidden folder beside it, whose path it gets, and
+/// which then gets the name.
+///
+/// # Errors
+/// [`Error::Io`] if the folder cannot be made or named; those of `write`.
+pub fn whole_folder<E: From<Error>>(
+    target: &Path,
+    within: &[&str],
+    write: impl FnOnce(&Path) -> std::result::Result<(), E>,
+) -> std::result::Result<(), E> {
+    let parent = folder_of(target);
+    let make = |builder: &tempfile::Builder| {
+        let made = builder.tempdir_in(parent)?;
+        within.iter().try_for_each(|name| fs::create_dir(made.path().join(name)))?;
+        Ok(made)
+    };
+    // The error's own text names the hidden folder, which is of no use to the user: keep its kind only.
+    let made = unfinished::create(parent, 0o777, make);
+    let made = made.map_err(|e| Error::io(target, "create", e.kind().into()))?;
+    write(made.path())?;
+    let _held = unfinished::held();
+    fs::rename(made.path(), target).map_err(|e| Error::io(target, "rename", e))?;
+    drop(made.keep());
+    flush(parent);
+    Ok(())
+}
+
+/// Flushes the new name to the disk where the system knows how; elsewhere the name may be lost in
+/// a power cut, but never half a file.
+pub(crate) fn flush(folder: &Path) {
+    let _ = fault::point("flush the folder");
+    if let Ok(folder) = File::open(folder) {
+        let _ = folder.sync_all();
+    }
+}
+
+/// Fault injection: a place where a test makes writing fail, or the process end. A release build has none.
+pub mod fault {
+    use std::io;
+
+    /// The effect at a place.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub enum Fault {
+        /// The system refuses.
+        Error,
+        /// The process is killed.
+        Kill,
+    }
+
+    #[cfg(debug_assertions)]
+    static NEXT: std::sync::Mutex<Option<(Fault, u32)>> = std::sync::Mutex::new(None);
+
+    /// Triggers `fault` when the process reaches its `count`-th place, counted from 1. Only in builds with debug assertions.
+    pub fn inject(fault: Fault, count: u32) {
+        #[cfg(debug_assertions)]
+        if let Ok(mut next) = NEXT.lock() {
+            *next = Some((fault, count));
+        }
+        #[cfg(not(debug_assertions))]
+        let _ = (fault, count);
+    }
+
+    /// A place: `create`, `write`, `put aside`, `seal`, `flush`, `rename`.
+    #[cfg(debug_assertions)]
+    pub(crate) fn point(name: &str) -> io::Result<()> {
+        let Ok(mut next) = NEXT.lock() else { return Ok(()) };
+        let Some((_, left)) = next.as_mut() else { return Ok(()) };
+        *left = left.saturating_sub(1);
+        if *left > 0 {
+            return Ok(());
+        }
+        match next.take() {
+            Some((Fault::Kill, _)) => std::process::abort(),
+            _ => Err(io::Error::other(format!("a fault put there by a test ({name})"))),
+        }
+    }
+
+    #[cfg(not(debug_assertions))]
+    #[inline(always)]
+    pub(crate) fn point(_: &str) -> io::Result<()> {
+        Ok(())
+    }
 }

@@ -20,12 +20,12 @@ use crate::columns::Column;
 use crate::digest::Digest;
 use crate::encode::{EncodedBlock, check_piece, check_rows};
 use crate::error::{Error, Result};
-use crate::fault;
 use crate::footer::Footer;
 use crate::layout::{Layout, write_error};
 use crate::metadata::{KEY, TableMetadata};
 use crate::provenance::Provenance;
 use crate::schema::{ColumnSpec, TableSchema};
+use crate::staged::fault;
 use crate::staged::{Staged, create_temporary};
 
 /// Rows per piece of a column: those of a page.

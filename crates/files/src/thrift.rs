@@ -1,6 +1,10 @@
 //! Validates a Parquet file's metadata before the parquet crate reads it: that crate reserves memory for as
 //! many entries as the file announces, and recurses as deep as it announces.
 
+use crate::budget::budget;
+
+/// Share of the memory that a page may take.
+const SHARE: f64 = 0.25;
 /// Types of the compact protocol.
 const LIST: u8 = 9;
 const STRUCT: u8 = 12;
@@ -21,6 +25,11 @@ pub(crate) struct PageSizes {
     pub labels: i64,
     /// Uncompressed bytes that come first: levels, in the second version of pages.
     pub levels: i64,
+}
+
+/// Most bytes of a page, and of a footer.
+pub(crate) fn most_bytes() -> u64 {
+    (SHARE * budget().bytes()) as u64
 }
 
 /// Checks the footer of a file: lists must be as long as announced, and columns nested no deeper than
