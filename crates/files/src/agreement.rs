@@ -5,10 +5,9 @@ use std::path::Path;
 use parquet::schema::types::{ColumnDescriptor, SchemaDescriptor};
 use refusal::{foreign, nearest};
 
+use crate::columns::{ColumnSpec, Kind};
 use crate::error::{Error, Result};
-use crate::layout::physical;
-use crate::metadata::ColumnEntry;
-use crate::schema::{ColumnSpec, Kind};
+use crate::layout::{ColumnEntry, physical};
 
 /// The columns of a file, if its envelope agrees with its Parquet schema.
 pub(crate) fn columns(

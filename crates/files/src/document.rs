@@ -1,24 +1,24 @@
 //! JSON documents: an envelope with schema, provenance, seal and units around the data.
 
-use std::collections::BTreeMap;
-use std::path::Path;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
 
-use refusal::Invalid;
+use refusal::{Invalid, foreign};
 use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::digest::Digest;
+use crate::access::{bytes_of, open_unobserved, read, wrote};
 use crate::error::{Error, Result};
-use crate::finite::first_not_finite;
-use crate::identity;
-use crate::pretty::pretty;
+use crate::identity::{self, Header};
+use crate::json::{first_not_finite, pretty};
 use crate::provenance::Provenance;
-use crate::seal;
-use crate::set;
+use crate::seal::{self, Digest};
 use crate::shard::Shard;
-use crate::staged::Staged;
+use crate::staged::{Staged, flush, folder_of, is_inside};
+use crate::unfinished;
 
 /// The contents of a kind of JSON document.
 ///
@@ -153,7 +153,7 @@ pub fn stage_set_document<D: Document>(
         origins: provenance.origins.clone(),
         settings: provenance.settings.clone(),
         shard: provenance.shard,
-        members: set::members(path, files)?,
+        members: member_digests(path, files)?,
         units: units::<D>(),
         data,
     };
@@ -172,4 +172,125 @@ pub fn json_schema<D: Document>() -> Value {
     schema["required"] =
         serde_json::json!(["schema", "producer", "seal", "inputs", "settings", "units", "data"]);
     schema
+}
+
+// Files that were written together: a document vouches for the others by their digests.
+
+/// Digests of `files` by their names beside `document`.
+fn member_digests(document: &Path, files: &[Staged]) -> Result<BTreeMap<String, Digest>> {
+    let folder = folder_of(document);
+    let member = |file: &Staged| {
+        let name = file.path().strip_prefix(folder).unwrap_or(file.path());
+        Ok((name.to_string_lossy().into_owned(), file.digest()?))
+    };
+    files.iter().map(member).collect()
+}
+
+/// The files that the existing `document` vouches for and that are not among the new `files`.
+fn earlier_members(document: &Path, files: &[Staged]) -> Vec<PathBuf> {
+    let is_document = document.extension().is_some_and(|end| end == "json");
+    let header = || {
+        let file = open_unobserved(document).ok().filter(|_| is_document)?;
+        serde_json::from_slice::<Header>(&bytes_of(document, file).ok()?).ok()
+    };
+    let is_new = |name: &Path| files.iter().any(|new| new.path().file_name() == name.file_name());
+    let gone = |(name, digest): (String, Digest)| {
+        let name = Some(Path::new(&name)).filter(|name| is_inside(name) && !is_new(name))?;
+        let file = folder_of(document).join(name);
+        Digest::of_own(&file).is_ok_and(|found| found == digest).then_some(file)
+    };
+    header().map(Header::members).into_iter().flatten().filter_map(gone).collect()
+}
+
+/// Refuses a document if the files beside it are not those written with it. A missing file is accepted.
+/// `known` are digests of files that need not be read again.
+///
+/// # Errors
+/// Names the first differing file, or one in another folder.
+pub fn check_members(
+    document: &Path,
+    members: &BTreeMap<String, Digest>,
+    known: impl Fn(&Path) -> Option<Digest>,
+) -> Result<()> {
+    for (name, digest) in members {
+        if !is_inside(Path::new(name)) {
+            let (found, expected) = (format!("`{}`", foreign(name)), "files beside the document");
+            let remedy = "write the document again: it names files of other folders";
+            return Err(Error::refuse(document, "members", found, expected, remedy));
+        }
+        let member = folder_of(document).join(name);
+        if known(&member).or_else(|| Digest::of_file(&member).ok()).is_some_and(|found| found != *digest) {
+            return Err(mixed(&member, document));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses the table at `path`, whose digest is `digest`, if the document of this name beside it was not written
+/// with it.
+pub(crate) fn check_companion(path: &Path, digest: Digest, companion: Option<&str>) -> Result<()> {
+    let inside = companion.filter(|name| is_inside(Path::new(name)));
+    let Some(document) = inside.map(|name| folder_of(path).join(name)) else { return Ok(()) };
+    let Ok(bytes) = read(&document) else { return Ok(()) };
+    let Ok(header) = serde_json::from_slice::<Header>(&bytes) else { return Ok(()) };
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    if header.members().get(&*name) == Some(&digest) { Ok(()) } else { Err(mixed(path, &document)) }
+}
+
+fn mixed(file: &Path, document: &Path) -> Error {
+    let found = format!("another file than the one written with {}", document.display());
+    let remedy = "run the stage that writes both again, or keep them in folders of their own";
+    Error::refuse(file, "digest", found, "the files of one run of a stage", remedy)
+}
+
+// Gives the files of a set their names: the members first, the document that vouches for them last.
+
+/// Gives every file its name, in order, replacing files of the same name. The last one is the document that vouches for the
+/// others, if there is one, and the one that tools wait for (make): what the document of this name vouched for before, and does
+/// not now, is removed.
+///
+/// If a process ends between two renames, or one fails, the document refuses the files that are not its own. The stage is then to
+/// be run again.
+///
+/// # Errors
+/// [`Error::Refused`] if two files have the same target; [`Error::Io`] if one cannot be renamed.
+pub fn commit(mut files: Vec<Staged>) -> Result<()> {
+    refuse_same_targets(&files)?;
+    let folders: BTreeSet<PathBuf> = files.iter().map(|file| folder_of(file.path()).to_owned()).collect();
+    files.iter().for_each(|file| wrote(file.path()));
+    let Some(last) = files.pop() else { return Ok(()) };
+    let earlier = earlier_members(last.path(), &files);
+    // No signal comes in between.
+    let held = unfinished::held();
+    files.into_iter().try_for_each(Staged::rename)?;
+    earlier.iter().for_each(|file| drop(fs::remove_file(file)));
+    last.rename()?;
+    drop(held);
+    folders.iter().for_each(|folder| flush(folder));
+    Ok(())
+}
+
+/// Gives `member` its name, and its name to the document beside it, which contains `data` and vouches for it.
+///
+/// # Errors
+/// See [`stage_set_document`] and [`commit`].
+pub fn commit_with_document<D: Document>(
+    member: Staged,
+    document: &Path,
+    provenance: &Provenance,
+    data: &D,
+) -> Result<()> {
+    let mut files = vec![member];
+    files.push(stage_set_document(document, provenance, data, &files)?);
+    commit(files)
+}
+
+fn refuse_same_targets(files: &[Staged]) -> Result<()> {
+    for (i, file) in files.iter().enumerate() {
+        if files[..i].iter().any(|other| other.path() == file.path()) {
+            let (found, expected) = ("two files of this name", "one file per name");
+            return Err(Error::refuse(file.path(), "output", found, expected, "name another output"));
+        }
+    }
+    Ok(())
 }

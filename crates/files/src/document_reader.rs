@@ -4,20 +4,19 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
-use refusal::{Contents, Invalid, Step, Unreadable};
 use serde::de::{DeserializeOwned, DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::error::Category;
 
-use crate::complaint::Complaint;
-use crate::digest::Digest;
-use crate::document::{Document, Envelope, Loaded, units};
-use crate::error::{Error, Result};
+use crate::access::{REMEDY, read};
+use crate::budget::{Work, budget};
+use crate::document::{Document, Envelope, Loaded, check_members, units};
+use crate::error::{Complaint, Error, Result};
+use crate::hand_written::text_of;
 use crate::identity::Header;
-use crate::ordinary::read;
-use crate::seal;
-use crate::set::check_members;
-use crate::toml_input::text_of;
-use crate::weight;
+use crate::provenance::Provenance;
+use crate::seal::{self, Digest};
+use crate::table_reader::Whole;
+use refusal::{Contents, Invalid, Step, Unreadable};
 
 /// Reads a document.
 ///
@@ -63,7 +62,7 @@ pub fn read_json<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<(T, Dige
     let bytes = read(path)?;
     let digest = Digest::of_bytes(&bytes);
     let text = text_of(path, bytes)?;
-    weight::check(path, &text)?;
+    check_memory(path, &text)?;
     Ok((parsed(path, &text)?, digest))
 }
 
@@ -145,10 +144,10 @@ impl<'de> Visitor<'de> for Way<'_> {
 }
 
 /// The text of a document, and its header.
-pub(crate) fn opened(path: &Path) -> Result<(String, Header)> {
+fn opened(path: &Path) -> Result<(String, Header)> {
     let bytes = read(path)?;
     let text = text_of(path, bytes)?;
-    weight::check(path, &text)?;
+    check_memory(path, &text)?;
     let header = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
     Ok((text, header))
 }
@@ -195,7 +194,7 @@ fn occurs(field: &str, text: &str) -> bool {
     whole.get("data").is_some_and(|data| within(data, name))
 }
 
-pub(crate) fn refusal(path: &Path, text: &str, error: &serde_json::Error) -> Error {
+fn refusal(path: &Path, text: &str, error: &serde_json::Error) -> Error {
     let line = error.line();
     let full = error.to_string();
     let message = full.rsplit_once(" at line ").map_or(full.as_str(), |(message, _)| message);
@@ -215,4 +214,105 @@ pub(crate) fn refusal(path: &Path, text: &str, error: &serde_json::Error) -> Err
 /// The key on a line of pretty JSON.
 fn key_of(line: &str) -> Option<&str> {
     line.trim_start().strip_prefix('"')?.split_once("\":").map(|(key, _)| key)
+}
+
+// Estimates the memory of a parsed JSON text: a few of its bytes can represent a hundred times as many.
+
+/// Memory of a map of one key, of a list of one value, and of a value with its key \[bytes\].
+const MAP: usize = 640;
+const LIST: usize = 160;
+const VALUE: usize = 96;
+
+/// Refuses a text, read from `path`, whose contents do not fit in memory.
+///
+/// # Errors
+/// States the need and the bound.
+fn check_memory(path: &Path, text: &str) -> Result<()> {
+    // Most texts are so short that they need not be counted.
+    if (text.len() * MAP) as f64 <= budget().bytes() {
+        return Ok(());
+    }
+    let found = format!("{} bytes", text.len());
+    let work = Work { file: path, thing: "contents", found: &found, remedy: REMEDY };
+    budget().memory(work, memory_of(text.as_bytes()) as f64)
+}
+
+/// Approximate memory of the text and its contents \[bytes\].
+fn memory_of(text: &[u8]) -> usize {
+    let (mut taken, mut quoted, mut escaped) = (2 * text.len() + VALUE, false, false);
+    for byte in text {
+        match byte {
+            _ if escaped => escaped = false,
+            b'\\' => escaped = quoted,
+            b'"' => quoted = !quoted,
+            b'{' if !quoted => taken += MAP,
+            b'[' if !quoted => taken += LIST,
+            b',' if !quoted => taken += VALUE,
+            _ => {}
+        }
+    }
+    taken
+}
+
+// A file's description of itself, for any kind.
+
+/// A file that was written as a document or table.
+#[derive(Clone, Debug)]
+pub struct Inspected {
+    /// Kind and version, like `design/1`.
+    pub schema: String,
+    /// Digest of the file.
+    pub digest: Digest,
+    /// Whether it has a seal, which then matches.
+    pub sealed: bool,
+    /// The origin of its contents.
+    pub provenance: Provenance,
+    /// Digests of the files that were written together with it, by their names beside it.
+    pub members: BTreeMap<String, Digest>,
+}
+
+/// Inspects the file at `path`; `None` if it is neither document nor table. [`crate::check_members`] checks
+/// the files that were written with a document.
+///
+/// # Errors
+/// [`Error::Io`] if it cannot be read; [`Error::Refused`] if it does not match its seal, or a table its
+/// document.
+pub fn inspect(path: &Path) -> Result<Option<Inspected>> {
+    match path.extension().and_then(|end| end.to_str()) {
+        Some("json") => document(path),
+        Some("parquet") => table(path).map(Some),
+        _ => Ok(None),
+    }
+}
+
+fn document(path: &Path) -> Result<Option<Inspected>> {
+    let (text, header) = opened(path)?;
+    let Some(schema) = header.schema().map(str::to_owned) else { return Ok(None) };
+    let digests = seal::check_text(path, &text, header.seal())?;
+    let envelope: Envelope<IgnoredAny> = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
+    let loaded = envelope.loaded(digests.digest);
+    let (sealed, provenance, members) = (header.seal().is_some(), loaded.provenance, loaded.members);
+    Ok(Some(Inspected { schema, digest: loaded.digest, sealed, provenance, members }))
+}
+
+fn table(path: &Path) -> Result<Inspected> {
+    let Whole { header, envelope, digest, .. } = Whole::open(path, None)?;
+    Ok(Inspected {
+        schema: header.schema().unwrap_or_default().to_owned(),
+        digest,
+        sealed: header.seal().is_some(),
+        provenance: envelope.into_parts().1,
+        members: BTreeMap::new(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_stands_in_texts_takes_no_more_than_they_have() {
+        let text = br#"{"a,[\"{": "\\", "b": [1, 2]}"#;
+        assert_eq!(memory_of(text), 2 * text.len() + VALUE + MAP + LIST + 2 * VALUE);
+    }
 }

@@ -10,9 +10,9 @@ use std::path::Path;
 use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataOptions, ParquetMetaDataReader};
 
-use crate::digest::Digest;
 use crate::error::{Error, Result};
-use crate::metadata::KEY;
+use crate::layout::KEY;
+use crate::seal::Digest;
 use crate::thrift::most_bytes;
 use crate::{seal, thrift};
 

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use refusal::foreign as quoted;
 
+use crate::columns::TableSchema;
 use crate::error::{Error, Result};
 use crate::provenance::{MIXED, Provenance};
-use crate::schema::TableSchema;
 use crate::shard::Shard;
 use crate::staged::Staged;
 use crate::table_reader::TableReader;

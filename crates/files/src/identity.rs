@@ -7,8 +7,8 @@ use refusal::foreign;
 use serde::Deserialize;
 use serde_json::Value;
 
-use crate::digest::Digest;
 use crate::error::{Error, Result};
+use crate::seal::Digest;
 
 /// The text that names a kind of file and its version.
 pub(crate) fn schema_id(id: &str, version: u32) -> String {

@@ -7,10 +7,10 @@ use serde::de::DeserializeOwned;
 use serde_json::json;
 
 use crate::changes::Changes;
-use crate::digest::Digest;
 use crate::error::{Error, Result};
+use crate::hand_written::read_changed;
+use crate::seal::Digest;
 use crate::shard::Shard;
-use crate::toml_input::read_changed;
 
 /// Roles that one file plays in a whole study: an output whose inputs refer to different files is a mixture.
 pub const STUDY_ROLES: [&str; 7] =

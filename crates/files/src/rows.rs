@@ -8,10 +8,9 @@ use serde::de::value::StrDeserializer;
 use serde::de::{DeserializeOwned, IntoDeserializer};
 use serde_json::Value;
 
-use crate::columns::{Column, Labels, Table};
+use crate::columns::{Column, ColumnSpec, Kind, Labels, Table, TableSchema};
 use crate::encode::{EncodedBlock, encode_block};
 use crate::error::{Error, Result};
-use crate::schema::{ColumnSpec, Kind, TableSchema};
 use crate::table_reader::TableReader;
 
 /// The columns of a table whose rows are of type `Row`: its schema, its writer and its reader.

@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::error::{Error, Result};
-use crate::names::folder_of;
-use crate::staged::fault;
+use crate::staged::{fault, folder_of};
 
 /// Slots of equal length: the first in memory, the others in an unnamed file that disappears with the
 /// process. A failure is recorded for [`Scratch::check`]: until then, numbers that could not be stored read

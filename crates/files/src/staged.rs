@@ -2,15 +2,14 @@
 
 use std::fs::{self, File};
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::OnceLock;
 
 use tempfile::{Builder, NamedTempFile, TempPath};
 
-use crate::digest::Digest;
+use crate::access::check_within;
 use crate::error::{Error, Result};
-use crate::names::folder_of;
-use crate::trace::check_within;
+use crate::seal::Digest;
 use crate::unfinished;
 
 /// A complete file beside its target, under a temporary name and flushed to the disk.
@@ -183,4 +182,19 @@ pub mod fault {
     pub(crate) fn point(_: &str) -> io::Result<()> {
         Ok(())
     }
+}
+
+// Names and folders of files.
+
+/// The folder of `file`.
+pub(crate) fn folder_of(file: &Path) -> &Path {
+    match file.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// Whether a relative path stays below its start.
+pub(crate) fn is_inside(path: &Path) -> bool {
+    path.components().all(|part| matches!(part, Component::Normal(_)))
 }

@@ -9,21 +9,17 @@ use parquet::errors::Result as ParquetResult;
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataOptions, RowGroupMetaData};
 use serde::de::DeserializeOwned;
 
+use crate::access::{Source, open};
 use crate::budget::{Work, budget};
-use crate::columns::{Column, Table};
-use crate::complaint::Complaint;
+use crate::columns::{Column, ColumnSpec, Kind, Table};
 use crate::decode::{Undecoded, decode_column, decoded};
-use crate::digest::Digest;
-use crate::error::{Error, Result};
+use crate::document::check_companion;
+use crate::error::{Complaint, Error, Result};
 use crate::footer::{self, Footer};
 use crate::identity::Header;
-use crate::metadata::TableMetadata;
-use crate::ordinary::open;
+use crate::layout::TableMetadata;
 use crate::provenance::Provenance;
-use crate::schema::{ColumnSpec, Kind};
-use crate::seal;
-use crate::set::check_companion;
-use crate::source::Source;
+use crate::seal::{self, Digest};
 
 /// A table whose kind, version, seal and schema have been checked.
 pub struct TableReader {
@@ -194,7 +190,7 @@ impl Whole {
         kind.map_or(Ok(()), |(id, version)| header.check(path, id, version))?;
         let digits_at = header.seal().map(|seal| footer.seal_digits_at(path, seal)).transpose()?.flatten();
         let digests = seal::digests(&mut file, digits_at).map_err(unreadable)?;
-        seal::check(path, header.seal(), digests)?;
+        seal::check_kind(path, header.seal(), digests)?;
         let envelope: TableMetadata = parse(path, text)?;
         check_companion(path, digests.digest, envelope.document.as_deref())?;
         Ok(Self { file, footer, header, envelope, digest: digests.digest })
@@ -244,10 +240,10 @@ fn damaged(path: &Path, found: &str) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::commit::commit;
+    use crate::columns::TableSchema;
+    use crate::document::commit;
     use crate::encode::encode_checked;
     use crate::layout::Layout;
-    use crate::schema::TableSchema;
     use crate::table_writer::TableWriter;
 
     /// A file such as only another program could write: the second block has a NaN in row 3.

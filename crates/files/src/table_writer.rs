@@ -14,17 +14,14 @@ use parquet::file::writer::TrackedWrite;
 use parquet::schema::types::SchemaDescPtr;
 use tempfile::NamedTempFile;
 
-use crate::arrow_schema;
-use crate::chunk::{Chunk, PAGE_ROWS};
-use crate::columns::Column;
-use crate::digest::Digest;
-use crate::encode::{EncodedBlock, check_piece, check_rows};
+use crate::columns::{Column, ColumnSpec, TableSchema};
+use crate::encode::{Chunk, EncodedBlock, PAGE_ROWS, check_piece, check_rows};
 use crate::error::{Error, Result};
 use crate::footer::Footer;
-use crate::layout::{Layout, write_error};
-use crate::metadata::{KEY, TableMetadata};
+use crate::layout;
+use crate::layout::{KEY, Layout, TableMetadata, write_error};
 use crate::provenance::Provenance;
-use crate::schema::{ColumnSpec, TableSchema};
+use crate::seal::Digest;
 use crate::staged::fault;
 use crate::staged::{Staged, create_temporary};
 
@@ -218,7 +215,7 @@ impl TableWriter {
             return Err(Error::io(&path, "write", what));
         }
         let rows = self.groups.iter().map(RowGroupMetaData::num_rows).sum();
-        let units = KeyValue::new(arrow_schema::KEY.to_owned(), arrow_schema::text(&self.columns));
+        let units = KeyValue::new(layout::ARROW_KEY.to_owned(), layout::arrow_schema(&self.columns));
         let notes = vec![KeyValue::new(KEY.to_owned(), metadata), units];
         let creator = Some(CREATOR.to_owned());
         let file = FileMetaData::new(FORMAT, rows, creator, Some(notes), self.descriptor, None);

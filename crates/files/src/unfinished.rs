@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use tempfile::Builder;
 
-use crate::digest::Digest;
+use crate::seal::Digest;
 
 /// A name is `.unfinished-<machine>-<process>-<random>.seatrial`: files of a user have no such names by chance.
 const BEFORE: &str = ".unfinished-";

@@ -6,11 +6,10 @@ use std::path::Path;
 use refusal::{Contents, Unreadable};
 use serde::de::{Deserialize, DeserializeOwned};
 
+use crate::access::{bytes_of, open, read};
 use crate::changes::Changes;
-use crate::complaint::Complaint;
-use crate::digest::Digest;
-use crate::error::{Error, Result};
-use crate::ordinary::{bytes_of, open, read};
+use crate::error::{Complaint, Error, Result};
+use crate::seal::Digest;
 use crate::toml_place::{Place, key_at, line_and_column, place_of, span_of};
 
 /// Reads a TOML file.
