@@ -6,6 +6,8 @@ use std::str::FromStr;
 use refusal::Invalid;
 use toml::{Table, Value};
 
+use crate::error::Result;
+
 /// A replacement for a value in a hand-written file: `campaign.realizations=100`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Change {

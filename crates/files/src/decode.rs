@@ -18,8 +18,8 @@ use parquet::file::serialized_reader::SerializedPageReader;
 use crate::access::{ReaderAt, Source};
 use crate::budget::budget;
 use crate::columns::{Column, Labels};
+use crate::footer::{BROKEN, PageSizes, most_bytes, page_sizes};
 use crate::layout::inner_io;
-use crate::thrift::{BROKEN, PageSizes, most_bytes, page};
 
 /// Why decoding failed.
 pub(crate) enum Undecoded {
@@ -166,7 +166,7 @@ impl ChunkReader for PageBytes {
         let header = |most: u64| {
             let mut bytes = Vec::new();
             self.source.get_read(start)?.take(most).read_to_end(&mut bytes)?;
-            Ok::<_, ParquetError>(page(&bytes))
+            Ok::<_, ParquetError>(page_sizes(&bytes))
         };
         let short = header(USUAL_HEADER)?;
         let sizes = if short.is_some() { short } else { header(LONGEST_HEADER)? };

@@ -12,11 +12,9 @@ use serde_json::Value;
 
 use crate::access::{bytes_of, open_unobserved, read, wrote};
 use crate::error::{Error, Result};
-use crate::identity::{self, Header};
 use crate::json::{first_not_finite, pretty};
-use crate::provenance::Provenance;
-use crate::seal::{self, Digest};
-use crate::shard::Shard;
+use crate::provenance::{Provenance, Shard};
+use crate::seal::{self, Digest, Header};
 use crate::staged::{Staged, flush, folder_of, is_inside};
 use crate::unfinished;
 
@@ -36,7 +34,7 @@ pub trait Document: Serialize + DeserializeOwned + JsonSchema {
     ///
     /// # Errors
     /// Names the value.
-    fn check(&self) -> std::result::Result<(), Invalid> {
+    fn check(&self) -> Result<(), Invalid> {
         Ok(())
     }
 }
@@ -146,7 +144,7 @@ pub fn stage_set_document<D: Document>(
         return Err(Error::refuse(path, format!("data.{field}"), value, "a finite number", remedy));
     }
     let envelope = Envelope {
-        schema: identity::schema_id(D::ID, D::VERSION),
+        schema: seal::schema_id(D::ID, D::VERSION),
         producer: provenance.producer.clone(),
         seal: Some(Digest::ZERO),
         inputs: provenance.inputs.clone(),
@@ -167,7 +165,7 @@ pub fn stage_set_document<D: Document>(
 pub fn json_schema<D: Document>() -> Value {
     let mut schema = schemars::schema_for!(Envelope<D>).to_value();
     schema["title"] = format!("{} document", D::ID).into();
-    schema["properties"]["schema"]["const"] = identity::schema_id(D::ID, D::VERSION).into();
+    schema["properties"]["schema"]["const"] = seal::schema_id(D::ID, D::VERSION).into();
     schema["properties"]["units"]["const"] = serde_json::json!(units::<D>());
     schema["required"] =
         serde_json::json!(["schema", "producer", "seal", "inputs", "settings", "units", "data"]);

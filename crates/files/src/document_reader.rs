@@ -12,9 +12,8 @@ use crate::budget::{Work, budget};
 use crate::document::{Document, Envelope, Loaded, check_members, units};
 use crate::error::{Complaint, Error, Result};
 use crate::hand_written::text_of;
-use crate::identity::Header;
 use crate::provenance::Provenance;
-use crate::seal::{self, Digest};
+use crate::seal::{self, Digest, Header};
 use crate::table_reader::Whole;
 use refusal::{Contents, Invalid, Step, Unreadable};
 
@@ -88,7 +87,7 @@ struct Way<'a> {
 }
 
 impl Way<'_> {
-    fn fault<T, E: serde::de::Error>(&self) -> std::result::Result<T, E> {
+    fn fault<T, E: serde::de::Error>(&self) -> Result<T, E> {
         Err(E::custom(self.message))
     }
 }
@@ -96,14 +95,14 @@ impl Way<'_> {
 impl<'de> DeserializeSeed<'de> for Way<'_> {
     type Value = ();
 
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> std::result::Result<(), D::Error> {
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
         deserializer.deserialize_any(self)
     }
 }
 
 macro_rules! fails {
     ($($method:ident($($type:ty)?)),+) => {
-        $(fn $method<E: serde::de::Error>(self, $(_: $type)?) -> std::result::Result<(), E> {
+        $(fn $method<E: serde::de::Error>(self, $(_: $type)?) -> Result<(), E> {
             self.fault()
         })+
     };
@@ -118,7 +117,7 @@ impl<'de> Visitor<'de> for Way<'_> {
 
     fails! { visit_bool(bool), visit_i64(i64), visit_u64(u64), visit_f64(f64), visit_str(&str), visit_unit() }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> std::result::Result<(), A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<(), A::Error> {
         let Some((Step::Item(place), steps)) = self.steps.split_first() else { return self.fault() };
         for _ in 0..*place {
             items.next_element::<IgnoredAny>()?;
@@ -127,7 +126,7 @@ impl<'de> Visitor<'de> for Way<'_> {
         self.fault()
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> std::result::Result<(), A::Error> {
+    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<(), A::Error> {
         while let Some(key) = entries.next_key::<String>()? {
             match self.steps.split_first() {
                 Some((Step::Key(wanted), steps)) if *wanted == key => {

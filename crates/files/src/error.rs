@@ -9,7 +9,7 @@ use refusal::{Invalid, foreign, one_line, shortened};
 use crate::toml_place::placed;
 
 /// Result of this crate's functions.
-pub type Result<T> = std::result::Result<T, Error>;
+pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// Bad input, or failed input and output.
 #[derive(Debug, thiserror::Error)]

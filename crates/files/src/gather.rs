@@ -8,8 +8,7 @@ use refusal::foreign as quoted;
 
 use crate::columns::TableSchema;
 use crate::error::{Error, Result};
-use crate::provenance::{MIXED, Provenance};
-use crate::shard::Shard;
+use crate::provenance::{MIXED, Provenance, Shard};
 use crate::staged::Staged;
 use crate::table_reader::TableReader;
 use crate::table_writer::TableWriter;

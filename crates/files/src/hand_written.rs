@@ -93,7 +93,7 @@ struct Fault {
     span: Option<Range<usize>>,
 }
 
-fn parsed<T: DeserializeOwned>(text: &str) -> std::result::Result<T, Fault> {
+fn parsed<T: DeserializeOwned>(text: &str) -> Result<T, Fault> {
     let contents = toml::Deserializer::parse(text).and_then(Contents::deserialize);
     let contents = contents.map_err(|e| Fault { message: e.message().to_owned(), span: e.span() })?;
     let fault = |Unreadable { message, way, is_key }| Fault { message, span: span_of(text, &way, is_key) };

@@ -12,10 +12,8 @@ use serde_json::Value;
 
 use crate::columns::{ColumnSpec, Kind, TableSchema};
 use crate::error::{Error, Result};
-use crate::identity::schema_id;
-use crate::provenance::Provenance;
-use crate::seal::{self, Digest};
-use crate::shard::Shard;
+use crate::provenance::{Provenance, Shard};
+use crate::seal::{self, Digest, schema_id};
 
 /// The Parquet side of a list of columns.
 pub(crate) struct Layout {
@@ -29,7 +27,7 @@ impl Layout {
         check_columns(file, columns)?;
         let broken = |e: ParquetError| write_error(file, e);
         let fields = columns.iter().map(|c| parquet_type(c).map(Arc::new));
-        let fields = fields.collect::<std::result::Result<_, _>>().map_err(broken)?;
+        let fields = fields.collect::<Result<_, _>>().map_err(broken)?;
         let root = Type::group_type_builder("schema").with_fields(fields).build().map_err(broken)?;
         Ok(Self { descriptor: Arc::new(SchemaDescriptor::new(Arc::new(root))) })
     }
@@ -49,7 +47,7 @@ pub(crate) fn write_error(file: &Path, error: ParquetError) -> Error {
 /// The operating system's error inside an error of the parquet crate, or else that error.
 pub(crate) fn inner_io(
     error: ParquetError,
-) -> std::result::Result<std::io::Error, Box<dyn std::error::Error + Send + Sync>> {
+) -> Result<std::io::Error, Box<dyn std::error::Error + Send + Sync>> {
     match error {
         ParquetError::External(inner) => inner.downcast::<std::io::Error>().map(|io| *io),
         other => Err(other.into()),
@@ -89,7 +87,7 @@ pub(crate) fn physical(kind: Kind) -> Physical {
     }
 }
 
-fn parquet_type(column: &ColumnSpec) -> std::result::Result<Type, ParquetError> {
+fn parquet_type(column: &ColumnSpec) -> Result<Type, ParquetError> {
     let repetition = if column.nullable { Repetition::OPTIONAL } else { Repetition::REQUIRED };
     let logical = (column.kind == Kind::Text).then_some(LogicalType::String);
     Type::primitive_type_builder(&column.name, physical(column.kind))

@@ -35,7 +35,6 @@
 #![warn(missing_docs)]
 
 mod access;
-mod agreement;
 mod budget;
 mod changes;
 mod columns;
@@ -48,18 +47,15 @@ mod footer;
 mod foreign;
 mod gather;
 mod hand_written;
-mod identity;
 mod json;
 mod layout;
 mod provenance;
 mod rows;
 mod scratch;
 mod seal;
-mod shard;
 mod staged;
 mod table_reader;
 mod table_writer;
-mod thrift;
 mod toml_place;
 mod unfinished;
 
@@ -82,11 +78,10 @@ pub use error::{Error, Result};
 pub use foreign::{ForeignTable, Timed};
 pub use gather::{check_given, check_settings, check_shards, gather, shards_of};
 pub use hand_written::{parse_toml, read_hand_written, read_to_string, read_toml};
-pub use provenance::{MIXED, Provenance, STUDY_ROLES};
+pub use provenance::{MIXED, Provenance, STUDY_ROLES, Shard};
 pub use rows::Columns;
 pub use scratch::Scratch;
 pub use seal::{Digest, Digesting};
-pub use shard::Shard;
 pub use staged::{Staged, fault, whole_folder};
 pub use table_reader::TableReader;
 pub use table_writer::{PIECE_ROWS, TableWriter};

@@ -35,7 +35,7 @@ type Get<Row, T> = Box<dyn Fn(&Row) -> T + Send + Sync>;
 type Set<Row, T> = Box<dyn Fn(&mut Row, T) + Send + Sync>;
 type GetText<Row> = Box<dyn for<'a> Fn(&'a Row) -> Cow<'a, str> + Send + Sync>;
 /// Returns what would have been expected if the text is unknown.
-type SetText<Row> = Box<dyn Fn(&mut Row, &str) -> std::result::Result<(), Unknown> + Send + Sync>;
+type SetText<Row> = Box<dyn Fn(&mut Row, &str) -> Result<(), Unknown> + Send + Sync>;
 
 /// The accessors of one column.
 enum Field<Row> {
@@ -210,7 +210,7 @@ impl<Row> Field<Row> {
     }
 
     /// Sets this field of every row; else returns the row whose text is unknown, and what was expected there.
-    fn fill(&self, rows: &mut [Row], column: &Column) -> std::result::Result<(), (usize, String)> {
+    fn fill(&self, rows: &mut [Row], column: &Column) -> Result<(), (usize, String)> {
         for (i, row) in rows.iter_mut().enumerate() {
             match self {
                 Self::Text(_, set) => {

@@ -1,12 +1,15 @@
 //! Digests of files.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::str::FromStr;
 
+use refusal::foreign;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::Value;
 
 use crate::error::{Error, Result};
 
@@ -100,7 +103,7 @@ pub struct NotADigest(String);
 impl FromStr for Digest {
     type Err = NotADigest;
 
-    fn from_str(text: &str) -> std::result::Result<Self, NotADigest> {
+    fn from_str(text: &str) -> Result<Self, NotADigest> {
         let hex = text.strip_prefix(PREFIX).unwrap_or_default();
         let lower = hex.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'));
         let hash = blake3::Hash::from_hex(hex).ok().filter(|_| lower);
@@ -111,7 +114,7 @@ impl FromStr for Digest {
 impl TryFrom<String> for Digest {
     type Error = NotADigest;
 
-    fn try_from(text: String) -> std::result::Result<Self, NotADigest> {
+    fn try_from(text: String) -> Result<Self, NotADigest> {
         text.parse()
     }
 }
@@ -200,10 +203,78 @@ pub(crate) fn check_text(path: &Path, text: &str, seal: Option<Digest>) -> Resul
 }
 
 /// Reads the value of a `seal` key, which must be there but may be null.
-pub(crate) fn required<'de, D: Deserializer<'de>>(
-    source: D,
-) -> std::result::Result<Option<Digest>, D::Error> {
+pub(crate) fn required<'de, D: Deserializer<'de>>(source: D) -> Result<Option<Digest>, D::Error> {
     Option::deserialize(source)
+}
+
+// Which kind of file, in which version: `trajectories/1`.
+
+/// The text that names a kind of file and its version.
+pub(crate) fn schema_id(id: &str, version: u32) -> String {
+    format!("{id}/{version}")
+}
+
+/// Refuses another kind of file, and another version of the same kind.
+fn check_identity(path: &Path, found: &str, id: &str, version: u32) -> Result<()> {
+    let expected = schema_id(id, version);
+    if found == expected {
+        return Ok(());
+    }
+    let remedy = match found.split_once('/') {
+        Some((kind, number)) if kind == id => version_remedy(number, version),
+        _ => format!("name a file of kind {id}"),
+    };
+    Err(Error::refuse(path, "schema", foreign(found), expected, remedy))
+}
+
+fn version_remedy(found: &str, expected: u32) -> String {
+    let again = "write the file again with this version";
+    match found.parse::<u64>() {
+        Ok(found) if found > u64::from(expected) => format!("upgrade seatrial or {again}"),
+        _ => again.to_owned(),
+    }
+}
+
+/// The part that is read before the contents are trusted; the rest of the envelope is skipped.
+#[derive(Deserialize)]
+pub(crate) struct Header {
+    #[serde(default)]
+    schema: Value,
+    #[serde(default)]
+    seal: Value,
+    #[serde(default)]
+    members: Value,
+}
+
+impl Header {
+    /// Refuses a file of unknown kind, of another kind, and of another version.
+    pub fn check(&self, path: &Path, id: &str, version: u32) -> Result<()> {
+        match self.schema.as_str() {
+            Some(found) => check_identity(path, found, id, version),
+            None => Err(absent(path, id, version)),
+        }
+    }
+
+    /// Kind and version, if stated.
+    pub fn schema(&self) -> Option<&str> {
+        self.schema.as_str()
+    }
+
+    /// The seal. If it is missing or not a digest, the strict reading of the envelope will refuse that.
+    pub fn seal(&self) -> Option<Digest> {
+        self.seal.as_str().and_then(|text| text.parse().ok())
+    }
+
+    /// The digests of the files that were written together with this one.
+    pub fn members(self) -> BTreeMap<String, Digest> {
+        serde_json::from_value(self.members).unwrap_or_default()
+    }
+}
+
+/// Refuses a file that does not state its kind.
+pub(crate) fn absent(path: &Path, id: &str, version: u32) -> Error {
+    let remedy = format!("name a file of kind {id}");
+    Error::refuse(path, "schema", "no schema id", schema_id(id, version), remedy)
 }
 
 #[cfg(test)]

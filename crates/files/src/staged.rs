@@ -108,8 +108,8 @@ fn refuse_special(target: &Path) -> Result<()> {
 pub fn whole_folder<E: From<Error>>(
     target: &Path,
     within: &[&str],
-    write: impl FnOnce(&Path) -> std::result::Result<(), E>,
-) -> std::result::Result<(), E> {
+    write: impl FnOnce(&Path) -> Result<(), E>,
+) -> Result<(), E> {
     let parent = folder_of(target);
     let make = |builder: &tempfile::Builder| {
         let made = builder.tempdir_in(parent)?;

@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 
 use parquet::errors::Result as ParquetResult;
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataOptions, RowGroupMetaData};
+use parquet::schema::types::{ColumnDescriptor, SchemaDescriptor};
+use refusal::{foreign, nearest};
 use serde::de::DeserializeOwned;
 
 use crate::access::{Source, open};
@@ -16,10 +18,9 @@ use crate::decode::{Undecoded, decode_column, decoded};
 use crate::document::check_companion;
 use crate::error::{Complaint, Error, Result};
 use crate::footer::{self, Footer};
-use crate::identity::Header;
-use crate::layout::TableMetadata;
+use crate::layout::{ColumnEntry, TableMetadata, physical};
 use crate::provenance::Provenance;
-use crate::seal::{self, Digest};
+use crate::seal::{self, Digest, Header};
 
 /// A table whose kind, version, seal and schema have been checked.
 pub struct TableReader {
@@ -48,7 +49,7 @@ impl TableReader {
         // Statistics are kept as stored, so that a copied block has the same bytes.
         let options = ParquetMetaDataOptions::new().with_encoding_stats_as_mask(false);
         let metadata = guarded(path, || footer::metadata(&footer.bytes, &options))?;
-        let columns = crate::agreement::columns(path, entries, metadata.file_metadata().schema_descr())?;
+        let columns = agreed_columns(path, entries, metadata.file_metadata().schema_descr())?;
         let blocks = block_rows(path, metadata.row_groups())?;
         let source = Source::new(file).map_err(|e| Error::io(path, "read", e))?;
         let (path, sealed) = (path.to_owned(), header.seal().is_some());
@@ -63,7 +64,7 @@ impl TableReader {
     /// # Errors
     /// [`Error::Refused`] naming all missing columns at once, or else all that differ.
     pub fn require(&self, columns: &[ColumnSpec]) -> Result<()> {
-        crate::agreement::require(&self.path, &self.columns, columns)
+        require_columns(&self.path, &self.columns, columns)
     }
 
     /// Columns in file order.
@@ -108,7 +109,7 @@ impl TableReader {
             let (found, expected) = (format!("block {i}"), format!("a block below {}", self.blocks()));
             return Err(Error::refuse(&self.path, "block", found, expected, "ask for a block of the file"));
         };
-        let places = crate::agreement::places(&self.path, &self.columns, names)?;
+        let places = column_places(&self.path, &self.columns, names)?;
         let width = |place: &usize| match self.columns[*place].kind {
             Kind::F64 => size_of::<f64>(),
             Kind::I32 | Kind::Text => size_of::<u32>(),
@@ -235,6 +236,77 @@ fn guarded<T>(path: &Path, decode: impl FnOnce() -> ParquetResult<T>) -> Result<
 
 fn damaged(path: &Path, found: &str) -> Error {
     Error::refuse(path, "contents", found, "a readable table", "the file is damaged: write it again")
+}
+
+// Compares the columns of a file with the wanted ones.
+
+/// The columns of a file, if its envelope agrees with its Parquet schema.
+fn agreed_columns(
+    path: &Path,
+    entries: Vec<ColumnEntry>,
+    schema: &SchemaDescriptor,
+) -> Result<Vec<ColumnSpec>> {
+    let agree = entries.len() == schema.num_columns()
+        && entries.iter().zip(schema.columns()).all(|(entry, descriptor)| fits(entry, descriptor));
+    if !agree {
+        let (found, expected) = ("columns other than those in the metadata", "the same columns in both");
+        return Err(Error::refuse(path, "columns", found, expected, "write the file again"));
+    }
+    let spec = |(entry, descriptor): (ColumnEntry, &std::sync::Arc<ColumnDescriptor>)| {
+        let ColumnEntry { name, unit, kind } = entry;
+        ColumnSpec { name, unit, kind, nullable: descriptor.max_def_level() > 0 }
+    };
+    Ok(entries.into_iter().zip(schema.columns()).map(spec).collect())
+}
+
+fn fits(entry: &ColumnEntry, descriptor: &ColumnDescriptor) -> bool {
+    let deepest = if entry.kind == Kind::F64 { 1 } else { 0 };
+    descriptor.path().parts() == [entry.name.as_str()]
+        && descriptor.physical_type() == physical(entry.kind)
+        && descriptor.max_rep_level() == 0
+        && descriptor.max_def_level() <= deepest
+}
+
+/// Refuses if a wanted column is missing (all are named), or has another unit or type.
+fn require_columns(path: &Path, found: &[ColumnSpec], wanted: &[ColumnSpec]) -> Result<()> {
+    let names: Vec<&str> = wanted.iter().map(|column| column.name.as_str()).collect();
+    let places = column_places(path, found, &names)?;
+    let mut differ = [const { Vec::new() }; 3];
+    for (wanted, found) in wanted.iter().zip(places.into_iter().map(|place| &found[place])) {
+        if (&wanted.unit, wanted.kind) != (&found.unit, found.kind) {
+            let parts = [format!("`{}`", wanted.name), kind_of(found), kind_of(wanted)];
+            differ.iter_mut().zip(parts).for_each(|(list, part)| list.push(part));
+        }
+    }
+    if differ[0].is_empty() {
+        return Ok(());
+    }
+    let [thing, found, expected] = differ.map(|list| list.join(", "));
+    let remedy = "convert the values, correct the unit and write the file again";
+    Err(Error::refuse(path, format!("column {thing}"), found, expected, remedy))
+}
+
+fn kind_of(column: &ColumnSpec) -> String {
+    format!("{} in unit {}", column.kind, foreign(&column.unit))
+}
+
+/// The indices of the named columns; a refusal names all that are missing.
+fn column_places(path: &Path, columns: &[ColumnSpec], names: &[&str]) -> Result<Vec<usize>> {
+    let place = |name: &&str| columns.iter().position(|column| column.name == **name);
+    let missing: Vec<&str> = names.iter().filter(|name| place(name).is_none()).copied().collect();
+    if missing.is_empty() {
+        return Ok(names.iter().filter_map(place).collect());
+    }
+    let known = || columns.iter().map(|column| column.name.as_str());
+    let near: Vec<&str> = missing.iter().filter_map(|name| nearest(name, known())).collect();
+    let remedy = format!("write the file again with them (nearest in the file: {})", list(&near));
+    let known: Vec<&str> = known().collect();
+    Err(Error::refuse(path, "columns", list(&known), format!("also {}", list(&missing)), remedy))
+}
+
+fn list(names: &[&str]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{}`", foreign(name))).collect();
+    if quoted.is_empty() { "none".to_owned() } else { quoted.join(", ") }
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ pub fn abandon() {
     let folders = held();
     let (machine, process) = (machine(), std::process::id());
     let is_own = |of: (&str, u32), _: &Path| of == (machine.as_deref().unwrap_or(SOME_MACHINE), process);
-    folders.iter().for_each(|folder| remove(folder, is_own));
+    folders.iter().for_each(|folder| remove_unfinished(folder, is_own));
     // The process ends with this lock held, so that nothing is created or renamed any more.
     std::mem::forget(folders);
 }
@@ -66,7 +66,7 @@ pub(crate) fn create<T: AsRef<Path>>(
             let age = || now?.duration_since(changed(path)?).ok();
             has_ended(process) && (machine.as_deref() == Some(of) || age().is_some_and(|age| age > LEFT))
         };
-        remove(folder, is_left);
+        remove_unfinished(folder, is_left);
     }
     Ok(made)
 }
@@ -85,7 +85,7 @@ fn writer_of(name: &str) -> Option<(&str, u32)> {
 }
 
 /// Removes the unfinished files and folders in `folder` of which `is_left` says so.
-fn remove(folder: &Path, is_left: impl Fn((&str, u32), &Path) -> bool) {
+fn remove_unfinished(folder: &Path, is_left: impl Fn((&str, u32), &Path) -> bool) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let (name, path) = (entry.file_name(), entry.path());
         if name.to_str().and_then(writer_of).is_some_and(|of| is_left(of, &path)) {
