@@ -15,8 +15,8 @@ use crate::error::{Error, Result};
 use crate::json::{first_not_finite, pretty};
 use crate::provenance::{Provenance, Shard};
 use crate::seal::{self, Digest, Header};
+use crate::staged;
 use crate::staged::{Staged, flush, folder_of, is_inside};
-use crate::unfinished;
 
 /// The contents of a kind of JSON document.
 ///
@@ -259,7 +259,7 @@ pub fn commit(mut files: Vec<Staged>) -> Result<()> {
     let Some(last) = files.pop() else { return Ok(()) };
     let earlier = earlier_members(last.path(), &files);
     // No signal comes in between.
-    let held = unfinished::held();
+    let held = staged::hold_names();
     files.into_iter().try_for_each(Staged::rename)?;
     earlier.iter().for_each(|file| drop(fs::remove_file(file)));
     last.rename()?;

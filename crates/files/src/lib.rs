@@ -36,7 +36,6 @@
 
 mod access;
 mod budget;
-mod changes;
 mod columns;
 mod decode;
 mod document;
@@ -57,13 +56,11 @@ mod staged;
 mod table_reader;
 mod table_writer;
 mod toml_place;
-mod unfinished;
 
 pub use self::budget::{Budget, PROGRAM_BYTES, Work, budget, free_bytes, mib_with_program, set_budget};
 pub use access::{
     DEEPEST, Observed, Trace, check_within, exists, observe_names, open, place_of, read, trace, traced,
 };
-pub use changes::{Change, Changes};
 pub use columns::{
     Column, ColumnSpec, FloatColumn, IntegerColumn, Kind, Labels, Table, TableSchema, TextColumn,
 };
@@ -77,12 +74,11 @@ pub use encode::{EncodedBlock, encode_block};
 pub use error::{Error, Result};
 pub use foreign::{ForeignTable, Timed};
 pub use gather::{check_given, check_settings, check_shards, gather, shards_of};
-pub use hand_written::{parse_toml, read_hand_written, read_to_string, read_toml};
+pub use hand_written::{Change, Changes, parse_toml, read_hand_written, read_to_string, read_toml};
 pub use provenance::{MIXED, Provenance, STUDY_ROLES, Shard};
 pub use rows::Columns;
 pub use scratch::Scratch;
 pub use seal::{Digest, Digesting};
-pub use staged::{Staged, fault, whole_folder};
+pub use staged::{Staged, abandon, fault, is_unfinished, whole_folder};
 pub use table_reader::TableReader;
 pub use table_writer::{PIECE_ROWS, TableWriter};
-pub use unfinished::{abandon, is_unfinished};

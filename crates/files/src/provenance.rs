@@ -11,9 +11,8 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::changes::Changes;
 use crate::error::{Error, Result};
-use crate::hand_written::read_changed;
+use crate::hand_written::{Changes, read_changed};
 use crate::seal::Digest;
 
 /// Roles that one file plays in a whole study: an output whose inputs refer to different files is a mixture.
