@@ -1,4 +1,8 @@
 //! Opens files for reading: ordinary files only. A pipe, a device or a folder is refused without waiting.
+//!
+//! What a stage opens, looks for and writes is traced, so that nothing that is read is missed, whatever its files name. A file that
+//! is not there and the names in a folder are observations like a file's bytes: a stage whose observations are as before gives the
+//! same outputs.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, FileType, OpenOptions};
@@ -118,8 +122,6 @@ fn name_of(kind: FileType) -> &'static str {
     if kind.is_dir() { "a folder" } else { "a device" }
 }
 
-// A file that many threads read at once, each at its own position.
-
 /// An open file without a shared position: the file that was checked is the file that is read, even if
 /// another has taken its name since.
 #[derive(Clone, Debug)]
@@ -189,11 +191,6 @@ fn read_at(file: &File, buffer: &mut [u8], at: u64) -> io::Result<usize> {
     std::os::windows::fs::FileExt::seek_read(file, buffer, at)
 }
 
-// What a stage opens, looks for and writes: its inputs and outputs, whatever its files name.
-//
-// Every file is opened by [`crate::open`], so that nothing that is read is missed. A file that is not there and the names in a folder are
-// observations like a file's bytes: a stage whose observations are as before gives the same outputs.
-
 /// The observations of the stage that runs, if it is traced.
 static TRACE: Mutex<Option<Trace>> = Mutex::new(None);
 
@@ -221,9 +218,8 @@ impl Observed {
         match self {
             Self::File(path) => Digest::of_file(path).ok(),
             Self::Names(folder, pattern) => {
-                let (pattern, depth) = pattern
-                    .strip_prefix(BELOW)
-                    .map_or((&**pattern, 1), |strip_prefix| (strip_prefix, DEEPEST));
+                let below = pattern.strip_prefix(BELOW).map(|pattern| (pattern, DEEPEST));
+                let (pattern, depth) = below.unwrap_or((pattern, 1));
                 let mut names = BTreeSet::new();
                 names_in(folder, "", pattern, depth, &mut names).ok()?;
                 Some(Digest::of_bytes(Vec::from_iter(names).join("\n").as_bytes()))
@@ -372,23 +368,23 @@ fn names_in(
 /// Whether `name` fits `pattern`. Of several stars only the last one is tried again: no pattern takes long.
 fn fits(pattern: &[u8], name: &[u8]) -> bool {
     let is_one =
-        |own: u8, found: u8| own.eq_ignore_ascii_case(&found) || own == b'#' && found.is_ascii_digit();
-    let (mut own, mut at, mut star) = (0, 0, None);
+        |sign: u8, byte: u8| sign.eq_ignore_ascii_case(&byte) || sign == b'#' && byte.is_ascii_digit();
+    let (mut next, mut at, mut star) = (0, 0, None);
     while at < name.len() {
-        match pattern.get(own) {
+        match pattern.get(next) {
             Some(b'*') => {
-                star = Some((own, at));
-                own += 1;
+                star = Some((next, at));
+                next += 1;
             }
-            Some(&one) if is_one(one, name[at]) => (own, at) = (own + 1, at + 1),
+            Some(&one) if is_one(one, name[at]) => (next, at) = (next + 1, at + 1),
             _ => {
                 let Some((before, from)) = star else { return false };
                 star = Some((before, from + 1));
-                (own, at) = (before + 1, from + 1);
+                (next, at) = (before + 1, from + 1);
             }
         }
     }
-    pattern[own..].iter().all(|rest| *rest == b'*')
+    pattern[next..].iter().all(|rest| *rest == b'*')
 }
 
 #[cfg(test)]

@@ -182,7 +182,7 @@ impl Column {
         /// Rows that are checked together, which is faster than stopping early.
         const TOGETHER: usize = 512;
         let values = self.as_f64()?;
-        let doubtful = |some: &[f64]| some.iter().fold(false, |found, value| found | !value.is_finite());
+        let doubtful = |some: &[f64]| some.iter().fold(false, |doubt, value| doubt | !value.is_finite());
         let chunks = (0..).step_by(TOGETHER).zip(values.chunks(TOGETHER));
         chunks.filter(|(_, some)| doubtful(some)).find_map(|(start, some)| {
             let wrong = |row: &usize| !values[*row].is_finite() && !self.is_null(*row);
@@ -190,8 +190,6 @@ impl Column {
         })
     }
 }
-
-// The columns of tables.
 
 /// Type of a column's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]

@@ -1,8 +1,9 @@
-//! Decoding one column of one block.
+//! Decoding one column of one block, from pages whose headers announce no more than is allowed.
 
 use std::cell::Cell;
 use std::io::{self, BufReader, Read};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use bytes::Bytes;
@@ -18,16 +19,9 @@ use parquet::file::serialized_reader::SerializedPageReader;
 use crate::access::{ReaderAt, Source};
 use crate::budget::budget;
 use crate::columns::{Column, Labels};
+use crate::error::{Error, Result};
 use crate::footer::{BROKEN, PageSizes, most_bytes, page_sizes};
-use crate::layout::inner_io;
-
-/// Why decoding failed.
-pub(crate) enum Undecoded {
-    /// The system could not read the bytes.
-    Unreadable(io::Error),
-    /// What is wrong with them.
-    Damaged(String),
-}
+use crate::layout::{general, inner_io};
 
 thread_local! {
     static DECODING: Cell<bool> = const { Cell::new(false) };
@@ -39,8 +33,12 @@ pub fn decoding() -> bool {
     DECODING.get()
 }
 
-/// Runs the decoder. It may panic on unverified bytes: that too is reported as a damaged file.
-pub(crate) fn decoded<T>(decode: impl FnOnce() -> ParquetResult<T>) -> Result<T, Undecoded> {
+/// Runs the decoder of the file at `path`. It may panic on unverified bytes: that too is refused as a `damaged` file.
+pub(crate) fn guarded<T>(
+    path: &Path,
+    damaged: fn(&Path, &str) -> Error,
+    decode: impl FnOnce() -> ParquetResult<T>,
+) -> Result<T> {
     let before = DECODING.replace(true);
     let ended = catch_unwind(AssertUnwindSafe(decode));
     DECODING.set(before);
@@ -48,11 +46,11 @@ pub(crate) fn decoded<T>(decode: impl FnOnce() -> ParquetResult<T>) -> Result<T,
         Ok(Ok(decoded)) => Ok(decoded),
         Ok(Err(error)) => Err(match inner_io(error) {
             // Decompressors and truncated input have errors of the same type that are not the system's.
-            Ok(io) if io.raw_os_error().is_some() => Undecoded::Unreadable(io),
-            Ok(other) => Undecoded::Damaged(other.to_string()),
-            Err(other) => Undecoded::Damaged(other.to_string()),
+            Ok(io) if io.raw_os_error().is_some() => Error::io(path, "read", io),
+            Ok(other) => damaged(path, &other.to_string()),
+            Err(other) => damaged(path, &other.to_string()),
         }),
-        Err(_) => Err(Undecoded::Damaged("bytes that cannot be decoded".to_owned())),
+        Err(_) => Err(damaged(path, "bytes that cannot be decoded")),
     }
 }
 
@@ -78,9 +76,9 @@ pub(crate) fn decode_column(
             intern(&decode_all(reader, rows)?)
         }
         ColumnReader::ByteArrayColumnReader(_) => {
-            Err(ParquetError::General(format!("{rows} texts, more than fit in memory")))
+            Err(general(format!("{rows} texts, more than fit in memory")))
         }
-        _ => Err(ParquetError::General("a column of a type that no table has".to_owned())),
+        _ => Err(general("a column of a type that no table has")),
     }
 }
 
@@ -105,15 +103,14 @@ fn decode_nullable<T: DataType<T = f64>>(
         return Ok(Column::f64(present));
     }
     let mut present = present.into_iter();
-    let spaced =
-        levels.iter().map(|&level| if level > 0 { present.next().unwrap_or(f64::NAN) } else { f64::NAN });
-    let values = spaced.collect();
-    Ok(Column::nullable_f64(values, levels.iter().map(|&level| level > 0).collect()))
+    let valid: Vec<bool> = levels.iter().map(|&level| level > 0).collect();
+    let value = |valid: &bool| if *valid { present.next().unwrap_or(f64::NAN) } else { f64::NAN };
+    Ok(Column::nullable_f64(valid.iter().map(value).collect(), valid))
 }
 
 /// Refuses a column of another length than its block.
-fn too_few(found: usize, expected: usize) -> ParquetError {
-    ParquetError::General(format!("{found} values in a block of {expected} rows"))
+fn too_few(values: usize, rows: usize) -> ParquetError {
+    general(format!("{values} values in a block of {rows} rows"))
 }
 
 /// The distinct texts in order of appearance, and per row the index of its text.
@@ -124,8 +121,6 @@ fn intern(texts: &[ByteArray]) -> ParquetResult<Column> {
     }
     Ok(labels.column())
 }
-
-// The pages of a column for the parquet crate: none whose header announces more than is allowed.
 
 /// A header has some ten numbers; with the least and the greatest value of a text it may be longer.
 const USUAL_HEADER: u64 = 512;
@@ -196,9 +191,7 @@ impl PageBytes {
             _ => return Ok(()),
         };
         match io::copy(&mut counted.by_ref().take(most + 1), &mut io::sink()) {
-            Ok(found) if found > most => {
-                Err(general("a page that is longer than its header says".to_owned()))
-            }
+            Ok(length) if length > most => Err(general("a page that is longer than its header says")),
             _ => Ok(()),
         }
     }
@@ -216,14 +209,9 @@ fn check(sizes: PageSizes) -> ParquetResult<u64> {
     Ok(bytes)
 }
 
-fn general(what: String) -> ParquetError {
-    ParquetError::General(what)
-}
-
 #[cfg(test)]
 mod tests {
     use std::fs::File;
-    use std::path::Path;
     use std::sync::Arc;
 
     use parquet::basic::{Compression, Encoding, ZstdLevel};
@@ -235,7 +223,7 @@ mod tests {
     use super::*;
     use crate::columns::{ColumnSpec, Kind};
     use crate::encode::Chunk;
-    use crate::layout::Layout;
+    use crate::layout::descriptor;
 
     const ROWS: usize = 3000;
 
@@ -260,22 +248,19 @@ mod tests {
         vec![Column::f64(x), Column::nullable_f64(y, present), Column::i32(n), Column::text(labels, codes)]
     }
 
-    fn same(found: &Column, expected: &Column, what: &str) {
+    fn same(column: &Column, expected: &Column, what: &str) {
         for row in 0..ROWS {
-            assert_eq!(
-                found.value_at(row).map(f64::to_bits),
-                expected.value_at(row).map(f64::to_bits),
-                "{what}"
-            );
-            assert_eq!(found.text_at(row), expected.text_at(row), "{what}, row {row}");
+            let bits = |column: &Column| column.value_at(row).map(f64::to_bits);
+            assert_eq!(bits(column), bits(expected), "{what}");
+            assert_eq!(column.text_at(row), expected.text_at(row), "{what}, row {row}");
         }
-        assert_eq!((found.nulls(), found.as_i32()), (expected.nulls(), expected.as_i32()), "{what}");
+        assert_eq!((column.nulls(), column.as_i32()), (expected.nulls(), expected.as_i32()), "{what}");
     }
 
     /// Writes the columns by the parquet crate, a few rows at a time.
     fn written_by_others(file: File, properties: WriterProperties) -> ParquetMetaData {
-        let layout = Layout::new(Path::new("t"), &specs()).unwrap();
-        let root = layout.descriptor.root_schema_ptr();
+        let layout = descriptor(Path::new("t"), &specs()).unwrap();
+        let root = layout.root_schema_ptr();
         let mut writer = SerializedFileWriter::new(file, root, Arc::new(properties)).unwrap();
         let mut group = writer.next_row_group().unwrap();
         for column in columns() {
@@ -325,24 +310,24 @@ mod tests {
             let metadata = written_by_others(file.try_clone().unwrap(), properties.build());
             let source = Source::new(file).unwrap();
             for (i, expected) in columns().iter().enumerate() {
-                let found = decode_column(&source, metadata.row_group(0).column(i), ROWS).unwrap();
-                same(&found, expected, &format!("way {way}, column {i}"));
+                let column = decode_column(&source, metadata.row_group(0).column(i), ROWS).unwrap();
+                same(&column, expected, &format!("way {way}, column {i}"));
             }
         }
     }
 
     #[test]
     fn law_columns_are_read_as_they_were_written() {
-        let layout = Layout::new(Path::new("t"), &specs()).unwrap();
+        let layout = descriptor(Path::new("t"), &specs()).unwrap();
         for (i, expected) in columns().iter().enumerate() {
             let file = tempfile::tempfile().unwrap();
             let mut to = TrackedWrite::new(file.try_clone().unwrap());
-            let mut chunk = Chunk::new(specs()[i].kind, layout.descriptor.column(i), &mut to).unwrap();
+            let mut chunk = Chunk::new(specs()[i].kind, layout.column(i), &mut to).unwrap();
             chunk.push(expected).unwrap();
             let chunk = chunk.close().unwrap();
             drop(to.into_inner().unwrap());
-            let found = decode_column(&Source::new(file).unwrap(), &chunk, ROWS).unwrap();
-            same(&found, expected, &format!("column {i}"));
+            let column = decode_column(&Source::new(file).unwrap(), &chunk, ROWS).unwrap();
+            same(&column, expected, &format!("column {i}"));
         }
     }
 }

@@ -1,4 +1,6 @@
 //! JSON documents: an envelope with schema, provenance, seal and units around the data.
+//!
+//! A document vouches for the files of its set by their digests: they get their names first, the document last.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -15,8 +17,7 @@ use crate::error::{Error, Result};
 use crate::json::{first_not_finite, pretty};
 use crate::provenance::{Provenance, Shard};
 use crate::seal::{self, Digest, Header};
-use crate::staged;
-use crate::staged::{Staged, flush, folder_of, is_inside};
+use crate::staged::{Staged, flush, folder_of, hold_names, is_inside};
 
 /// The contents of a kind of JSON document.
 ///
@@ -87,24 +88,14 @@ pub(crate) struct Envelope<D> {
     shard: Option<Shard>,
     /// Digests of the files that were written together with this one, by their names beside it.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    members: BTreeMap<String, Digest>,
+    pub members: BTreeMap<String, Digest>,
     /// Unit of each numeric field, by field name.
-    units: BTreeMap<String, String>,
+    pub units: BTreeMap<String, String>,
     /// The contents.
     data: D,
 }
 
 impl<D> Envelope<D> {
-    /// The files that were written together with this one.
-    pub fn members(&self) -> &BTreeMap<String, Digest> {
-        &self.members
-    }
-
-    /// The units of the fields.
-    pub fn units(&self) -> &BTreeMap<String, String> {
-        &self.units
-    }
-
     /// The contents of a file with this digest, and where they come from.
     pub fn loaded(self, digest: Digest) -> Loaded<D> {
         let Self { producer, inputs, origins, settings, shard, members, data, .. } = self;
@@ -172,8 +163,6 @@ pub fn json_schema<D: Document>() -> Value {
     schema
 }
 
-// Files that were written together: a document vouches for the others by their digests.
-
 /// Digests of `files` by their names beside `document`.
 fn member_digests(document: &Path, files: &[Staged]) -> Result<BTreeMap<String, Digest>> {
     let folder = folder_of(document);
@@ -195,7 +184,7 @@ fn earlier_members(document: &Path, files: &[Staged]) -> Vec<PathBuf> {
     let gone = |(name, digest): (String, Digest)| {
         let name = Some(Path::new(&name)).filter(|name| is_inside(name) && !is_new(name))?;
         let file = folder_of(document).join(name);
-        Digest::of_own(&file).is_ok_and(|found| found == digest).then_some(file)
+        Digest::of_own(&file).is_ok_and(|current| current == digest).then_some(file)
     };
     header().map(Header::members).into_iter().flatten().filter_map(gone).collect()
 }
@@ -217,7 +206,8 @@ pub fn check_members(
             return Err(Error::refuse(document, "members", found, expected, remedy));
         }
         let member = folder_of(document).join(name);
-        if known(&member).or_else(|| Digest::of_file(&member).ok()).is_some_and(|found| found != *digest) {
+        if known(&member).or_else(|| Digest::of_file(&member).ok()).is_some_and(|current| current != *digest)
+        {
             return Err(mixed(&member, document));
         }
     }
@@ -241,8 +231,6 @@ fn mixed(file: &Path, document: &Path) -> Error {
     Error::refuse(file, "digest", found, "the files of one run of a stage", remedy)
 }
 
-// Gives the files of a set their names: the members first, the document that vouches for them last.
-
 /// Gives every file its name, in order, replacing files of the same name. The last one is the document that vouches for the
 /// others, if there is one, and the one that tools wait for (make): what the document of this name vouched for before, and does
 /// not now, is removed.
@@ -259,7 +247,7 @@ pub fn commit(mut files: Vec<Staged>) -> Result<()> {
     let Some(last) = files.pop() else { return Ok(()) };
     let earlier = earlier_members(last.path(), &files);
     // No signal comes in between.
-    let held = staged::hold_names();
+    let held = hold_names();
     files.into_iter().try_for_each(Staged::rename)?;
     earlier.iter().for_each(|file| drop(fs::remove_file(file)));
     last.rename()?;

@@ -44,8 +44,8 @@ pub fn read_part<D: Document>(path: &Path) -> Result<Loaded<D>> {
     header.check(path, D::ID, D::VERSION)?;
     let digest = seal::check_text(path, &text, header.seal())?.digest;
     let envelope: Envelope<D> = parsed(path, &text)?;
-    check_units(path, &units::<D>(), envelope.units(), &text)?;
-    check_members(path, envelope.members(), |_| None)?;
+    check_units(path, &units::<D>(), &envelope.units, &text)?;
+    check_members(path, &envelope.members, |_| None)?;
     let loaded = envelope.loaded(digest);
     loaded.data.check().map_err(|invalid| Error::invalid(path, invalid))?;
     Ok(loaded)
@@ -58,11 +58,8 @@ pub fn read_part<D: Document>(path: &Path) -> Result<Loaded<D>> {
 /// duplicate or mistyped keys.
 pub fn read_json<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<(T, Digest)> {
     let path = path.as_ref();
-    let bytes = read(path)?;
-    let digest = Digest::of_bytes(&bytes);
-    let text = text_of(path, bytes)?;
-    check_memory(path, &text)?;
-    Ok((parsed(path, &text)?, digest))
+    let text = text_at(path)?;
+    Ok((parsed(path, &text)?, Digest::of_bytes(text.as_bytes())))
 }
 
 /// Reads JSON; messages name the file `path`.
@@ -142,11 +139,16 @@ impl<'de> Visitor<'de> for Way<'_> {
     }
 }
 
+/// The text of a file whose contents fit in memory.
+fn text_at(path: &Path) -> Result<String> {
+    let text = text_of(path, read(path)?)?;
+    check_memory(path, &text)?;
+    Ok(text)
+}
+
 /// The text of a document, and its header.
 fn opened(path: &Path) -> Result<(String, Header)> {
-    let bytes = read(path)?;
-    let text = text_of(path, bytes)?;
-    check_memory(path, &text)?;
+    let text = text_at(path)?;
     let header = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
     Ok((text, header))
 }
@@ -215,14 +217,12 @@ fn key_of(line: &str) -> Option<&str> {
     line.trim_start().strip_prefix('"')?.split_once("\":").map(|(key, _)| key)
 }
 
-// Estimates the memory of a parsed JSON text: a few of its bytes can represent a hundred times as many.
-
 /// Memory of a map of one key, of a list of one value, and of a value with its key \[bytes\].
 const MAP: usize = 640;
 const LIST: usize = 160;
 const VALUE: usize = 96;
 
-/// Refuses a text, read from `path`, whose contents do not fit in memory.
+/// Refuses a text, read from `path`, whose contents do not fit in memory: a few of its bytes can represent a hundred times as many.
 ///
 /// # Errors
 /// States the need and the bound.
@@ -252,8 +252,6 @@ fn memory_of(text: &[u8]) -> usize {
     }
     taken
 }
-
-// A file's description of itself, for any kind.
 
 /// A file that was written as a document or table.
 #[derive(Clone, Debug)]

@@ -4,18 +4,18 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 
-use parquet::basic::{Compression, Encoding, ZstdLevel};
+use parquet::basic::{Compression, Encoding, Type as Physical, ZstdLevel};
 use parquet::column::writer::{ColumnWriter, get_column_writer};
 use parquet::data_type::ByteArray;
-use parquet::errors::{ParquetError, Result as ParquetResult};
+use parquet::errors::Result as ParquetResult;
 use parquet::file::metadata::ColumnChunkMetaData;
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesPtr};
 use parquet::file::writer::{SerializedPageWriter, TrackedWrite};
-use parquet::schema::types::ColumnDescPtr;
+use parquet::schema::types::{ColumnDescPtr, SchemaDescriptor};
 
 use crate::columns::{Column, ColumnSpec, Kind, Table, TableSchema};
 use crate::error::{Error, Result};
-use crate::layout::{Layout, write_error};
+use crate::layout::{descriptor, general, write_error};
 
 /// One block in its file format: a row group.
 #[derive(Debug)]
@@ -35,24 +35,27 @@ pub struct EncodedBlock {
 /// has no label.
 pub fn encode_block(schema: &TableSchema, table: &Table) -> Result<EncodedBlock> {
     let file = Path::new(schema.id);
-    let layout = Layout::new(file, &schema.columns)?;
+    let layout = descriptor(file, &schema.columns)?;
     check_shape(file, schema, table)?;
     let mut pairs = schema.columns.iter().zip(&table.columns);
     pairs.try_for_each(|(spec, column)| check_piece(file, spec, column, 0))?;
-    encode_checked(schema, &layout, table).map_err(|e| write_error(Path::new(schema.id), e))
+    encode_checked(schema, &layout, table).map_err(|e| write_error(file, e))
 }
 
 /// Encodes a block whose values have been checked.
 pub(crate) fn encode_checked(
     schema: &TableSchema,
-    layout: &Layout,
+    layout: &SchemaDescriptor,
     table: &Table,
 ) -> ParquetResult<EncodedBlock> {
     let rows = table.columns.first().map_or(0, Column::len);
-    let mut sink = TrackedWrite::new(Vec::with_capacity(layout.most_bytes(rows)));
+    // Of numbers, without compression.
+    let width = |column: &ColumnDescPtr| if column.physical_type() == Physical::DOUBLE { 8 } else { 1 };
+    let bytes = rows * layout.columns().iter().map(width).sum::<usize>();
+    let mut sink = TrackedWrite::new(Vec::with_capacity(bytes));
     let mut chunks = Vec::with_capacity(table.columns.len());
     for (i, column) in table.columns.iter().enumerate() {
-        let mut chunk = Chunk::new(column.kind(), layout.descriptor.column(i), &mut sink)?;
+        let mut chunk = Chunk::new(column.kind(), layout.column(i), &mut sink)?;
         chunk.push(column)?;
         chunks.push(chunk.close()?);
     }
@@ -120,8 +123,6 @@ pub(crate) fn check_piece(file: &Path, spec: &ColumnSpec, column: &Column, befor
     Ok(())
 }
 
-// One column of one block in its file format, written by the parquet crate.
-
 /// Rows of a page: a block of usual size is one page per column.
 pub(crate) const PAGE_ROWS: usize = 1 << 16;
 
@@ -137,12 +138,12 @@ fn properties(kind: Kind) -> ParquetResult<WriterPropertiesPtr> {
         .set_data_page_row_count_limit(PAGE_ROWS)
         .set_data_page_size_limit(usize::MAX)
         .set_write_batch_size(PAGE_ROWS);
-    let own = match kind {
+    let properties = match kind {
         Kind::F64 => all.set_dictionary_enabled(false).set_encoding(Encoding::BYTE_STREAM_SPLIT),
         Kind::I32 => all.set_dictionary_enabled(false).set_encoding(Encoding::DELTA_BINARY_PACKED),
         Kind::Text => all.set_dictionary_enabled(true).set_dictionary_page_size_limit(usize::MAX),
     };
-    Ok(Arc::new(own.build()))
+    Ok(Arc::new(properties.build()))
 }
 
 /// A column being written.
@@ -171,12 +172,8 @@ impl<'a> Chunk<'a> {
                 } else {
                     let levels: Vec<i16> =
                         (0..values.len()).map(|row| i16::from(!column.is_null(row))).collect();
-                    let present: Vec<f64> = values
-                        .iter()
-                        .zip(&levels)
-                        .filter(|(_, level)| **level > 0)
-                        .map(|(x, _)| *x)
-                        .collect();
+                    let present = values.iter().zip(&levels).filter(|(_, level)| **level > 0);
+                    let present: Vec<f64> = present.map(|(x, _)| *x).collect();
                     to.write_batch(&present, Some(&levels), None)?;
                 }
             }
@@ -190,9 +187,7 @@ impl<'a> Chunk<'a> {
                 to.write_batch(&texts, None, None)?;
             }
             _ => {
-                return Err(ParquetError::General(
-                    "a column of another kind than its schema says".to_owned(),
-                ));
+                return Err(general("a column of another kind than its schema says"));
             }
         }
         Ok(())

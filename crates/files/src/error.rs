@@ -112,9 +112,7 @@ impl From<Infallible> for Error {
     }
 }
 
-// Converts serde's messages to refusals that suggest the nearest known word.
-
-/// A message of serde, with its place.
+/// A message of serde, with its place; its refusal suggests the nearest known word.
 pub(crate) struct Complaint<'a> {
     /// The file.
     pub path: &'a Path,

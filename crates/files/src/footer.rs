@@ -1,18 +1,19 @@
 //! The footer of a Parquet file as bytes: finding the envelope before anything is decoded.
 //!
 //! The seal is checked before the parquet crate sees the file, so the envelope is found by the bytes that
-//! precede it in the compact Thrift encoding of a key and its value.
+//! precede it in the compact Thrift encoding of a key and its value. The rest is validated before the parquet
+//! crate reads it: that crate reserves memory for as many entries as the file announces, and recurses as deep.
 
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::Path;
 
-use parquet::errors::{ParquetError, Result as ParquetResult};
+use parquet::errors::Result as ParquetResult;
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataOptions, ParquetMetaDataReader};
 
 use crate::budget::budget;
 use crate::error::{Error, Result};
-use crate::layout::KEY;
+use crate::layout::{KEY, general};
 use crate::seal::{self, Digest};
 
 const MAGIC: &[u8; 4] = b"PAR1";
@@ -87,9 +88,9 @@ pub(crate) fn bytes_of(file: &mut (impl Read + Seek)) -> std::io::Result<Option<
 
 /// The footer's description of the file's columns and blocks.
 pub(crate) fn metadata(footer: &[u8], options: &ParquetMetaDataOptions) -> ParquetResult<ParquetMetaData> {
-    let taken = check_footer(footer).map_err(|found| ParquetError::General(found.to_owned()))?;
+    let taken = check_footer(footer).map_err(general)?;
     if taken as u64 > most_bytes() {
-        return Err(ParquetError::General("a footer that does not fit in memory".to_owned()));
+        return Err(general("a footer that does not fit in memory"));
     }
     ParquetMetaDataReader::decode_metadata_with_options(footer, Some(options))
 }
@@ -112,9 +113,6 @@ fn find_envelope(footer: &[u8]) -> Option<Range<usize>> {
     }
     None
 }
-
-// Validates a Parquet file's metadata before the parquet crate reads it: that crate reserves memory for as
-// many entries as the file announces, and recurses as deep as it announces.
 
 /// Share of the memory that a page may take.
 const SHARE: f64 = 0.25;
@@ -148,41 +146,42 @@ pub(crate) fn most_bytes() -> u64 {
 /// Checks the footer of a file: lists must be as long as announced, and columns nested no deeper than
 /// programs do. Returns the approximate memory of its contents \[bytes\].
 fn check_footer(bytes: &[u8]) -> Result<usize, &'static str> {
-    let mut walk = Walk { bytes, taken: bytes.len() };
+    let mut compact = Compact { bytes, taken: bytes.len() };
     let mut children = Vec::new();
     let mut id = 0;
-    while let Some(kind) = walk.field(&mut id).ok_or(BROKEN)? {
+    while let Some(kind) = compact.field(&mut id).ok_or(BROKEN)? {
         if (id, kind) == (2, LIST) {
-            let (count, _) = walk.list().ok_or(BROKEN)?;
+            let (count, _) = compact.list().ok_or(BROKEN)?;
             for _ in 0..count {
-                let mut own = 0;
-                walk.structure(1, &mut |id, value| {
-                    if id == 5 {
-                        own = own.max(value);
-                    }
-                })
-                .ok_or(BROKEN)?;
-                children.push(own);
+                let mut count = 0;
+                compact
+                    .structure(1, &mut |id, value| {
+                        if id == 5 {
+                            count = count.max(value);
+                        }
+                    })
+                    .ok_or(BROKEN)?;
+                children.push(count);
             }
         } else {
-            walk.value(kind, 1).ok_or(BROKEN)?;
+            compact.value(kind, 1).ok_or(BROKEN)?;
         }
     }
     nested(&children)?;
-    Ok(walk.taken)
+    Ok(compact.taken)
 }
 
 /// Checks the nesting depth of columns: each struct is followed by as many children as it announces.
 fn nested(children: &[i64]) -> Result<(), &'static str> {
     let mut open: Vec<i64> = Vec::new();
-    for own in children {
-        if *own < 0 || *own > children.len() as i64 {
+    for count in children {
+        if *count < 0 || *count > children.len() as i64 {
             return Err(BROKEN);
         }
         if let Some(left) = open.last_mut() {
             *left -= 1;
         }
-        open.push(*own);
+        open.push(*count);
         if open.len() > DEEPEST {
             return Err("columns nested without end");
         }
@@ -195,23 +194,23 @@ fn nested(children: &[i64]) -> Result<(), &'static str> {
 
 /// The sizes in the header of a page; `None` if `bytes` end before the header does.
 pub(crate) fn page_sizes(bytes: &[u8]) -> Option<PageSizes> {
-    let mut walk = Walk { bytes, taken: 0 };
+    let mut compact = Compact { bytes, taken: 0 };
     let mut sizes = PageSizes::default();
     let mut id = 0;
-    while let Some(kind) = walk.field(&mut id)? {
+    while let Some(kind) = compact.field(&mut id)? {
         if (id, kind) == (7, STRUCT) {
-            walk.structure(1, &mut |id, value| {
+            compact.structure(1, &mut |id, value| {
                 if id == 1 {
                     sizes.labels = sizes.labels.max(value);
                 }
             })?;
         } else if (id, kind) == (8, STRUCT) {
-            walk.structure(1, &mut |id, value| {
+            compact.structure(1, &mut |id, value| {
                 if matches!(id, 5 | 6) {
                     sizes.levels = sizes.levels.saturating_add(value);
                 }
             })?;
-        } else if let (2, Some(value)) = (id, walk.value(kind, 1)?) {
+        } else if let (2, Some(value)) = (id, compact.value(kind, 1)?) {
             sizes.uncompressed = sizes.uncompressed.max(value);
         }
     }
@@ -219,13 +218,13 @@ pub(crate) fn page_sizes(bytes: &[u8]) -> Option<PageSizes> {
 }
 
 /// Bytes in the compact protocol; those already read are cut off.
-struct Walk<'a> {
+struct Compact<'a> {
     bytes: &'a [u8],
     /// Memory for the entries so far.
     taken: usize,
 }
 
-impl Walk<'_> {
+impl Compact<'_> {
     fn byte(&mut self) -> Option<u8> {
         self.bytes.split_off_first().copied()
     }

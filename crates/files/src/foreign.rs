@@ -4,16 +4,21 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use parquet::basic::{Compression, ConvertedType, LogicalType, TimeUnit, Type};
-use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
+use parquet::column::reader::ColumnReader::{
+    self, BoolColumnReader, ByteArrayColumnReader, DoubleColumnReader, FixedLenByteArrayColumnReader,
+    FloatColumnReader, Int32ColumnReader, Int64ColumnReader, Int96ColumnReader,
+};
+use parquet::column::reader::{ColumnReaderImpl, get_column_reader};
 use parquet::data_type::{AsBytes, ByteArray, DataType};
-use parquet::errors::{ParquetError, Result as ParquetResult};
+use parquet::errors::Result as ParquetResult;
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataOptions, RowGroupMetaData};
 use parquet::schema::types::ColumnDescPtr;
 
 use crate::access::{Source, open};
-use crate::decode::{Undecoded, decoded, pages};
+use crate::decode::{guarded, pages};
 use crate::error::{Error, Result};
 use crate::footer;
+use crate::layout::general;
 
 /// A Parquet file of any origin. Nothing in it is trusted.
 pub struct ForeignTable {
@@ -35,7 +40,7 @@ impl ForeignTable {
         let footer = footer::bytes_of(&mut file).map_err(unreadable)?;
         let (_, footer) = footer.ok_or_else(|| damaged(path, "no Parquet header or footer"))?;
         let source = Source::new(file).map_err(unreadable)?;
-        let metadata = guarded(path, || footer::metadata(&footer, &ParquetMetaDataOptions::new()))?;
+        let metadata = guarded(path, damaged, || footer::metadata(&footer, &ParquetMetaDataOptions::new()))?;
         let schema = metadata.file_metadata().schema_descr();
         let columns = schema.columns().iter().map(|column| column.path().string()).collect();
         Ok(Self { path: path.to_owned(), source, metadata, columns })
@@ -62,23 +67,15 @@ impl ForeignTable {
             let each = &mut each;
             let is_number = matches!(meaning, Meaning::Half | Meaning::Decimal(_));
             Some(match reader {
-                ColumnReader::DoubleColumnReader(r) => numbers_of(r, levels, rows, each, |v| *v),
-                ColumnReader::FloatColumnReader(r) => numbers_of(r, levels, rows, each, |v| f64::from(*v)),
-                ColumnReader::Int32ColumnReader(r) => {
+                DoubleColumnReader(r) => numbers_of(r, levels, rows, each, |v| *v),
+                FloatColumnReader(r) => numbers_of(r, levels, rows, each, |v| f64::from(*v)),
+                Int32ColumnReader(r) => {
                     numbers_of(r, levels, rows, each, |v| meaning.integer(i64::from(*v), 32))
                 }
-                ColumnReader::Int64ColumnReader(r) => {
-                    numbers_of(r, levels, rows, each, |v| meaning.integer(*v, 64))
-                }
-                ColumnReader::BoolColumnReader(r) => {
-                    numbers_of(r, levels, rows, each, |v| f64::from(u8::from(*v)))
-                }
-                ColumnReader::FixedLenByteArrayColumnReader(r) if is_number => {
-                    bytes_of(r, levels, rows, each, meaning)
-                }
-                ColumnReader::ByteArrayColumnReader(r) if is_number => {
-                    bytes_of(r, levels, rows, each, meaning)
-                }
+                Int64ColumnReader(r) => numbers_of(r, levels, rows, each, |v| meaning.integer(*v, 64)),
+                BoolColumnReader(r) => numbers_of(r, levels, rows, each, |v| f64::from(u8::from(*v))),
+                FixedLenByteArrayColumnReader(r) if is_number => bytes_of(r, levels, rows, each, meaning),
+                ByteArrayColumnReader(r) if is_number => bytes_of(r, levels, rows, each, meaning),
                 _ => return None,
             })
         })
@@ -102,15 +99,9 @@ impl ForeignTable {
         self.decode(name, "times", |reader, meaning, levels, rows| {
             let each = &mut each;
             Some(match reader {
-                ColumnReader::Int32ColumnReader(r) => {
-                    numbers_of(r, levels, rows, each, |v| meaning.seconds(i64::from(*v)))
-                }
-                ColumnReader::Int64ColumnReader(r) => {
-                    numbers_of(r, levels, rows, each, |v| meaning.seconds(*v))
-                }
-                ColumnReader::Int96ColumnReader(r) => {
-                    numbers_of(r, levels, rows, each, |v| meaning.seconds(v.to_nanos()))
-                }
+                Int32ColumnReader(r) => numbers_of(r, levels, rows, each, |v| meaning.seconds(i64::from(*v))),
+                Int64ColumnReader(r) => numbers_of(r, levels, rows, each, |v| meaning.seconds(*v)),
+                Int96ColumnReader(r) => numbers_of(r, levels, rows, each, |v| meaning.seconds(v.to_nanos())),
                 _ => return None,
             })
         })
@@ -126,9 +117,7 @@ impl ForeignTable {
             Ok(())
         };
         self.decode(name, "text", |reader, meaning, levels, rows| match reader {
-            ColumnReader::ByteArrayColumnReader(r) if meaning == Meaning::Plain => {
-                Some(spread(r, levels, rows, &mut text))
-            }
+            ByteArrayColumnReader(r) if meaning == Meaning::Plain => Some(spread(r, levels, rows, &mut text)),
             _ => None,
         })
     }
@@ -154,7 +143,7 @@ impl ForeignTable {
         let meaning = meaning(&descriptor);
         for group in self.metadata.row_groups() {
             let rows = rows_of(group);
-            let block = guarded(&self.path, || {
+            let block = guarded(&self.path, damaged, || {
                 let pages = pages(&self.source, group.column(place), rows)?;
                 let reader = get_column_reader(Arc::clone(&descriptor), Box::new(pages));
                 decode(reader, meaning, descriptor.max_def_level(), rows).transpose()
@@ -214,7 +203,7 @@ where
 {
     spread(reader, max_level, rows, |value| {
         let number = |bytes: &[u8]| {
-            let unknown = || ParquetError::General(format!("a number of {} bytes", bytes.len()));
+            let unknown = || general(format!("a number of {} bytes", bytes.len()));
             meaning.bytes(bytes).ok_or_else(unknown)
         };
         each(value.map_or(Ok(f64::NAN), |value| number(value.as_bytes()))?);
@@ -244,10 +233,7 @@ fn spread<T: DataType>(
         }
         let count = levels.iter().filter(|&&level| level == max_level).count();
         if records != some || levels.len() != some || present.len() != count {
-            return Err(ParquetError::General(format!(
-                "{} values in a block of {rows} rows",
-                done + records
-            )));
+            return Err(general(format!("{} values in a block of {rows} rows", done + records)));
         }
         let mut values = present.iter();
         levels.iter().try_for_each(|level| each(if *level == max_level { values.next() } else { None }))?;
@@ -256,21 +242,12 @@ fn spread<T: DataType>(
     Ok(())
 }
 
-fn guarded<T>(path: &Path, decode: impl FnOnce() -> ParquetResult<T>) -> Result<T> {
-    decoded(decode).map_err(|undecoded| match undecoded {
-        Undecoded::Unreadable(io) => Error::io(path, "read", io),
-        Undecoded::Damaged(found) => damaged(path, &found),
-    })
-}
-
-fn damaged(path: &Path, found: &str) -> Error {
+fn damaged(path: &Path, fault: &str) -> Error {
     let remedy = "the file is truncated, damaged or of another format: export it again";
-    Error::refuse(path, "file", found, "a whole Parquet file", remedy)
+    Error::refuse(path, "file", fault, "a whole Parquet file", remedy)
 }
 
-// The meaning of a foreign column's values, beyond their storage.
-
-/// The meaning of values.
+/// The meaning of a column's values, beyond their storage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Meaning {
     /// The values themselves.

@@ -75,8 +75,8 @@ pub fn shards_of(shards: &[PathBuf], id: &'static str, version: u32) -> Result<V
 /// Names the setting.
 pub fn check_settings(given: &Provenance, path: &Path, made: &Provenance) -> Result<()> {
     let shown = |settings: &BTreeMap<String, serde_json::Value>| {
-        let own = settings.iter().filter(|(name, _)| *name != MIXED);
-        own.map(|(name, value)| (name.clone(), value.clone())).collect::<BTreeMap<_, _>>()
+        let compared = settings.iter().filter(|(name, _)| *name != MIXED);
+        compared.map(|(name, value)| (name.clone(), value.clone())).collect::<BTreeMap<_, _>>()
     };
     match differing_entry("settings", &shown(&given.settings), &shown(&made.settings)) {
         None => Ok(()),

@@ -1,4 +1,4 @@
-//! Hand-written input.
+//! Hand-written input, and values that replace its own.
 
 use std::fmt;
 use std::ops::Range;
@@ -12,7 +12,7 @@ use toml::{Table, Value};
 use crate::access::{bytes_of, open, read};
 use crate::error::{Complaint, Error, Result};
 use crate::seal::Digest;
-use crate::toml_place::{Place, key_at, line_and_column, place_of, span_of};
+use crate::toml_place::{key_at, line_and_column, place_of, span_of};
 
 /// Reads a TOML file.
 ///
@@ -54,10 +54,11 @@ pub(crate) fn read_changed<T: DeserializeOwned>(
     }
     let text = read_hand_written(path)?;
     // A fault of the file itself is reported with its line.
-    let own = |refused: Error| parse_toml::<T>(&text, path).err().unwrap_or(refused);
-    let changed = changes.applied(file, &text).map_err(|e| own(Error::invalid(path, e)))?;
-    let parsed = parsed(&changed)
-        .map_err(|fault| own(fault.complaint(&changed, path).changed(&changes.in_words(file)).refusal()))?;
+    let of_file = |refused: Error| parse_toml::<T>(&text, path).err().unwrap_or(refused);
+    let changed = changes.applied(file, &text).map_err(|e| of_file(Error::invalid(path, e)))?;
+    let parsed = parsed(&changed).map_err(|fault| {
+        of_file(fault.complaint(&changed, path).changed(&changes.in_words(file)).refusal())
+    })?;
     Ok((parsed, Digest::of_bytes(changed.as_bytes())))
 }
 
@@ -118,15 +119,13 @@ fn complaint<'a>(text: &str, path: &'a Path, message: &'a str, span: Option<Rang
     let place = span.as_ref().and_then(|span| key_at(text, span));
     // Of a wrong value the key before it.
     let start = span.map(|span| match &place {
-        Some(Place { at, .. }) if line_at(text.as_bytes(), *at) == line_at(text.as_bytes(), span.start) => {
-            *at
-        }
+        Some((_, at)) if line_at(text.as_bytes(), *at) == line_at(text.as_bytes(), span.start) => *at,
         _ => span.start,
     });
     let at = named.or(start);
     let place_in = at.map(|at| line_and_column(text, at));
     let inner = message.rsplit_once(" (").and_then(|(_, item)| item.split('`').nth(3));
-    let key = inner.map(str::to_owned).or(place.map(|place| place.key));
+    let key = inner.map(str::to_owned).or(place.map(|(key, _)| key));
     Complaint { path, place: place_in, key, message }
 }
 
@@ -134,8 +133,6 @@ fn complaint<'a>(text: &str, path: &'a Path, message: &'a str, span: Option<Rang
 fn line_at(text: &[u8], at: usize) -> usize {
     1 + text.iter().take(at).filter(|&&byte| byte == b'\n').count()
 }
-
-// Values that replace those of a hand-written file.
 
 /// A replacement for a value in a hand-written file: `campaign.realizations=100`.
 #[derive(Clone, Debug, PartialEq)]
@@ -221,8 +218,8 @@ impl Change {
 
 /// The identification of an item of a list: its `name`, or its index.
 fn item_name(place: usize, item: &Value) -> String {
-    let own = item.get("name").and_then(Value::as_str);
-    own.map_or_else(|| place.to_string(), str::to_owned)
+    let name = item.get("name").and_then(Value::as_str);
+    name.map_or_else(|| place.to_string(), str::to_owned)
 }
 
 /// The parts of a dotted key, as TOML reads them.

@@ -1,4 +1,4 @@
-//! The Parquet layout of this crate's tables: names and types.
+//! What a table's file says of its columns: their layout in Parquet, the envelope, and the schema for readers of Arrow.
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
@@ -15,28 +15,14 @@ use crate::error::{Error, Result};
 use crate::provenance::{Provenance, Shard};
 use crate::seal::{self, Digest, schema_id};
 
-/// The Parquet side of a list of columns.
-pub(crate) struct Layout {
-    /// The columns, with levels.
-    pub descriptor: SchemaDescPtr,
-}
-
-impl Layout {
-    /// The layout of `columns`; messages name the table `file`.
-    pub fn new(file: &Path, columns: &[ColumnSpec]) -> Result<Self> {
-        check_columns(file, columns)?;
-        let broken = |e: ParquetError| write_error(file, e);
-        let fields = columns.iter().map(|c| parquet_type(c).map(Arc::new));
-        let fields = fields.collect::<Result<_, _>>().map_err(broken)?;
-        let root = Type::group_type_builder("schema").with_fields(fields).build().map_err(broken)?;
-        Ok(Self { descriptor: Arc::new(SchemaDescriptor::new(Arc::new(root))) })
-    }
-
-    /// Bytes of so many rows of numbers without compression.
-    pub fn most_bytes(&self, rows: usize) -> usize {
-        let bytes = |kind: Physical| if kind == Physical::DOUBLE { 8 } else { 1 };
-        rows * self.descriptor.columns().iter().map(|column| bytes(column.physical_type())).sum::<usize>()
-    }
+/// The Parquet side of `columns`; messages name the table `file`.
+pub(crate) fn descriptor(file: &Path, columns: &[ColumnSpec]) -> Result<SchemaDescPtr> {
+    check_columns(file, columns)?;
+    let broken = |e: ParquetError| write_error(file, e);
+    let fields = columns.iter().map(|c| parquet_type(c).map(Arc::new));
+    let fields = fields.collect::<Result<_, _>>().map_err(broken)?;
+    let root = Type::group_type_builder("schema").with_fields(fields).build().map_err(broken)?;
+    Ok(Arc::new(SchemaDescriptor::new(Arc::new(root))))
 }
 
 /// The error of an attempt to write `file`.
@@ -52,6 +38,11 @@ pub(crate) fn inner_io(
         ParquetError::External(inner) => inner.downcast::<std::io::Error>().map(|io| *io),
         other => Err(other.into()),
     }
+}
+
+/// An error of the parquet crate.
+pub(crate) fn general(what: impl Into<String>) -> ParquetError {
+    ParquetError::General(what.into())
 }
 
 fn check_columns(file: &Path, columns: &[ColumnSpec]) -> Result<()> {
@@ -96,9 +87,7 @@ fn parquet_type(column: &ColumnSpec) -> Result<Type, ParquetError> {
         .build()
 }
 
-// The envelope of a table: a JSON text under the key `seatrial` in the Parquet footer.
-
-/// The key in the footer.
+/// The key in the footer of a table's envelope, a JSON text.
 pub(crate) const KEY: &str = "seatrial";
 
 /// Schema, provenance, seal and units of a table.
@@ -162,10 +151,8 @@ impl From<&ColumnSpec> for ColumnEntry {
     }
 }
 
-// The Arrow schema of a table: what readers of Arrow know about its columns beyond Parquet's types, that is their units.
-//
-// Parquet has no place for a column's own notes. Readers of Arrow (pyarrow, polars, DuckDB) take them from the key
-// [`KEY`] of the footer: a schema message of Arrow's IPC format, which is a FlatBuffer, in base 64.
+// Parquet has no place for a column's own notes, such as its unit. Readers of Arrow (pyarrow, polars, DuckDB) take them from the
+// key [`ARROW_KEY`] of the footer: a schema message of Arrow's IPC format, which is a FlatBuffer, in base 64.
 
 /// The key in the footer.
 pub(crate) const ARROW_KEY: &str = "ARROW:schema";
@@ -259,9 +246,7 @@ fn base64(bytes: &[u8]) -> String {
     text
 }
 
-// Writing a FlatBuffer from front to back: tables, vectors and texts, each behind the place that points to it.
-//
-// A place is a word of four bytes with the distance to what it points to. Every slot of a table takes a word, too: a
+// A FlatBuffer is written from front to back: tables, vectors and texts, each behind the place that points to it. A place is a word of four bytes with the distance to what it points to. Every slot of a table takes a word, too: a
 // smaller number is its first bytes. The list of a table's slots follows the table.
 
 /// Bytes of a word.

@@ -148,8 +148,6 @@ impl Provenance {
     }
 }
 
-// A part of a computation that is distributed over several processes.
-
 /// Part `index` of `count`, written `K/N` with 1 ≤ K ≤ N.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "String", into = "String")]

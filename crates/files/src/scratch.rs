@@ -187,8 +187,8 @@ mod tests {
         let slots: Vec<u64> = (0..5).map(|i| scratch.put(&[f64::from(i), -0.0, f64::NAN])).collect();
         assert_eq!(slots, [0, 1, 2, 3, 4]);
         for (i, slot) in slots.iter().enumerate() {
-            let found = got(&scratch, *slot);
-            assert!(found[0] == i as f64 && found[1].is_sign_negative() && found[2].is_nan(), "{found:?}");
+            let got = got(&scratch, *slot);
+            assert!(got[0] == i as f64 && got[1].is_sign_negative() && got[2].is_nan(), "{got:?}");
         }
         [1, 3].into_iter().for_each(|slot| scratch.forget(slot));
         assert_eq!([scratch.put(&[7.0; 3]), scratch.put(&[8.0; 3])], [3, 1]);

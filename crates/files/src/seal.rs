@@ -1,4 +1,8 @@
-//! Digests of files.
+//! What is checked of a file before its contents are trusted: its digest, its seal, and its kind.
+//!
+//! The seal is a digest of the file inside the file, which detects a single flipped byte. A sealed file holds
+//! `"seal":"blake3:<64 hex digits>"` in its envelope, the digits being the BLAKE3 hash of the whole file with
+//! these 64 characters replaced by zeros. `"seal":null` means unsealed.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -119,11 +123,6 @@ impl TryFrom<String> for Digest {
     }
 }
 
-// The seal: a digest of the file inside the file, which detects a single flipped byte.
-//
-// A sealed file holds `"seal":"blake3:<64 hex digits>"` in its envelope, the digits being the BLAKE3
-// hash of the whole file with these 64 characters replaced by zeros. `"seal":null` means unsealed.
-
 /// The placeholder of the digits while they are unknown.
 pub(crate) const BLANK: [u8; DIGITS] = [b'0'; DIGITS];
 
@@ -168,7 +167,7 @@ pub(crate) fn digits_in(text: &str, seal: Digest) -> Option<usize> {
 }
 
 /// Refuses a file whose seal does not match its bytes. A missing seal is accepted.
-pub(crate) fn check_kind(path: &Path, seal: Option<Digest>, digests: FileDigests) -> Result<()> {
+pub(crate) fn check_seal(path: &Path, seal: Option<Digest>, digests: FileDigests) -> Result<()> {
     if seal.is_none_or(|seal| seal == digests.blanked) {
         return Ok(());
     }
@@ -198,7 +197,7 @@ pub(crate) fn check_text(path: &Path, text: &str, seal: Option<Digest>) -> Resul
     let at = seal.and_then(|seal| digits_in(text, seal));
     let digests = digests(&mut Cursor::new(text.as_bytes()), at.map(|at| at as u64));
     let digests = digests.map_err(|e| Error::io(path, "read", e))?;
-    check_kind(path, seal, digests)?;
+    check_seal(path, seal, digests)?;
     Ok(digests)
 }
 
@@ -207,30 +206,15 @@ pub(crate) fn required<'de, D: Deserializer<'de>>(source: D) -> Result<Option<Di
     Option::deserialize(source)
 }
 
-// Which kind of file, in which version: `trajectories/1`.
-
-/// The text that names a kind of file and its version.
+/// The text that names a kind of file and its version: `trajectories/1`.
 pub(crate) fn schema_id(id: &str, version: u32) -> String {
     format!("{id}/{version}")
 }
 
-/// Refuses another kind of file, and another version of the same kind.
-fn check_identity(path: &Path, found: &str, id: &str, version: u32) -> Result<()> {
-    let expected = schema_id(id, version);
-    if found == expected {
-        return Ok(());
-    }
-    let remedy = match found.split_once('/') {
-        Some((kind, number)) if kind == id => version_remedy(number, version),
-        _ => format!("name a file of kind {id}"),
-    };
-    Err(Error::refuse(path, "schema", foreign(found), expected, remedy))
-}
-
-fn version_remedy(found: &str, expected: u32) -> String {
+fn version_remedy(stated: &str, expected: u32) -> String {
     let again = "write the file again with this version";
-    match found.parse::<u64>() {
-        Ok(found) if found > u64::from(expected) => format!("upgrade seatrial or {again}"),
+    match stated.parse::<u64>() {
+        Ok(version) if version > u64::from(expected) => format!("upgrade seatrial or {again}"),
         _ => again.to_owned(),
     }
 }
@@ -249,10 +233,19 @@ pub(crate) struct Header {
 impl Header {
     /// Refuses a file of unknown kind, of another kind, and of another version.
     pub fn check(&self, path: &Path, id: &str, version: u32) -> Result<()> {
-        match self.schema.as_str() {
-            Some(found) => check_identity(path, found, id, version),
-            None => Err(absent(path, id, version)),
+        let expected = schema_id(id, version);
+        let Some(schema) = self.schema.as_str() else {
+            let remedy = format!("name a file of kind {id}");
+            return Err(Error::refuse(path, "schema", "no schema id", expected, remedy));
+        };
+        if schema == expected {
+            return Ok(());
         }
+        let remedy = match schema.split_once('/') {
+            Some((kind, number)) if kind == id => version_remedy(number, version),
+            _ => format!("name a file of kind {id}"),
+        };
+        Err(Error::refuse(path, "schema", foreign(schema), expected, remedy))
     }
 
     /// Kind and version, if stated.
@@ -269,12 +262,6 @@ impl Header {
     pub fn members(self) -> BTreeMap<String, Digest> {
         serde_json::from_value(self.members).unwrap_or_default()
     }
-}
-
-/// Refuses a file that does not state its kind.
-pub(crate) fn absent(path: &Path, id: &str, version: u32) -> Error {
-    let remedy = format!("name a file of kind {id}");
-    Error::refuse(path, "schema", "no schema id", schema_id(id, version), remedy)
 }
 
 #[cfg(test)]

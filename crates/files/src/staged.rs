@@ -1,4 +1,7 @@
 //! Files that are complete but do not have their names yet: written as a whole or not at all.
+//!
+//! Names of unfinished files and folders say which process writes them: the next one that writes in the folder removes those of
+//! processes that have ended, and a signal those of this process.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, Permissions};
@@ -112,7 +115,7 @@ pub fn whole_folder<E: From<Error>>(
     write: impl FnOnce(&Path) -> Result<(), E>,
 ) -> Result<(), E> {
     let parent = folder_of(target);
-    let make = |builder: &tempfile::Builder| {
+    let make = |builder: &Builder| {
         let made = builder.tempdir_in(parent)?;
         within.iter().try_for_each(|name| fs::create_dir(made.path().join(name)))?;
         Ok(made)
@@ -185,8 +188,6 @@ pub mod fault {
     }
 }
 
-// Names and folders of files.
-
 /// The folder of `file`.
 pub(crate) fn folder_of(file: &Path) -> &Path {
     match file.parent() {
@@ -199,9 +200,6 @@ pub(crate) fn folder_of(file: &Path) -> &Path {
 pub(crate) fn is_inside(path: &Path) -> bool {
     path.components().all(|part| matches!(part, Component::Normal(_)))
 }
-
-// Unfinished files and folders. Their names say which process writes them: the next one that writes in the folder removes those of
-// processes that have ended, and a signal those of this process.
 
 /// A name is `.unfinished-<machine>-<process>-<random>.seatrial`: files of a user have no such names by chance.
 const BEFORE: &str = ".unfinished-";

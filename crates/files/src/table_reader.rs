@@ -5,7 +5,6 @@ use std::fs::File;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use parquet::errors::Result as ParquetResult;
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataOptions, RowGroupMetaData};
 use parquet::schema::types::{ColumnDescriptor, SchemaDescriptor};
 use refusal::{foreign, nearest};
@@ -14,7 +13,7 @@ use serde::de::DeserializeOwned;
 use crate::access::{Source, open};
 use crate::budget::{Work, budget};
 use crate::columns::{Column, ColumnSpec, Kind, Table};
-use crate::decode::{Undecoded, decode_column, decoded};
+use crate::decode::{decode_column, guarded};
 use crate::document::check_companion;
 use crate::error::{Complaint, Error, Result};
 use crate::footer::{self, Footer};
@@ -48,7 +47,7 @@ impl TableReader {
         let (entries, provenance) = envelope.into_parts();
         // Statistics are kept as stored, so that a copied block has the same bytes.
         let options = ParquetMetaDataOptions::new().with_encoding_stats_as_mask(false);
-        let metadata = guarded(path, || footer::metadata(&footer.bytes, &options))?;
+        let metadata = guarded(path, damaged, || footer::metadata(&footer.bytes, &options))?;
         let columns = agreed_columns(path, entries, metadata.file_metadata().schema_descr())?;
         let blocks = block_rows(path, metadata.row_groups())?;
         let source = Source::new(file).map_err(|e| Error::io(path, "read", e))?;
@@ -119,7 +118,7 @@ impl TableReader {
         let mut columns = Vec::with_capacity(places.len());
         for place in places {
             let decode = || decode_column(&self.source, group.column(place), rows.len());
-            let column = guarded(&self.path, decode)?;
+            let column = guarded(&self.path, damaged, decode)?;
             self.check_values(place, &column, rows.start)?;
             columns.push(column);
         }
@@ -191,7 +190,7 @@ impl Whole {
         kind.map_or(Ok(()), |(id, version)| header.check(path, id, version))?;
         let digits_at = header.seal().map(|seal| footer.seal_digits_at(path, seal)).transpose()?.flatten();
         let digests = seal::digests(&mut file, digits_at).map_err(unreadable)?;
-        seal::check_kind(path, header.seal(), digests)?;
+        seal::check_seal(path, header.seal(), digests)?;
         let envelope: TableMetadata = parse(path, text)?;
         check_companion(path, digests.digest, envelope.document.as_deref())?;
         Ok(Self { file, footer, header, envelope, digest: digests.digest })
@@ -227,18 +226,9 @@ fn block_rows(path: &Path, groups: &[RowGroupMetaData]) -> Result<Vec<Range<usiz
         .ok_or_else(|| damaged(path, "an impossible number of rows"))
 }
 
-fn guarded<T>(path: &Path, decode: impl FnOnce() -> ParquetResult<T>) -> Result<T> {
-    decoded(decode).map_err(|undecoded| match undecoded {
-        Undecoded::Unreadable(io) => Error::io(path, "read", io),
-        Undecoded::Damaged(found) => damaged(path, &found),
-    })
+fn damaged(path: &Path, fault: &str) -> Error {
+    Error::refuse(path, "contents", fault, "a readable table", "the file is damaged: write it again")
 }
-
-fn damaged(path: &Path, found: &str) -> Error {
-    Error::refuse(path, "contents", found, "a readable table", "the file is damaged: write it again")
-}
-
-// Compares the columns of a file with the wanted ones.
 
 /// The columns of a file, if its envelope agrees with its Parquet schema.
 fn agreed_columns(
@@ -315,7 +305,7 @@ mod tests {
     use crate::columns::TableSchema;
     use crate::document::commit;
     use crate::encode::encode_checked;
-    use crate::layout::Layout;
+    use crate::layout::descriptor;
     use crate::table_writer::TableWriter;
 
     /// A file such as only another program could write: the second block has a NaN in row 3.
@@ -326,7 +316,7 @@ mod tests {
         let (name, unit) = ("u".to_owned(), "m/s".to_owned());
         let columns = vec![ColumnSpec { name, unit, kind: Kind::F64, nullable: true }];
         let schema = TableSchema { id: "t", version: 1, columns };
-        let layout = Layout::new(&path, &schema.columns).unwrap();
+        let layout = descriptor(&path, &schema.columns).unwrap();
         let mut writer = TableWriter::create(&path, &schema, &Provenance::default()).unwrap();
         for value in [0.5, f64::NAN] {
             let columns = vec![Column::f64(vec![1.0, 2.0, 3.0, value])];

@@ -18,12 +18,10 @@ use crate::columns::{Column, ColumnSpec, TableSchema};
 use crate::encode::{Chunk, EncodedBlock, PAGE_ROWS, check_piece, check_rows};
 use crate::error::{Error, Result};
 use crate::footer::Footer;
-use crate::layout;
-use crate::layout::{KEY, Layout, TableMetadata, write_error};
+use crate::layout::{self, KEY, TableMetadata, descriptor, write_error};
 use crate::provenance::Provenance;
 use crate::seal::Digest;
-use crate::staged::fault;
-use crate::staged::{Staged, create_temporary};
+use crate::staged::{Staged, create_temporary, fault};
 
 /// Rows per piece of a column: those of a page.
 pub const PIECE_ROWS: usize = PAGE_ROWS;
@@ -59,14 +57,13 @@ impl TableWriter {
     pub fn create(path: impl AsRef<Path>, schema: &TableSchema, provenance: &Provenance) -> Result<Self> {
         let path = path.as_ref();
         provenance.check_output(path)?;
-        let layout = Layout::new(path, &schema.columns)?;
+        let descriptor = descriptor(path, &schema.columns)?;
         let metadata = TableMetadata::new(schema, provenance);
         let file = Hashed { file: create_temporary(path)?, hasher: blake3::Hasher::new() };
         let buffered = BufWriter::with_capacity(BUFFER, file);
         let mut to = TrackedWrite::new(buffered);
         to.write_all(MAGIC).map_err(|e| Error::io(path, "write", e))?;
         let (path, columns) = (path.to_owned(), schema.columns.clone());
-        let descriptor = layout.descriptor;
         Ok(Self { path, columns, metadata, descriptor, to, groups: Vec::new(), cut_short: false })
     }
 
@@ -156,8 +153,8 @@ impl TableWriter {
         Ok(())
     }
 
-    fn check_columns(&self, found: &[ColumnSpec]) -> Result<()> {
-        if found == self.columns {
+    fn check_columns(&self, columns: &[ColumnSpec]) -> Result<()> {
+        if columns == self.columns {
             return Ok(());
         }
         let (found, expected) = ("a block with other columns", "the columns of the table's schema");
