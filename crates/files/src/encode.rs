@@ -123,8 +123,8 @@ pub(crate) fn check_piece(file: &Path, spec: &ColumnSpec, column: &Column, befor
     Ok(())
 }
 
-/// Rows of a page: a block of usual size is one page per column.
-pub(crate) const PAGE_ROWS: usize = 1 << 16;
+/// Rows per piece of a column: those of a page. A block of usual size is one page per column.
+pub const PIECE_ROWS: usize = 1 << 16;
 
 const LEVEL: i32 = 1;
 
@@ -135,9 +135,9 @@ fn properties(kind: Kind) -> ParquetResult<WriterPropertiesPtr> {
         .set_compression(Compression::ZSTD(ZstdLevel::try_new(LEVEL)?))
         .set_statistics_enabled(EnabledStatistics::None)
         .set_offset_index_disabled(true)
-        .set_data_page_row_count_limit(PAGE_ROWS)
+        .set_data_page_row_count_limit(PIECE_ROWS)
         .set_data_page_size_limit(usize::MAX)
-        .set_write_batch_size(PAGE_ROWS);
+        .set_write_batch_size(PIECE_ROWS);
     let properties = match kind {
         Kind::F64 => all.set_dictionary_enabled(false).set_encoding(Encoding::BYTE_STREAM_SPLIT),
         Kind::I32 => all.set_dictionary_enabled(false).set_encoding(Encoding::DELTA_BINARY_PACKED),

@@ -56,13 +56,8 @@ impl Error {
     /// An [`Error::Io`] from its parts; an [`Error::Refused`] for a name that no file can have.
     pub fn io(path: impl Into<PathBuf>, action: &'static str, source: io::Error) -> Self {
         if source.kind() == io::ErrorKind::InvalidInput && action == "read" {
-            return Self::refuse(
-                path,
-                "file",
-                source.to_string(),
-                "a name that a file can have",
-                "correct it",
-            );
+            let expected = "a name that a file can have";
+            return Self::refuse(path, "file", source.to_string(), expected, "correct it");
         }
         Self::Io { path: path.into(), action, source }
     }
@@ -139,22 +134,14 @@ impl Complaint<'_> {
         let refuse = |thing: &str, found: String, expected: String, remedy: String| {
             Error::refuse(self.path, thing, format!("{found}{line}"), expected, remedy)
         };
-        if let Some((word, known)) = strange_word(message, "unknown field ") {
-            return refuse(
-                "key",
-                format!("key `{}`", foreign(&word)),
-                one_of("key", &known),
-                suggestion(&word, &known),
-            );
-        }
-        if let Some((word, known)) = strange_word(message, "unknown variant ") {
-            let thing = foreign(self.key.as_deref().unwrap_or("value"));
-            return refuse(
-                &thing,
-                format!("`{}`", foreign(&word)),
-                one_of("value", &known),
-                suggestion(&word, &known),
-            );
+        for (kind, prefix) in [("key", "unknown field "), ("value", "unknown variant ")] {
+            let Some((word, known)) = strange_word(message, prefix) else { continue };
+            let (thing, named) = match kind {
+                "key" => (kind.to_owned(), "key "),
+                _ => (foreign(self.key.as_deref().unwrap_or(kind)), ""),
+            };
+            let found = format!("{named}`{}`", foreign(&word));
+            return refuse(&thing, found, one_of(kind, &known), suggestion(&word, &known));
         }
         if let Some(field) = message.strip_prefix("missing field ") {
             let remedy = format!("add {field}");
@@ -168,33 +155,30 @@ impl Complaint<'_> {
         let thing = foreign(self.key.as_deref().unwrap_or("contents"));
         let of_type = ["invalid type: ", "invalid value: ", "invalid length "];
         let stripped = of_type.iter().find_map(|prefix| message.strip_prefix(prefix)).unwrap_or(message);
-        let (found, expected) =
+        let (value, expected) =
             stripped.split_once(", expected ").unwrap_or((stripped, "an acceptable value"));
-        let (found, expected) = (plain_value(found), plain_type(expected));
-        Error::refuse(self.path, thing, format!("{found}{line}"), expected, "correct the value")
+        let found = format!("{}{line}", plain_value(value));
+        Error::refuse(self.path, thing, found, plain_type(expected), "correct the value")
     }
 }
 
 /// serde's name of a value, in terms of the file.
-fn plain_value(found: &str) -> String {
-    match found.split_once(' ') {
+fn plain_value(value: &str) -> String {
+    match value.split_once(' ') {
         Some(("integer", number)) => format!("the number {}", number.trim_matches('`')),
         Some(("floating", rest)) => {
             format!("the number {}", rest.trim_start_matches("point ").trim_matches('`'))
         }
         Some(("string", text)) => format!("the text {text}"),
         Some(("boolean", value)) => value.trim_matches('`').to_owned(),
-        _ => match found {
-            "sequence" => "a list".to_owned(),
-            "map" => "a table".to_owned(),
-            other => other.to_owned(),
-        },
+        _ if value == "sequence" => "a list".to_owned(),
+        _ if value == "map" => "a table".to_owned(),
+        _ => value.to_owned(),
     }
 }
 
 /// serde's name of a type, in terms of the file.
 fn plain_type(expected: &str) -> String {
-    let listed = |length: &str| format!("a list of {length} values");
     match expected {
         "u8" | "u16" | "u32" | "u64" | "usize" | "a nonzero u32" | "a nonzero u64" => {
             "a whole number from 0".to_owned()
@@ -206,7 +190,7 @@ fn plain_type(expected: &str) -> String {
         "a sequence" => "a list".to_owned(),
         "a map" => "a table".to_owned(),
         other => match (other.strip_prefix("an array of length "), other.strip_prefix("a tuple of size ")) {
-            (Some(length), _) | (_, Some(length)) => listed(length),
+            (Some(length), _) | (_, Some(length)) => format!("a list of {length} values"),
             _ if other.starts_with("struct ") => "a table".to_owned(),
             _ => other.to_owned(),
         },
@@ -240,10 +224,10 @@ fn one_of(thing: &str, known: &[String]) -> String {
     match known {
         [] => format!("no {thing} here"),
         [only] => format!("the {thing} `{only}`"),
-        all => format!(
-            "a known {thing}: {}",
-            all.iter().map(|k| format!("`{k}`")).collect::<Vec<_>>().join(", ")
-        ),
+        all => {
+            let all: Vec<String> = all.iter().map(|word| format!("`{word}`")).collect();
+            format!("a known {thing}: {}", all.join(", "))
+        }
     }
 }
 

@@ -105,28 +105,24 @@ fn parsed<T: DeserializeOwned>(text: &str) -> Result<T, Fault> {
 
 impl Fault {
     fn complaint<'a>(&'a self, text: &str, path: &'a Path) -> Complaint<'a> {
-        complaint(text, path, &self.message, self.span.clone())
+        let parts = self.message.rsplit_once(" (");
+        // Items of a list are read as they are, without their places: the message names the item and the key.
+        let named = parts.and_then(|(message, item)| {
+            let key = message.split('`').nth(1).unwrap_or_default();
+            let item = item.trim_end_matches(')');
+            place_of(text, &format!("{item}, `{key}`"), None).or_else(|| place_of(text, item, None))
+        });
+        let place = self.span.as_ref().and_then(|span| key_at(text, span));
+        // Of a wrong value the key before it.
+        let start = self.span.as_ref().map(|span| match &place {
+            Some((_, at)) if line_at(text.as_bytes(), *at) == line_at(text.as_bytes(), span.start) => *at,
+            _ => span.start,
+        });
+        let at = named.or(start).map(|at| line_and_column(text, at));
+        let inner = parts.and_then(|(_, item)| item.split('`').nth(3));
+        let key = inner.map(str::to_owned).or(place.map(|(key, _)| key));
+        Complaint { path, place: at, key, message: &self.message }
     }
-}
-
-fn complaint<'a>(text: &str, path: &'a Path, message: &'a str, span: Option<Range<usize>>) -> Complaint<'a> {
-    // Items of a list are read as they are, without their places: the message names the item and the key.
-    let named = message.rsplit_once(" (").and_then(|(message, item)| {
-        let key = message.split('`').nth(1).unwrap_or_default();
-        let item = item.trim_end_matches(')');
-        place_of(text, &format!("{item}, `{key}`"), None).or_else(|| place_of(text, item, None))
-    });
-    let place = span.as_ref().and_then(|span| key_at(text, span));
-    // Of a wrong value the key before it.
-    let start = span.map(|span| match &place {
-        Some((_, at)) if line_at(text.as_bytes(), *at) == line_at(text.as_bytes(), span.start) => *at,
-        _ => span.start,
-    });
-    let at = named.or(start);
-    let place_in = at.map(|at| line_and_column(text, at));
-    let inner = message.rsplit_once(" (").and_then(|(_, item)| item.split('`').nth(3));
-    let key = inner.map(str::to_owned).or(place.map(|(key, _)| key));
-    Complaint { path, place: place_in, key, message }
 }
 
 /// Number, from 1, of the line that holds byte `at`.

@@ -1,6 +1,6 @@
 //! JSON texts: readable ones, and numbers that JSON cannot hold, which serde_json would write as null.
 
-use std::fmt::{self, Display};
+use std::fmt::Display;
 
 use serde::ser::{self, Serialize, Serializer};
 use serde_json::Value;
@@ -27,7 +27,8 @@ enum Step {
 }
 
 /// Why the check ended early.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("stopped")]
 enum Stop {
     NotFinite(f64),
     /// The data's own serializer failed; the real serializer will report that.
@@ -55,14 +56,6 @@ impl FiniteCheck {
         Ok(())
     }
 }
-
-impl Display for Stop {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("stopped")
-    }
-}
-
-impl std::error::Error for Stop {}
 
 impl ser::Error for Stop {
     fn custom<T: Display>(_: T) -> Self {

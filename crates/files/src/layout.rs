@@ -125,6 +125,10 @@ impl TableMetadata {
     /// The envelope of a table yet to be sealed.
     pub fn new(schema: &TableSchema, provenance: &Provenance) -> Self {
         let Provenance { producer, inputs, origins, settings, shard, .. } = provenance.clone();
+        let entry = |column: &ColumnSpec| {
+            let ColumnSpec { name, unit, kind, .. } = column.clone();
+            ColumnEntry { name, unit, kind }
+        };
         Self {
             schema: schema_id(schema.id, schema.version),
             producer,
@@ -134,7 +138,7 @@ impl TableMetadata {
             settings,
             shard,
             document: None,
-            columns: schema.columns.iter().map(ColumnEntry::from).collect(),
+            columns: schema.columns.iter().map(entry).collect(),
         }
     }
 
@@ -142,12 +146,6 @@ impl TableMetadata {
     pub fn into_parts(self) -> (Vec<ColumnEntry>, Provenance) {
         let Self { producer, inputs, origins, settings, shard, columns, .. } = self;
         (columns, Provenance { producer, inputs, origins, settings, shard, ..Provenance::default() })
-    }
-}
-
-impl From<&ColumnSpec> for ColumnEntry {
-    fn from(column: &ColumnSpec) -> Self {
-        Self { name: column.name.clone(), unit: column.unit.clone(), kind: column.kind }
     }
 }
 

@@ -70,7 +70,7 @@ pub use document::{
     stage_set_document, units,
 };
 pub use document_reader::{Inspected, inspect, read_document, read_json, read_part};
-pub use encode::{EncodedBlock, encode_block};
+pub use encode::{EncodedBlock, PIECE_ROWS, encode_block};
 pub use error::{Error, Result};
 pub use foreign::{ForeignTable, Timed};
 pub use gather::{check_given, check_settings, check_shards, gather, shards_of};
@@ -81,4 +81,4 @@ pub use scratch::Scratch;
 pub use seal::{Digest, Digesting};
 pub use staged::{Staged, abandon, fault, is_unfinished, whole_folder};
 pub use table_reader::TableReader;
-pub use table_writer::{PIECE_ROWS, TableWriter};
+pub use table_writer::TableWriter;

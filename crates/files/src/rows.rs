@@ -234,16 +234,9 @@ fn name_of<T: Serialize>(variant: &T) -> String {
 }
 
 /// serde's names, where a text is none of them.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
 struct Unknown(String);
-
-impl Display for Unknown {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Unknown {}
 
 impl serde::de::Error for Unknown {
     fn custom<T: Display>(message: T) -> Self {

@@ -15,16 +15,13 @@ use parquet::schema::types::SchemaDescPtr;
 use tempfile::NamedTempFile;
 
 use crate::columns::{Column, ColumnSpec, TableSchema};
-use crate::encode::{Chunk, EncodedBlock, PAGE_ROWS, check_piece, check_rows};
+use crate::encode::{Chunk, EncodedBlock, check_piece, check_rows};
 use crate::error::{Error, Result};
 use crate::footer::Footer;
 use crate::layout::{self, KEY, TableMetadata, descriptor, write_error};
 use crate::provenance::Provenance;
 use crate::seal::Digest;
 use crate::staged::{Staged, create_temporary, fault};
-
-/// Rows per piece of a column: those of a page.
-pub const PIECE_ROWS: usize = PAGE_ROWS;
 
 /// Bytes that are hashed and written at a time: hashing is several times faster on long blocks.
 const BUFFER: usize = 1 << 18;
@@ -97,7 +94,7 @@ impl TableWriter {
 
     /// Appends a block of `rows` rows as [`crate::encode_block`] and [`TableWriter::push`] would, without
     /// ever having it in memory: `column` yields the pieces of the column at an index of the schema. All but
-    /// the last must have [`PIECE_ROWS`] rows, or pages would end elsewhere.
+    /// the last must have [`crate::PIECE_ROWS`] rows, or pages would end elsewhere.
     ///
     /// # Errors
     /// As theirs.
