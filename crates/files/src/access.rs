@@ -72,8 +72,8 @@ pub fn read(path: impl AsRef<Path>) -> Result<Vec<u8>> {
 pub(crate) fn bytes_of(path: &Path, mut file: File) -> Result<Vec<u8>> {
     let unreadable = |e| Error::io(path, "read", e);
     let length = file.metadata().map_err(unreadable)?.len();
-    let found = format!("{length} bytes");
-    let work = Work { file: path, thing: "file", found: &found, remedy: REMEDY };
+    let amount = format!("{length} bytes");
+    let work = Work { file: path, thing: "file", found: &amount, remedy: REMEDY };
     budget().memory(work, length as f64)?;
     let mut bytes = Vec::new();
     let reserved = bytes.try_reserve_exact(usize::try_from(length).unwrap_or(usize::MAX));

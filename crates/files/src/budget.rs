@@ -94,8 +94,8 @@ impl Budget {
 
 impl Work<'_> {
     fn refused(&self, takes: &str, expected: &str) -> Error {
-        let found = format!("{}, which takes {takes}", self.found);
-        Error::refuse(self.file, self.thing, found, expected, self.remedy)
+        let request = format!("{}, which takes {takes}", self.found);
+        Error::refuse(self.file, self.thing, request, expected, self.remedy)
     }
 }
 

@@ -226,9 +226,9 @@ pub(crate) fn check_companion(path: &Path, digest: Digest, companion: Option<&st
 }
 
 fn mixed(file: &Path, document: &Path) -> Error {
-    let found = format!("another file than the one written with {}", document.display());
+    let other = format!("another file than the one written with {}", document.display());
     let remedy = "run the stage that writes both again, or keep them in folders of their own";
-    Error::refuse(file, "digest", found, "the files of one run of a stage", remedy)
+    Error::refuse(file, "digest", other, "the files of one run of a stage", remedy)
 }
 
 /// Gives every file its name, in order, replacing files of the same name. The last one is the document that vouches for the

@@ -5,6 +5,7 @@ use std::fmt;
 use std::path::Path;
 
 use serde::de::{DeserializeOwned, DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde_json::Value;
 use serde_json::error::Category;
 
 use crate::access::{REMEDY, read};
@@ -157,41 +158,35 @@ fn opened(path: &Path) -> Result<(String, Header)> {
 fn check_units(
     path: &Path,
     units: &BTreeMap<String, String>,
-    found: &BTreeMap<String, String>,
+    stated: &BTreeMap<String, String>,
     text: &str,
 ) -> Result<()> {
     for (field, unit) in units {
-        if !found.contains_key(field) && !occurs(field, text) {
+        if !stated.contains_key(field) && !occurs(field, text) {
             continue;
         }
-        if found.get(field) != Some(unit) {
-            let found = found.get(field).map_or("no unit", String::as_str);
+        if stated.get(field) != Some(unit) {
+            let stated = stated.get(field).map_or("no unit", String::as_str);
             let remedy = "convert the values and correct the unit";
-            return Err(Error::refuse(path, format!("units.{field}"), found, unit.as_str(), remedy));
+            return Err(Error::refuse(path, format!("units.{field}"), stated, unit.as_str(), remedy));
         }
     }
-    let strange = found.keys().find(|field| !units.contains_key(*field));
-    match strange {
-        Some(field) => {
-            Err(Error::refuse(path, format!("units.{field}"), "a unit", "no such field", "remove it"))
-        }
-        None => Ok(()),
-    }
+    stated.keys().find(|field| !units.contains_key(*field)).map_or(Ok(()), |field| {
+        Err(Error::refuse(path, format!("units.{field}"), "a unit", "no such field", "remove it"))
+    })
 }
 
 /// Whether a field of this name (the last part of a path) occurs in the document's data.
 fn occurs(field: &str, text: &str) -> bool {
-    fn within(value: &serde_json::Value, name: &str) -> bool {
+    fn within(value: &Value, name: &str) -> bool {
         match value {
-            serde_json::Value::Object(fields) => {
-                fields.iter().any(|(key, value)| key == name || within(value, name))
-            }
-            serde_json::Value::Array(entries) => entries.iter().any(|entry| within(entry, name)),
+            Value::Object(fields) => fields.iter().any(|(key, value)| key == name || within(value, name)),
+            Value::Array(entries) => entries.iter().any(|entry| within(entry, name)),
             _ => false,
         }
     }
     let name = field.rsplit('.').next().unwrap_or(field);
-    let whole: serde_json::Value = serde_json::from_str(text).unwrap_or_default();
+    let whole: Value = serde_json::from_str(text).unwrap_or_default();
     whole.get("data").is_some_and(|data| within(data, name))
 }
 
@@ -201,20 +196,19 @@ fn refusal(path: &Path, text: &str, error: &serde_json::Error) -> Error {
     let message = full.rsplit_once(" at line ").map_or(full.as_str(), |(message, _)| message);
     match error.classify() {
         Category::Data => {
-            let key = text.lines().nth(line.saturating_sub(1)).and_then(key_of).map(str::to_owned);
+            // The key on a line of pretty JSON.
+            let key = text.lines().nth(line.saturating_sub(1)).and_then(|text| {
+                let (key, _) = text.trim_start().strip_prefix('"')?.split_once("\":")?;
+                Some(key.to_owned())
+            });
             Complaint { path, place: Some(format!("line {line}")), key, message }.refusal()
         }
         _ => {
-            let found = format!("{message} (line {line}, column {})", error.column());
+            let fault = format!("{message} (line {line}, column {})", error.column());
             let remedy = "the file is truncated or damaged: write it again";
-            Error::refuse(path, "JSON", found, "a whole JSON document", remedy)
+            Error::refuse(path, "JSON", fault, "a whole JSON document", remedy)
         }
     }
-}
-
-/// The key on a line of pretty JSON.
-fn key_of(line: &str) -> Option<&str> {
-    line.trim_start().strip_prefix('"')?.split_once("\":").map(|(key, _)| key)
 }
 
 /// Memory of a map of one key, of a list of one value, and of a value with its key \[bytes\].
@@ -231,8 +225,8 @@ fn check_memory(path: &Path, text: &str) -> Result<()> {
     if (text.len() * MAP) as f64 <= budget().bytes() {
         return Ok(());
     }
-    let found = format!("{} bytes", text.len());
-    let work = Work { file: path, thing: "contents", found: &found, remedy: REMEDY };
+    let amount = format!("{} bytes", text.len());
+    let work = Work { file: path, thing: "contents", found: &amount, remedy: REMEDY };
     budget().memory(work, memory_of(text.as_bytes()) as f64)
 }
 

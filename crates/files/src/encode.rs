@@ -1,4 +1,4 @@
-//! Encoding one block of a table in memory.
+//! Encoding one block of a table in memory, and one column of a block by the parquet crate.
 
 use std::io::Write;
 use std::path::Path;
@@ -104,8 +104,8 @@ pub(crate) fn check_piece(file: &Path, spec: &ColumnSpec, column: &Column, befor
         Err(Error::refuse(file, thing, found, expected, "correct the computation"))
     };
     if let Some(row) = column.first_not_finite() {
-        let found = column.as_f64().map(|values| values[row].to_string()).unwrap_or_default();
-        return refuse(row, found, "a finite number");
+        let value = column.as_f64().map(|values| values[row].to_string()).unwrap_or_default();
+        return refuse(row, value, "a finite number");
     }
     if !spec.nullable && column.nulls() > 0 {
         let row = (0..column.len()).find(|&row| column.is_null(row)).unwrap_or_default();
@@ -186,9 +186,7 @@ impl<'a> Chunk<'a> {
                 let texts: Vec<ByteArray> = codes.iter().map(|code| labels[*code as usize].clone()).collect();
                 to.write_batch(&texts, None, None)?;
             }
-            _ => {
-                return Err(general("a column of another kind than its schema says"));
-            }
+            _ => return Err(general("a column of another kind than its schema says")),
         }
         Ok(())
     }

@@ -96,8 +96,8 @@ fn io_line(path: &Path, action: &str, source: &io::Error) -> String {
         ("read", _) => ("a readable file", "check the file and its disk"),
         _ => ("a writable place", "check the folder and its disk"),
     };
-    let found = shortened(&one_line(&source.to_string()), SOURCE);
-    format!("{}: {action}: found {found}, expected {expected}; {remedy}", shown(path))
+    let answer = shortened(&one_line(&source.to_string()), SOURCE);
+    format!("{}: {action}: found {answer}, expected {expected}; {remedy}", shown(path))
 }
 
 /// Readers of data in memory never fail.
@@ -140,8 +140,8 @@ impl Complaint<'_> {
                 "key" => (kind.to_owned(), "key "),
                 _ => (foreign(self.key.as_deref().unwrap_or(kind)), ""),
             };
-            let found = format!("{named}`{}`", foreign(&word));
-            return refuse(&thing, found, one_of(kind, &known), suggestion(&word, &known));
+            let strange = format!("{named}`{}`", foreign(&word));
+            return refuse(&thing, strange, one_of(kind, &known), suggestion(&word, &known));
         }
         if let Some(field) = message.strip_prefix("missing field ") {
             let remedy = format!("add {field}");
@@ -157,8 +157,8 @@ impl Complaint<'_> {
         let stripped = of_type.iter().find_map(|prefix| message.strip_prefix(prefix)).unwrap_or(message);
         let (value, expected) =
             stripped.split_once(", expected ").unwrap_or((stripped, "an acceptable value"));
-        let found = format!("{}{line}", plain_value(value));
-        Error::refuse(self.path, thing, found, plain_type(expected), "correct the value")
+        let value = format!("{}{line}", plain_value(value));
+        Error::refuse(self.path, thing, value, plain_type(expected), "correct the value")
     }
 }
 
@@ -209,15 +209,12 @@ fn split_remark(message: &str) -> (&str, Option<&str>) {
 fn strange_word(message: &str, prefix: &str) -> Option<(String, Vec<String>)> {
     let rest = message.strip_prefix(prefix)?;
     let (word, known) = match rest.split_once("`, ") {
-        Some((word, known)) => (word.strip_prefix('`')?, quoted(known)),
+        Some((word, known)) => {
+            (word.strip_prefix('`')?, known.split('`').skip(1).step_by(2).map(str::to_owned).collect())
+        }
         None => (rest.trim_matches('`'), Vec::new()),
     };
     Some((word.to_owned(), known))
-}
-
-/// The words between backquotes.
-fn quoted(text: &str) -> Vec<String> {
-    text.split('`').skip(1).step_by(2).map(str::to_owned).collect()
 }
 
 fn one_of(thing: &str, known: &[String]) -> String {

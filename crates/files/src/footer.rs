@@ -41,8 +41,8 @@ impl Footer {
         })?;
         let envelope = find_envelope(&bytes).ok_or_else(|| {
             let remedy = "name a file that seatrial wrote, or bring this one in with `ingest`";
-            let found = format!("no `{KEY}` metadata");
-            Error::refuse(path, "file", found, "a table with schema and units", remedy)
+            let metadata = format!("no `{KEY}` metadata");
+            Error::refuse(path, "file", metadata, "a table with schema and units", remedy)
         })?;
         Ok(Self { bytes, start, envelope })
     }
@@ -50,8 +50,8 @@ impl Footer {
     /// The JSON text of the envelope.
     pub fn envelope(&self, path: &Path) -> Result<&str> {
         std::str::from_utf8(&self.bytes[self.envelope.clone()]).map_err(|_| {
-            let found = "a text that is not UTF-8";
-            Error::refuse(path, "metadata", found, "JSON", "the file is damaged: write it again")
+            let text = "a text that is not UTF-8";
+            Error::refuse(path, "metadata", text, "JSON", "the file is damaged: write it again")
         })
     }
 

@@ -76,8 +76,8 @@ pub(crate) fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String> {
     String::from_utf8(bytes).map_err(|e| {
         let at = e.utf8_error().valid_up_to();
         let line = line_at(e.as_bytes(), at);
-        let found = format!("a byte that is not UTF-8 (line {line})");
-        Error::refuse(path, "text", found, "UTF-8 text", "save the file as UTF-8 or write it again")
+        let byte = format!("a byte that is not UTF-8 (line {line})");
+        Error::refuse(path, "text", byte, "UTF-8 text", "save the file as UTF-8 or write it again")
     })
 }
 

@@ -244,13 +244,12 @@ fn base64(bytes: &[u8]) -> String {
     text
 }
 
-// A FlatBuffer is written from front to back: tables, vectors and texts, each behind the place that points to it. A place is a word of four bytes with the distance to what it points to. Every slot of a table takes a word, too: a
-// smaller number is its first bytes. The list of a table's slots follows the table.
-
 /// Bytes of a word.
 const WORD: usize = 4;
 
-/// A FlatBuffer being written; its length is always a multiple of a word.
+/// A FlatBuffer being written from front to back: tables, vectors and texts, each behind the place that points to it. A place is a
+/// word with the distance to what it points to. Every slot of a table takes a word, too: a smaller number is its first bytes. The list
+/// of a table's slots follows the table. The length is always a multiple of a word.
 struct Flat(Vec<u8>);
 
 impl Flat {

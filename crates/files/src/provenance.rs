@@ -105,13 +105,11 @@ impl Provenance {
     /// Refuses an output at the path of one of its inputs.
     pub(crate) fn check_output(&self, path: &Path) -> Result<()> {
         let Ok(existing) = path.canonicalize() else { return Ok(()) };
-        match self.read.iter().any(|input| input.canonicalize().is_ok_and(|input| input == existing)) {
-            true => {
-                let (found, expected) = ("a file that this is made of", "another file");
-                Err(Error::refuse(path, "output", found, expected, "name another --out"))
-            }
-            false => Ok(()),
+        if self.read.iter().any(|input| input.canonicalize().is_ok_and(|input| input == existing)) {
+            let (found, expected) = ("a file that this is made of", "another file");
+            return Err(Error::refuse(path, "output", found, expected, "name another --out"));
         }
+        Ok(())
     }
 
     /// Inherits the label of a mixture.
@@ -168,10 +166,8 @@ impl Shard {
         if self.index == 0 || self.index > self.count {
             return 0..0;
         }
-        let bound = |parts: u32| {
-            let product = items as u128 * u128::from(parts) / u128::from(self.count);
-            product as usize // at most `items`
-        };
+        // At most `items`.
+        let bound = |parts: u32| (items as u128 * u128::from(parts) / u128::from(self.count)) as usize;
         bound(self.index - 1)..bound(self.index)
     }
 }

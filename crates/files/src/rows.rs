@@ -158,8 +158,8 @@ impl<Row: Clone + 'static> Columns<Row> {
             field.fill(&mut rows, column).map_err(|(row, expected)| {
                 let before: usize = (0..block).map(|earlier| reader.block_rows(earlier)).sum();
                 let thing = format!("column `{}`, row {}", spec.name, before + row);
-                let found = format!("`{}`", column.text_at(row).unwrap_or_default());
-                Error::refuse(reader.path(), thing, found, expected, "write the table again")
+                let text = format!("`{}`", column.text_at(row).unwrap_or_default());
+                Error::refuse(reader.path(), thing, text, expected, "write the table again")
             })?;
         }
         Ok(rows)

@@ -115,9 +115,7 @@ impl Scratch {
     /// The file, created on first use.
     fn file(&self, slots: &mut Slots) -> Option<std::sync::Arc<File>> {
         if slots.file.is_none() && slots.failure.is_none() {
-            let folder = folder_of(&self.target);
-            let folder = if folder == Path::new("") { Path::new(".") } else { folder };
-            match tempfile::tempfile_in(folder) {
+            match tempfile::tempfile_in(folder_of(&self.target)) {
                 Ok(file) => slots.file = Some(file.into()),
                 Err(failure) => slots.failure = Some(failure),
             }

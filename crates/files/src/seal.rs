@@ -171,9 +171,9 @@ pub(crate) fn check_seal(path: &Path, seal: Option<Digest>, digests: FileDigests
     if seal.is_none_or(|seal| seal == digests.blanked) {
         return Ok(());
     }
-    let found = "a digest that differs from the file's bytes";
+    let digest = "a digest that differs from the file's bytes";
     let remedy = "the file is damaged: write it again (or, if you edited it by hand, set \"seal\" to null)";
-    Err(Error::refuse(path, "seal", found, digests.blanked.to_string(), remedy))
+    Err(Error::refuse(path, "seal", digest, digests.blanked.to_string(), remedy))
 }
 
 /// Writes the digits of the seal into the text of a document with a blank one.

@@ -152,12 +152,10 @@ impl TableReader {
 
     /// Refuses rows of `bytes` each that exceed the memory: few bytes of a file can represent many rows.
     pub(crate) fn check_memory(&self, rows: usize, bytes: usize) -> Result<()> {
-        let found = format!("{rows} rows");
+        let amount = format!("{rows} rows");
         let remedy = "write the table in smaller parts, or raise --memory-mib";
-        budget().memory(
-            Work { file: &self.path, thing: "rows", found: &found, remedy },
-            bytes as f64 * rows as f64,
-        )
+        let work = Work { file: &self.path, thing: "rows", found: &amount, remedy };
+        budget().memory(work, bytes as f64 * rows as f64)
     }
 
     fn check_values(&self, place: usize, column: &Column, start: usize) -> Result<()> {
@@ -165,8 +163,8 @@ impl TableReader {
             return Ok(());
         };
         let thing = format!("column `{}`, row {}", self.columns[place].name, start + row);
-        let found = column.as_f64().map(|values| values[row].to_string()).unwrap_or_default();
-        Err(Error::refuse(&self.path, thing, found, "a finite number", "write the file again"))
+        let value = column.as_f64().map(|values| values[row].to_string()).unwrap_or_default();
+        Err(Error::refuse(&self.path, thing, value, "a finite number", "write the file again"))
     }
 }
 
@@ -219,11 +217,8 @@ fn block_rows(path: &Path, groups: &[RowGroupMetaData]) -> Result<Vec<Range<usiz
         end = end.checked_add(usize::try_from(group.num_rows()).ok()?)?;
         Some(start..end)
     };
-    groups
-        .iter()
-        .map(next)
-        .collect::<Option<_>>()
-        .ok_or_else(|| damaged(path, "an impossible number of rows"))
+    let blocks = groups.iter().map(next).collect::<Option<_>>();
+    blocks.ok_or_else(|| damaged(path, "an impossible number of rows"))
 }
 
 fn damaged(path: &Path, fault: &str) -> Error {

@@ -41,13 +41,10 @@ pub(crate) fn span_of(text: &str, way: &[Step], is_key: bool) -> Option<Range<us
     Some(if is_key { key.span() } else { value.span() })
 }
 
-fn holds(outer: &Range<usize>, inner: &Range<usize>) -> bool {
-    outer.start <= inner.start && inner.end <= outer.end
-}
-
 fn within_table(table: &DeTable<'_>, span: &Range<usize>, innermost: &mut Option<(String, usize)>) {
+    let holds = |outer: Range<usize>| outer.start <= span.start && span.end <= outer.end;
     for (key, value) in table {
-        if holds(&key.span(), span) || holds(&value.span(), span) {
+        if holds(key.span()) || holds(value.span()) {
             *innermost = Some((key.get_ref().to_string(), key.span().start));
         }
         // Tables may go on elsewhere in the file than where they begin.
