@@ -5,10 +5,10 @@
 //! reported in one line that names the file, the thing, what was found, what was expected and the remedy.
 //!
 //! ```
-//! use crate::{Column, ColumnSpec, Kind, Provenance, Table, TableReader, TableSchema, TableWriter};
-//! use crate::{commit, encode_block};
+//! use files::{Column, ColumnSpec, Kind, Provenance, Table, TableReader, TableSchema, TableWriter};
+//! use files::{commit, encode_block};
 //!
-//! # fn main() -> crate::Result<()> {
+//! # fn main() -> files::Result<()> {
 //! let folder = tempfile::tempdir().unwrap();
 //! let path = folder.path().join("speeds.parquet");
 //! let speed = ColumnSpec { name: "u".into(), unit: "m/s".into(), kind: Kind::F64, nullable: false };

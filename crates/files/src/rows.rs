@@ -16,7 +16,7 @@ use crate::table_reader::TableReader;
 /// The columns of a table whose rows are of type `Row`: its schema, its writer and its reader.
 ///
 /// ```
-/// use crate::Columns;
+/// use files::Columns;
 /// #[derive(Clone, Default)]
 /// struct Speed { place: String, run: i32, u: Option<f64> }
 ///
