@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
+use refusal::{Contents, Invalid, Step, Unreadable};
 use serde::de::{DeserializeOwned, DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::Value;
 use serde_json::error::Category;
@@ -16,7 +17,6 @@ use crate::hand_written::text_of;
 use crate::provenance::Provenance;
 use crate::seal::{self, Digest, Header};
 use crate::table_reader::Whole;
-use refusal::{Contents, Invalid, Step, Unreadable};
 
 /// Reads a document.
 ///

@@ -124,10 +124,10 @@ impl TryFrom<String> for Digest {
 }
 
 /// The placeholder of the digits while they are unknown.
-pub(crate) const BLANK: [u8; DIGITS] = [b'0'; DIGITS];
+const BLANK: [u8; DIGITS] = [b'0'; DIGITS];
 
 /// Number of hexadecimal digits in a digest.
-pub(crate) const DIGITS: usize = 64;
+const DIGITS: usize = 64;
 
 /// Digests of a file.
 #[derive(Clone, Copy, Debug)]
