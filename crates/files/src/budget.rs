@@ -94,8 +94,8 @@ impl Budget {
 
 impl Work<'_> {
     fn refused(&self, takes: &str, expected: &str) -> Error {
-        let found = format!("{}, which takes {takes}", self.found);
-        Error::refuse(self.file, self.thing, found, expected, self.remedy)
+        let request = format!("{}, which takes {takes}", self.found);
+        Error::refuse(self.file, self.thing, request, expected, self.remedy)
     }
 }
 
@@ -129,9 +129,9 @@ fn number_after(file: &str, key: &str) -> Option<f64> {
 /// The bounds of the control group of this process and of those above it.
 fn groups() -> impl Iterator<Item = f64> {
     let text = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
-    let own = text.lines().find_map(|line| line.strip_prefix("0::/")).unwrap_or_default().to_owned();
+    let group = text.lines().find_map(|line| line.strip_prefix("0::/")).unwrap_or_default().to_owned();
     let files: Vec<_> =
-        Path::new("/sys/fs/cgroup").join(own).ancestors().map(|at| at.join("memory.max")).collect();
+        Path::new("/sys/fs/cgroup").join(group).ancestors().map(|at| at.join("memory.max")).collect();
     files.into_iter().filter_map(|file| fs::read_to_string(file).ok()?.trim().parse().ok())
 }
 

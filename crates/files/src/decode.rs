@@ -1,27 +1,27 @@
-//! Decoding one column of one block.
+//! Decoding one column of one block, from pages whose headers announce no more than is allowed.
 
 use std::cell::Cell;
-use std::error::Error;
-use std::io;
+use std::io::{self, BufReader, Read};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 
+use bytes::Bytes;
+use flate2::read::MultiGzDecoder;
+use parquet::basic::CompressionCodec;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
 use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::metadata::ColumnChunkMetaData;
+use parquet::file::reader::{ChunkReader, Length};
+use parquet::file::serialized_reader::SerializedPageReader;
 
+use crate::access::{ReaderAt, Source};
 use crate::budget::budget;
 use crate::columns::{Column, Labels};
-use crate::page_bytes::pages;
-use crate::source::Source;
-
-/// Why decoding failed.
-pub(crate) enum Undecoded {
-    /// The system could not read the bytes.
-    Unreadable(io::Error),
-    /// What is wrong with them.
-    Damaged(String),
-}
+use crate::error::{Error, Result};
+use crate::footer::{BROKEN, PageSizes, most_bytes, page_sizes};
+use crate::layout::{general, inner_io};
 
 thread_local! {
     static DECODING: Cell<bool> = const { Cell::new(false) };
@@ -33,8 +33,12 @@ pub fn decoding() -> bool {
     DECODING.get()
 }
 
-/// Runs the decoder. It may panic on unverified bytes: that too is reported as a damaged file.
-pub(crate) fn decoded<T>(decode: impl FnOnce() -> ParquetResult<T>) -> Result<T, Undecoded> {
+/// Runs the decoder of the file at `path`. It may panic on unverified bytes: that too is refused as a `damaged` file.
+pub(crate) fn guarded<T>(
+    path: &Path,
+    damaged: fn(&Path, &str) -> Error,
+    decode: impl FnOnce() -> ParquetResult<T>,
+) -> Result<T> {
     let before = DECODING.replace(true);
     let ended = catch_unwind(AssertUnwindSafe(decode));
     DECODING.set(before);
@@ -42,19 +46,11 @@ pub(crate) fn decoded<T>(decode: impl FnOnce() -> ParquetResult<T>) -> Result<T,
         Ok(Ok(decoded)) => Ok(decoded),
         Ok(Err(error)) => Err(match inner_io(error) {
             // Decompressors and truncated input have errors of the same type that are not the system's.
-            Ok(io) if io.raw_os_error().is_some() => Undecoded::Unreadable(io),
-            Ok(other) => Undecoded::Damaged(other.to_string()),
-            Err(other) => Undecoded::Damaged(other.to_string()),
+            Ok(io) if io.raw_os_error().is_some() => Error::io(path, "read", io),
+            Ok(other) => damaged(path, &other.to_string()),
+            Err(other) => damaged(path, &other.to_string()),
         }),
-        Err(_) => Err(Undecoded::Damaged("bytes that cannot be decoded".to_owned())),
-    }
-}
-
-/// The operating system's error inside an error of the parquet crate, or else that error.
-pub(crate) fn inner_io(error: ParquetError) -> Result<io::Error, Box<dyn Error + Send + Sync>> {
-    match error {
-        ParquetError::External(inner) => inner.downcast::<io::Error>().map(|io| *io),
-        other => Err(other.into()),
+        Err(_) => Err(damaged(path, "bytes that cannot be decoded")),
     }
 }
 
@@ -80,9 +76,9 @@ pub(crate) fn decode_column(
             intern(&decode_all(reader, rows)?)
         }
         ColumnReader::ByteArrayColumnReader(_) => {
-            Err(ParquetError::General(format!("{rows} texts, more than fit in memory")))
+            Err(general(format!("{rows} texts, more than fit in memory")))
         }
-        _ => Err(ParquetError::General("a column of a type that no table has".to_owned())),
+        _ => Err(general("a column of a type that no table has")),
     }
 }
 
@@ -107,15 +103,14 @@ fn decode_nullable<T: DataType<T = f64>>(
         return Ok(Column::f64(present));
     }
     let mut present = present.into_iter();
-    let spaced =
-        levels.iter().map(|&level| if level > 0 { present.next().unwrap_or(f64::NAN) } else { f64::NAN });
-    let values = spaced.collect();
-    Ok(Column::nullable_f64(values, levels.iter().map(|&level| level > 0).collect()))
+    let valid: Vec<bool> = levels.iter().map(|&level| level > 0).collect();
+    let value = |valid: &bool| if *valid { present.next().unwrap_or(f64::NAN) } else { f64::NAN };
+    Ok(Column::nullable_f64(valid.iter().map(value).collect(), valid))
 }
 
 /// Refuses a column of another length than its block.
-fn too_few(found: usize, expected: usize) -> ParquetError {
-    ParquetError::General(format!("{found} values in a block of {expected} rows"))
+fn too_few(values: usize, rows: usize) -> ParquetError {
+    general(format!("{values} values in a block of {rows} rows"))
 }
 
 /// The distinct texts in order of appearance, and per row the index of its text.
@@ -127,10 +122,96 @@ fn intern(texts: &[ByteArray]) -> ParquetResult<Column> {
     Ok(labels.column())
 }
 
+/// A header has some ten numbers; with the least and the greatest value of a text it may be longer.
+const USUAL_HEADER: u64 = 512;
+const LONGEST_HEADER: u64 = 1 << 20;
+
+/// Reads the pages of a column, whose blocks have `rows` rows.
+pub(crate) fn pages(
+    source: &Source,
+    chunk: &ColumnChunkMetaData,
+    rows: usize,
+) -> ParquetResult<SerializedPageReader<PageBytes>> {
+    let codec = chunk.compression_codec();
+    let [uncompressed, levels] = [0, 0].map(AtomicU64::new);
+    let bytes = PageBytes { source: source.clone(), codec, uncompressed, levels };
+    SerializedPageReader::new(bytes.into(), chunk, rows, None)
+}
+
+/// A file where every read begins with the header of a page.
+pub(crate) struct PageBytes {
+    source: Source,
+    codec: CompressionCodec,
+    /// Bytes of the page whose header was read last.
+    uncompressed: AtomicU64,
+    /// The uncompressed part of them, which comes first.
+    levels: AtomicU64,
+}
+
+impl Length for PageBytes {
+    fn len(&self) -> u64 {
+        self.source.len()
+    }
+}
+
+impl ChunkReader for PageBytes {
+    type T = BufReader<ReaderAt>;
+
+    fn get_read(&self, start: u64) -> ParquetResult<Self::T> {
+        let header = |most: u64| {
+            let mut bytes = Vec::new();
+            self.source.get_read(start)?.take(most).read_to_end(&mut bytes)?;
+            Ok::<_, ParquetError>(page_sizes(&bytes))
+        };
+        let short = header(USUAL_HEADER)?;
+        let sizes = if short.is_some() { short } else { header(LONGEST_HEADER)? };
+        let sizes = sizes.ok_or_else(|| general(format!("a page header with {BROKEN}")))?;
+        self.uncompressed.store(check(sizes)?, Ordering::Relaxed);
+        self.levels.store(sizes.levels.unsigned_abs(), Ordering::Relaxed);
+        self.source.get_read(start)
+    }
+
+    fn get_bytes(&self, start: u64, length: usize) -> ParquetResult<Bytes> {
+        let bytes = self.source.get_bytes(start, length)?;
+        self.check_length(&bytes)?;
+        Ok(bytes)
+    }
+}
+
+impl PageBytes {
+    /// Decompression of gzip and brotli does not stop at the end of the page.
+    fn check_length(&self, bytes: &[u8]) -> ParquetResult<()> {
+        const BUFFER: usize = 1 << 12;
+        let most = self.uncompressed.load(Ordering::Relaxed);
+        let levels = usize::try_from(self.levels.load(Ordering::Relaxed)).unwrap_or(usize::MAX);
+        let bytes = bytes.get(levels..).unwrap_or_default();
+        let mut counted: Box<dyn Read> = match self.codec {
+            CompressionCodec::GZIP => Box::new(MultiGzDecoder::new(bytes)),
+            CompressionCodec::BROTLI => Box::new(brotli::Decompressor::new(bytes, BUFFER)),
+            _ => return Ok(()),
+        };
+        match io::copy(&mut counted.by_ref().take(most + 1), &mut io::sink()) {
+            Ok(length) if length > most => Err(general("a page that is longer than its header says")),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Bytes of a page with these sizes.
+fn check(sizes: PageSizes) -> ParquetResult<u64> {
+    let bytes = u64::try_from(sizes.uncompressed).unwrap_or(u64::MAX);
+    if bytes > most_bytes() {
+        return Err(general(format!("a page of {bytes} bytes, more than fit in memory")));
+    }
+    if u64::try_from(sizes.labels).unwrap_or(u64::MAX) > bytes {
+        return Err(general(format!("a page of {} labels in {bytes} bytes", sizes.labels)));
+    }
+    Ok(bytes)
+}
+
 #[cfg(test)]
 mod tests {
     use std::fs::File;
-    use std::path::Path;
     use std::sync::Arc;
 
     use parquet::basic::{Compression, Encoding, ZstdLevel};
@@ -140,9 +221,9 @@ mod tests {
     use parquet::file::writer::{SerializedFileWriter, TrackedWrite};
 
     use super::*;
-    use crate::chunk::Chunk;
-    use crate::layout::Layout;
-    use crate::schema::{ColumnSpec, Kind};
+    use crate::columns::{ColumnSpec, Kind};
+    use crate::encode::Chunk;
+    use crate::layout::descriptor;
 
     const ROWS: usize = 3000;
 
@@ -167,22 +248,19 @@ mod tests {
         vec![Column::f64(x), Column::nullable_f64(y, present), Column::i32(n), Column::text(labels, codes)]
     }
 
-    fn same(found: &Column, expected: &Column, what: &str) {
+    fn same(column: &Column, expected: &Column, what: &str) {
         for row in 0..ROWS {
-            assert_eq!(
-                found.value_at(row).map(f64::to_bits),
-                expected.value_at(row).map(f64::to_bits),
-                "{what}"
-            );
-            assert_eq!(found.text_at(row), expected.text_at(row), "{what}, row {row}");
+            let bits = |column: &Column| column.value_at(row).map(f64::to_bits);
+            assert_eq!(bits(column), bits(expected), "{what}");
+            assert_eq!(column.text_at(row), expected.text_at(row), "{what}, row {row}");
         }
-        assert_eq!((found.nulls(), found.as_i32()), (expected.nulls(), expected.as_i32()), "{what}");
+        assert_eq!((column.nulls(), column.as_i32()), (expected.nulls(), expected.as_i32()), "{what}");
     }
 
     /// Writes the columns by the parquet crate, a few rows at a time.
     fn written_by_others(file: File, properties: WriterProperties) -> ParquetMetaData {
-        let layout = Layout::new(Path::new("t"), &specs()).unwrap();
-        let root = layout.descriptor.root_schema_ptr();
+        let layout = descriptor(Path::new("t"), &specs()).unwrap();
+        let root = layout.root_schema_ptr();
         let mut writer = SerializedFileWriter::new(file, root, Arc::new(properties)).unwrap();
         let mut group = writer.next_row_group().unwrap();
         for column in columns() {
@@ -232,24 +310,24 @@ mod tests {
             let metadata = written_by_others(file.try_clone().unwrap(), properties.build());
             let source = Source::new(file).unwrap();
             for (i, expected) in columns().iter().enumerate() {
-                let found = decode_column(&source, metadata.row_group(0).column(i), ROWS).unwrap();
-                same(&found, expected, &format!("way {way}, column {i}"));
+                let column = decode_column(&source, metadata.row_group(0).column(i), ROWS).unwrap();
+                same(&column, expected, &format!("way {way}, column {i}"));
             }
         }
     }
 
     #[test]
     fn law_columns_are_read_as_they_were_written() {
-        let layout = Layout::new(Path::new("t"), &specs()).unwrap();
+        let layout = descriptor(Path::new("t"), &specs()).unwrap();
         for (i, expected) in columns().iter().enumerate() {
             let file = tempfile::tempfile().unwrap();
             let mut to = TrackedWrite::new(file.try_clone().unwrap());
-            let mut chunk = Chunk::new(specs()[i].kind, layout.descriptor.column(i), &mut to).unwrap();
+            let mut chunk = Chunk::new(specs()[i].kind, layout.column(i), &mut to).unwrap();
             chunk.push(expected).unwrap();
             let chunk = chunk.close().unwrap();
             drop(to.into_inner().unwrap());
-            let found = decode_column(&Source::new(file).unwrap(), &chunk, ROWS).unwrap();
-            same(&found, expected, &format!("column {i}"));
+            let column = decode_column(&Source::new(file).unwrap(), &chunk, ROWS).unwrap();
+            same(&column, expected, &format!("column {i}"));
         }
     }
 }

@@ -6,18 +6,17 @@ use std::path::Path;
 
 use refusal::{Contents, Invalid, PathStep, Unreadable};
 use serde::de::{DeserializeOwned, DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde_json::Value;
 use serde_json::error::Category;
 
-use crate::complaint::Complaint;
-use crate::digest::Digest;
-use crate::document::{Document, Envelope, Loaded, units};
-use crate::error::{Error, Result};
-use crate::identity::Header;
-use crate::ordinary::read;
-use crate::seal;
-use crate::set::check_members;
-use crate::toml_input::text_of;
-use crate::weight;
+use crate::access::{REMEDY, read};
+use crate::budget::{Work, budget};
+use crate::document::{Document, Envelope, Loaded, check_members, units};
+use crate::error::{Complaint, Error, Result};
+use crate::hand_written::text_of;
+use crate::provenance::Provenance;
+use crate::seal::{self, Digest, Header};
+use crate::table_reader::Whole;
 
 /// Reads a document.
 ///
@@ -46,8 +45,8 @@ pub fn read_part<D: Document>(path: &Path) -> Result<Loaded<D>> {
     header.check(path, D::ID, D::VERSION)?;
     let digest = seal::check_text(path, &text, header.seal())?.digest;
     let envelope: Envelope<D> = parsed(path, &text)?;
-    check_units(path, &units::<D>(), envelope.units(), &text)?;
-    check_members(path, envelope.members(), |_| None)?;
+    check_units(path, &units::<D>(), &envelope.units, &text)?;
+    check_members(path, &envelope.members, |_| None)?;
     let loaded = envelope.loaded(digest);
     loaded.data.check().map_err(|invalid| Error::invalid(path, invalid))?;
     Ok(loaded)
@@ -60,11 +59,8 @@ pub fn read_part<D: Document>(path: &Path) -> Result<Loaded<D>> {
 /// duplicate or mistyped keys.
 pub fn read_json<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<(T, Digest)> {
     let path = path.as_ref();
-    let bytes = read(path)?;
-    let digest = Digest::of_bytes(&bytes);
-    let text = text_of(path, bytes)?;
-    weight::check(path, &text)?;
-    Ok((parsed(path, &text)?, digest))
+    let text = text_at(path)?;
+    Ok((parsed(path, &text)?, Digest::of_bytes(text.as_bytes())))
 }
 
 /// Reads JSON; messages name the file `path`.
@@ -89,7 +85,7 @@ struct Way<'a> {
 }
 
 impl Way<'_> {
-    fn fault<T, E: serde::de::Error>(&self) -> std::result::Result<T, E> {
+    fn fault<T, E: serde::de::Error>(&self) -> Result<T, E> {
         Err(E::custom(self.message))
     }
 }
@@ -97,14 +93,14 @@ impl Way<'_> {
 impl<'de> DeserializeSeed<'de> for Way<'_> {
     type Value = ();
 
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> std::result::Result<(), D::Error> {
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
         deserializer.deserialize_any(self)
     }
 }
 
 macro_rules! fails {
     ($($method:ident($($type:ty)?)),+) => {
-        $(fn $method<E: serde::de::Error>(self, $(_: $type)?) -> std::result::Result<(), E> {
+        $(fn $method<E: serde::de::Error>(self, $(_: $type)?) -> Result<(), E> {
             self.fault()
         })+
     };
@@ -119,7 +115,7 @@ impl<'de> Visitor<'de> for Way<'_> {
 
     fails! { visit_bool(bool), visit_i64(i64), visit_u64(u64), visit_f64(f64), visit_str(&str), visit_unit() }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> std::result::Result<(), A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<(), A::Error> {
         let Some((PathStep::Item(place), steps)) = self.steps.split_first() else { return self.fault() };
         for _ in 0..*place {
             items.next_element::<IgnoredAny>()?;
@@ -128,7 +124,7 @@ impl<'de> Visitor<'de> for Way<'_> {
         self.fault()
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> std::result::Result<(), A::Error> {
+    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<(), A::Error> {
         while let Some(key) = entries.next_key::<String>()? {
             match self.steps.split_first() {
                 Some((PathStep::Key(wanted), steps)) if *wanted == key => {
@@ -144,11 +140,16 @@ impl<'de> Visitor<'de> for Way<'_> {
     }
 }
 
+/// The text of a file whose contents fit in memory.
+fn text_at(path: &Path) -> Result<String> {
+    let text = text_of(path, read(path)?)?;
+    check_memory(path, &text)?;
+    Ok(text)
+}
+
 /// The text of a document, and its header.
-pub(crate) fn opened(path: &Path) -> Result<(String, Header)> {
-    let bytes = read(path)?;
-    let text = text_of(path, bytes)?;
-    weight::check(path, &text)?;
+fn opened(path: &Path) -> Result<(String, Header)> {
+    let text = text_at(path)?;
     let header = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
     Ok((text, header))
 }
@@ -157,62 +158,152 @@ pub(crate) fn opened(path: &Path) -> Result<(String, Header)> {
 fn check_units(
     path: &Path,
     units: &BTreeMap<String, String>,
-    found: &BTreeMap<String, String>,
+    stated: &BTreeMap<String, String>,
     text: &str,
 ) -> Result<()> {
     for (field, unit) in units {
-        if !found.contains_key(field) && !occurs(field, text) {
+        if !stated.contains_key(field) && !occurs(field, text) {
             continue;
         }
-        if found.get(field) != Some(unit) {
-            let found = found.get(field).map_or("no unit", String::as_str);
+        if stated.get(field) != Some(unit) {
+            let stated = stated.get(field).map_or("no unit", String::as_str);
             let remedy = "convert the values and correct the unit";
-            return Err(Error::refuse(path, format!("units.{field}"), found, unit.as_str(), remedy));
+            return Err(Error::refuse(path, format!("units.{field}"), stated, unit.as_str(), remedy));
         }
     }
-    let strange = found.keys().find(|field| !units.contains_key(*field));
-    match strange {
-        Some(field) => {
-            Err(Error::refuse(path, format!("units.{field}"), "a unit", "no such field", "remove it"))
-        }
-        None => Ok(()),
-    }
+    stated.keys().find(|field| !units.contains_key(*field)).map_or(Ok(()), |field| {
+        Err(Error::refuse(path, format!("units.{field}"), "a unit", "no such field", "remove it"))
+    })
 }
 
 /// Whether a field of this name (the last part of a path) occurs in the document's data.
 fn occurs(field: &str, text: &str) -> bool {
-    fn within(value: &serde_json::Value, name: &str) -> bool {
+    fn within(value: &Value, name: &str) -> bool {
         match value {
-            serde_json::Value::Object(fields) => {
-                fields.iter().any(|(key, value)| key == name || within(value, name))
-            }
-            serde_json::Value::Array(entries) => entries.iter().any(|entry| within(entry, name)),
+            Value::Object(fields) => fields.iter().any(|(key, value)| key == name || within(value, name)),
+            Value::Array(entries) => entries.iter().any(|entry| within(entry, name)),
             _ => false,
         }
     }
     let name = field.rsplit('.').next().unwrap_or(field);
-    let whole: serde_json::Value = serde_json::from_str(text).unwrap_or_default();
+    let whole: Value = serde_json::from_str(text).unwrap_or_default();
     whole.get("data").is_some_and(|data| within(data, name))
 }
 
-pub(crate) fn refusal(path: &Path, text: &str, error: &serde_json::Error) -> Error {
+fn refusal(path: &Path, text: &str, error: &serde_json::Error) -> Error {
     let line = error.line();
     let full = error.to_string();
     let message = full.rsplit_once(" at line ").map_or(full.as_str(), |(message, _)| message);
     match error.classify() {
         Category::Data => {
-            let key = text.lines().nth(line.saturating_sub(1)).and_then(key_of).map(str::to_owned);
+            // The key on a line of pretty JSON.
+            let key = text.lines().nth(line.saturating_sub(1)).and_then(|text| {
+                let (key, _) = text.trim_start().strip_prefix('"')?.split_once("\":")?;
+                Some(key.to_owned())
+            });
             Complaint { path, place: Some(format!("line {line}")), key, message }.refusal()
         }
         _ => {
-            let found = format!("{message} (line {line}, column {})", error.column());
+            let fault = format!("{message} (line {line}, column {})", error.column());
             let remedy = "the file is truncated or damaged: write it again";
-            Error::refuse(path, "JSON", found, "a whole JSON document", remedy)
+            Error::refuse(path, "JSON", fault, "a whole JSON document", remedy)
         }
     }
 }
 
-/// The key on a line of pretty JSON.
-fn key_of(line: &str) -> Option<&str> {
-    line.trim_start().strip_prefix('"')?.split_once("\":").map(|(key, _)| key)
+/// Memory of a map of one key, of a list of one value, and of a value with its key \[bytes\].
+const MAP: usize = 640;
+const LIST: usize = 160;
+const VALUE: usize = 96;
+
+/// Refuses a text, read from `path`, whose contents do not fit in memory: a few of its bytes can represent a hundred times as many.
+///
+/// # Errors
+/// States the need and the bound.
+fn check_memory(path: &Path, text: &str) -> Result<()> {
+    // Most texts are so short that they need not be counted.
+    if (text.len() * MAP) as f64 <= budget().bytes() {
+        return Ok(());
+    }
+    let amount = format!("{} bytes", text.len());
+    let work = Work { file: path, thing: "contents", found: &amount, remedy: REMEDY };
+    budget().memory(work, memory_of(text.as_bytes()) as f64)
+}
+
+/// Approximate memory of the text and its contents \[bytes\].
+fn memory_of(text: &[u8]) -> usize {
+    let (mut taken, mut quoted, mut escaped) = (2 * text.len() + VALUE, false, false);
+    for byte in text {
+        match byte {
+            _ if escaped => escaped = false,
+            b'\\' => escaped = quoted,
+            b'"' => quoted = !quoted,
+            b'{' if !quoted => taken += MAP,
+            b'[' if !quoted => taken += LIST,
+            b',' if !quoted => taken += VALUE,
+            _ => {}
+        }
+    }
+    taken
+}
+
+/// A file that was written as a document or table.
+#[derive(Clone, Debug)]
+pub struct Inspected {
+    /// Kind and version, like `design/1`.
+    pub schema: String,
+    /// Digest of the file.
+    pub digest: Digest,
+    /// Whether it has a seal, which then matches.
+    pub sealed: bool,
+    /// The origin of its contents.
+    pub provenance: Provenance,
+    /// Digests of the files that were written together with it, by their names beside it.
+    pub members: BTreeMap<String, Digest>,
+}
+
+/// Inspects the file at `path`; `None` if it is neither document nor table. [`crate::check_members`] checks
+/// the files that were written with a document.
+///
+/// # Errors
+/// [`Error::Io`] if it cannot be read; [`Error::Refused`] if it does not match its seal, or a table its
+/// document.
+pub fn inspect(path: &Path) -> Result<Option<Inspected>> {
+    match path.extension().and_then(|end| end.to_str()) {
+        Some("json") => document(path),
+        Some("parquet") => table(path).map(Some),
+        _ => Ok(None),
+    }
+}
+
+fn document(path: &Path) -> Result<Option<Inspected>> {
+    let (text, header) = opened(path)?;
+    let Some(schema) = header.schema().map(str::to_owned) else { return Ok(None) };
+    let digests = seal::check_text(path, &text, header.seal())?;
+    let envelope: Envelope<IgnoredAny> = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
+    let loaded = envelope.loaded(digests.digest);
+    let (sealed, provenance, members) = (header.seal().is_some(), loaded.provenance, loaded.members);
+    Ok(Some(Inspected { schema, digest: loaded.digest, sealed, provenance, members }))
+}
+
+fn table(path: &Path) -> Result<Inspected> {
+    let Whole { header, envelope, digest, .. } = Whole::open(path, None)?;
+    Ok(Inspected {
+        schema: header.schema().unwrap_or_default().to_owned(),
+        digest,
+        sealed: header.seal().is_some(),
+        provenance: envelope.into_parts().1,
+        members: BTreeMap::new(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_stands_in_texts_takes_no_more_than_they_have() {
+        let text = br#"{"a,[\"{": "\\", "b": [1, 2]}"#;
+        assert_eq!(memory_of(text), 2 * text.len() + VALUE + MAP + LIST + 2 * VALUE);
+    }
 }

@@ -4,12 +4,12 @@ use std::convert::Infallible;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use refusal::{Invalid, one_line, shortened};
+use refusal::{Invalid, foreign, one_line, shortened};
 
 use crate::toml_place::placed;
 
 /// Result of this crate's functions.
-pub type Result<T> = std::result::Result<T, Error>;
+pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// Bad input, or failed input and output.
 #[derive(Debug, thiserror::Error)]
@@ -56,13 +56,8 @@ impl Error {
     /// An [`Error::Io`] from its parts; an [`Error::Refused`] for a name that no file can have.
     pub fn io(path: impl Into<PathBuf>, action: &'static str, source: io::Error) -> Self {
         if source.kind() == io::ErrorKind::InvalidInput && action == "read" {
-            return Self::refuse(
-                path,
-                "file",
-                source.to_string(),
-                "a name that a file can have",
-                "correct it",
-            );
+            let expected = "a name that a file can have";
+            return Self::refuse(path, "file", source.to_string(), expected, "correct it");
         }
         Self::Io { path: path.into(), action, source }
     }
@@ -101,8 +96,8 @@ fn io_line(path: &Path, action: &str, source: &io::Error) -> String {
         ("read", _) => ("a readable file", "check the file and its disk"),
         _ => ("a writable place", "check the folder and its disk"),
     };
-    let found = shortened(&one_line(&source.to_string()), SOURCE);
-    format!("{}: {action}: found {found}, expected {expected}; {remedy}", shown(path))
+    let answer = shortened(&one_line(&source.to_string()), SOURCE);
+    format!("{}: {action}: found {answer}, expected {expected}; {remedy}", shown(path))
 }
 
 /// Readers of data in memory never fail.
@@ -110,4 +105,130 @@ impl From<Infallible> for Error {
     fn from(never: Infallible) -> Self {
         match never {}
     }
+}
+
+/// A message of serde, with its place; its refusal suggests the nearest known word.
+pub(crate) struct Complaint<'a> {
+    /// The file.
+    pub path: &'a Path,
+    /// Its place in the file, as `line 3`, if known.
+    pub place: Option<String>,
+    /// The key there, if known.
+    pub key: Option<String>,
+    /// serde's message, without a line number.
+    pub message: &'a str,
+}
+
+impl Complaint<'_> {
+    /// The complaint about the file after `changes`, which has no line numbers.
+    pub fn changed(self, changes: &str) -> Self {
+        Self { place: Some(format!("with {changes}")), ..self }
+    }
+
+    /// The refusal in this crate's form.
+    pub fn refusal(&self) -> Error {
+        let message = self.message.lines().next().unwrap_or_default().trim_end_matches('.');
+        let (message, remark) = split_remark(message);
+        let place: Vec<String> = self.place.clone().into_iter().chain(remark.map(str::to_owned)).collect();
+        let line = if place.is_empty() { String::new() } else { format!(" ({})", place.join(", ")) };
+        let refuse = |thing: &str, found: String, expected: String, remedy: String| {
+            Error::refuse(self.path, thing, format!("{found}{line}"), expected, remedy)
+        };
+        for (kind, prefix) in [("key", "unknown field "), ("value", "unknown variant ")] {
+            let Some((word, known)) = strange_word(message, prefix) else { continue };
+            let (thing, named) = match kind {
+                "key" => (kind.to_owned(), "key "),
+                _ => (foreign(self.key.as_deref().unwrap_or(kind)), ""),
+            };
+            let strange = format!("{named}`{}`", foreign(&word));
+            return refuse(&thing, strange, one_of(kind, &known), suggestion(&word, &known));
+        }
+        if let Some(field) = message.strip_prefix("missing field ") {
+            let remedy = format!("add {field}");
+            return refuse("key", format!("no key {field}"), format!("a value for {field}"), remedy);
+        }
+        self.other(message, &line)
+    }
+
+    /// Wrong types, wrong lengths, duplicate keys, and messages of the program's own types.
+    fn other(&self, message: &str, line: &str) -> Error {
+        let thing = foreign(self.key.as_deref().unwrap_or("contents"));
+        let of_type = ["invalid type: ", "invalid value: ", "invalid length "];
+        let stripped = of_type.iter().find_map(|prefix| message.strip_prefix(prefix)).unwrap_or(message);
+        let (value, expected) =
+            stripped.split_once(", expected ").unwrap_or((stripped, "an acceptable value"));
+        let value = format!("{}{line}", plain_value(value));
+        Error::refuse(self.path, thing, value, plain_type(expected), "correct the value")
+    }
+}
+
+/// serde's name of a value, in terms of the file.
+fn plain_value(value: &str) -> String {
+    match value.split_once(' ') {
+        Some(("integer", number)) => format!("the number {}", number.trim_matches('`')),
+        Some(("floating", rest)) => {
+            format!("the number {}", rest.trim_start_matches("point ").trim_matches('`'))
+        }
+        Some(("string", text)) => format!("the text {text}"),
+        Some(("boolean", value)) => value.trim_matches('`').to_owned(),
+        _ if value == "sequence" => "a list".to_owned(),
+        _ if value == "map" => "a table".to_owned(),
+        _ => value.to_owned(),
+    }
+}
+
+/// serde's name of a type, in terms of the file.
+fn plain_type(expected: &str) -> String {
+    match expected {
+        "u8" | "u16" | "u32" | "u64" | "usize" | "a nonzero u32" | "a nonzero u64" => {
+            "a whole number from 0".to_owned()
+        }
+        "i8" | "i16" | "i32" | "i64" | "isize" => "a whole number".to_owned(),
+        "f32" | "f64" => "a number".to_owned(),
+        "a string" => "a text".to_owned(),
+        "a boolean" => "true or false".to_owned(),
+        "a sequence" => "a list".to_owned(),
+        "a map" => "a table".to_owned(),
+        other => match (other.strip_prefix("an array of length "), other.strip_prefix("a tuple of size ")) {
+            (Some(length), _) | (_, Some(length)) => format!("a list of {length} values"),
+            _ if other.starts_with("struct ") => "a table".to_owned(),
+            _ => other.to_owned(),
+        },
+    }
+}
+
+/// Separates a message from the location in round brackets that a program's own type has appended to it.
+fn split_remark(message: &str) -> (&str, Option<&str>) {
+    match message.strip_suffix(')').and_then(|rest| rest.rsplit_once(" (")) {
+        Some((message, remark)) => (message, Some(remark)),
+        None => (message, None),
+    }
+}
+
+/// The unknown word and the known ones in ``unknown field `x`, expected one of `a`, `b` ``.
+fn strange_word(message: &str, prefix: &str) -> Option<(String, Vec<String>)> {
+    let rest = message.strip_prefix(prefix)?;
+    let (word, known) = match rest.split_once("`, ") {
+        Some((word, known)) => {
+            (word.strip_prefix('`')?, known.split('`').skip(1).step_by(2).map(str::to_owned).collect())
+        }
+        None => (rest.trim_matches('`'), Vec::new()),
+    };
+    Some((word.to_owned(), known))
+}
+
+fn one_of(thing: &str, known: &[String]) -> String {
+    match known {
+        [] => format!("no {thing} here"),
+        [only] => format!("the {thing} `{only}`"),
+        all => {
+            let all: Vec<String> = all.iter().map(|word| format!("`{word}`")).collect();
+            format!("a known {thing}: {}", all.join(", "))
+        }
+    }
+}
+
+fn suggestion(word: &str, known: &[String]) -> String {
+    let near = refusal::suggestion(word, known.iter().map(String::as_str));
+    near.unwrap_or_else(|| format!("remove `{}`", foreign(word)))
 }

@@ -3,19 +3,22 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use parquet::basic::Compression;
-use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
+use parquet::basic::{Compression, ConvertedType, LogicalType, TimeUnit, Type};
+use parquet::column::reader::ColumnReader::{
+    self, BoolColumnReader, ByteArrayColumnReader, DoubleColumnReader, FixedLenByteArrayColumnReader,
+    FloatColumnReader, Int32ColumnReader, Int64ColumnReader, Int96ColumnReader,
+};
+use parquet::column::reader::{ColumnReaderImpl, get_column_reader};
 use parquet::data_type::{AsBytes, ByteArray, DataType};
-use parquet::errors::{ParquetError, Result as ParquetResult};
+use parquet::errors::Result as ParquetResult;
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataOptions, RowGroupMetaData};
+use parquet::schema::types::ColumnDescPtr;
 
-use crate::decode::{Undecoded, decoded};
+use crate::access::{Source, open};
+use crate::decode::{guarded, pages};
 use crate::error::{Error, Result};
 use crate::footer;
-use crate::meaning::{Meaning, Timed, meaning};
-use crate::ordinary::open;
-use crate::page_bytes::pages;
-use crate::source::Source;
+use crate::layout::general;
 
 /// A Parquet file of any origin. Nothing in it is trusted.
 pub struct ForeignTable {
@@ -37,7 +40,7 @@ impl ForeignTable {
         let footer = footer::bytes_of(&mut file).map_err(unreadable)?;
         let (_, footer) = footer.ok_or_else(|| damaged(path, "no Parquet header or footer"))?;
         let source = Source::new(file).map_err(unreadable)?;
-        let metadata = guarded(path, || footer::metadata(&footer, &ParquetMetaDataOptions::new()))?;
+        let metadata = guarded(path, damaged, || footer::metadata(&footer, &ParquetMetaDataOptions::new()))?;
         let schema = metadata.file_metadata().schema_descr();
         let columns = schema.columns().iter().map(|column| column.path().string()).collect();
         Ok(Self { path: path.to_owned(), source, metadata, columns })
@@ -64,23 +67,15 @@ impl ForeignTable {
             let each = &mut each;
             let is_number = matches!(meaning, Meaning::Half | Meaning::Decimal(_));
             Some(match reader {
-                ColumnReader::DoubleColumnReader(r) => numbers_of(r, levels, rows, each, |v| *v),
-                ColumnReader::FloatColumnReader(r) => numbers_of(r, levels, rows, each, |v| f64::from(*v)),
-                ColumnReader::Int32ColumnReader(r) => {
+                DoubleColumnReader(r) => numbers_of(r, levels, rows, each, |v| *v),
+                FloatColumnReader(r) => numbers_of(r, levels, rows, each, |v| f64::from(*v)),
+                Int32ColumnReader(r) => {
                     numbers_of(r, levels, rows, each, |v| meaning.integer(i64::from(*v), 32))
                 }
-                ColumnReader::Int64ColumnReader(r) => {
-                    numbers_of(r, levels, rows, each, |v| meaning.integer(*v, 64))
-                }
-                ColumnReader::BoolColumnReader(r) => {
-                    numbers_of(r, levels, rows, each, |v| f64::from(u8::from(*v)))
-                }
-                ColumnReader::FixedLenByteArrayColumnReader(r) if is_number => {
-                    bytes_of(r, levels, rows, each, meaning)
-                }
-                ColumnReader::ByteArrayColumnReader(r) if is_number => {
-                    bytes_of(r, levels, rows, each, meaning)
-                }
+                Int64ColumnReader(r) => numbers_of(r, levels, rows, each, |v| meaning.integer(*v, 64)),
+                BoolColumnReader(r) => numbers_of(r, levels, rows, each, |v| f64::from(u8::from(*v))),
+                FixedLenByteArrayColumnReader(r) if is_number => bytes_of(r, levels, rows, each, meaning),
+                ByteArrayColumnReader(r) if is_number => bytes_of(r, levels, rows, each, meaning),
                 _ => return None,
             })
         })
@@ -104,15 +99,9 @@ impl ForeignTable {
         self.decode(name, "times", |reader, meaning, levels, rows| {
             let each = &mut each;
             Some(match reader {
-                ColumnReader::Int32ColumnReader(r) => {
-                    numbers_of(r, levels, rows, each, |v| meaning.seconds(i64::from(*v)))
-                }
-                ColumnReader::Int64ColumnReader(r) => {
-                    numbers_of(r, levels, rows, each, |v| meaning.seconds(*v))
-                }
-                ColumnReader::Int96ColumnReader(r) => {
-                    numbers_of(r, levels, rows, each, |v| meaning.seconds(v.to_nanos()))
-                }
+                Int32ColumnReader(r) => numbers_of(r, levels, rows, each, |v| meaning.seconds(i64::from(*v))),
+                Int64ColumnReader(r) => numbers_of(r, levels, rows, each, |v| meaning.seconds(*v)),
+                Int96ColumnReader(r) => numbers_of(r, levels, rows, each, |v| meaning.seconds(v.to_nanos())),
                 _ => return None,
             })
         })
@@ -128,9 +117,7 @@ impl ForeignTable {
             Ok(())
         };
         self.decode(name, "text", |reader, meaning, levels, rows| match reader {
-            ColumnReader::ByteArrayColumnReader(r) if meaning == Meaning::Plain => {
-                Some(spread(r, levels, rows, &mut text))
-            }
+            ByteArrayColumnReader(r) if meaning == Meaning::Plain => Some(spread(r, levels, rows, &mut text)),
             _ => None,
         })
     }
@@ -156,7 +143,7 @@ impl ForeignTable {
         let meaning = meaning(&descriptor);
         for group in self.metadata.row_groups() {
             let rows = rows_of(group);
-            let block = guarded(&self.path, || {
+            let block = guarded(&self.path, damaged, || {
                 let pages = pages(&self.source, group.column(place), rows)?;
                 let reader = get_column_reader(Arc::clone(&descriptor), Box::new(pages));
                 decode(reader, meaning, descriptor.max_def_level(), rows).transpose()
@@ -216,7 +203,7 @@ where
 {
     spread(reader, max_level, rows, |value| {
         let number = |bytes: &[u8]| {
-            let unknown = || ParquetError::General(format!("a number of {} bytes", bytes.len()));
+            let unknown = || general(format!("a number of {} bytes", bytes.len()));
             meaning.bytes(bytes).ok_or_else(unknown)
         };
         each(value.map_or(Ok(f64::NAN), |value| number(value.as_bytes()))?);
@@ -246,10 +233,7 @@ fn spread<T: DataType>(
         }
         let count = levels.iter().filter(|&&level| level == max_level).count();
         if records != some || levels.len() != some || present.len() != count {
-            return Err(ParquetError::General(format!(
-                "{} values in a block of {rows} rows",
-                done + records
-            )));
+            return Err(general(format!("{} values in a block of {rows} rows", done + records)));
         }
         let mut values = present.iter();
         levels.iter().try_for_each(|level| each(if *level == max_level { values.next() } else { None }))?;
@@ -258,14 +242,158 @@ fn spread<T: DataType>(
     Ok(())
 }
 
-fn guarded<T>(path: &Path, decode: impl FnOnce() -> ParquetResult<T>) -> Result<T> {
-    decoded(decode).map_err(|undecoded| match undecoded {
-        Undecoded::Unreadable(io) => Error::io(path, "read", io),
-        Undecoded::Damaged(found) => damaged(path, &found),
-    })
+fn damaged(path: &Path, fault: &str) -> Error {
+    let remedy = "the file is truncated, damaged or of another format: export it again";
+    Error::refuse(path, "file", fault, "a whole Parquet file", remedy)
 }
 
-fn damaged(path: &Path, found: &str) -> Error {
-    let remedy = "the file is truncated, damaged or of another format: export it again";
-    Error::refuse(path, "file", found, "a whole Parquet file", remedy)
+/// The meaning of a column's values, beyond their storage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Meaning {
+    /// The values themselves.
+    Plain,
+    /// Integers without a sign.
+    Unsigned,
+    /// Floating point of 16 bits.
+    Half,
+    /// Integers scaled by so many decimals.
+    Decimal(i32),
+    /// Times.
+    Timed(Timed),
+}
+
+/// The kind of times in a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Timed {
+    /// Moments since 1970-01-01, so many to a second: in UTC, or in local time.
+    Moments {
+        /// How many.
+        per_second: i64,
+        /// Whether of UTC.
+        is_utc: bool,
+    },
+    /// Times of a day, so many to a second.
+    OfDay {
+        /// How many.
+        per_second: i64,
+    },
+    /// Days without a time.
+    Days,
+}
+
+/// The meaning of a column's values by its type.
+fn meaning(descriptor: &ColumnDescPtr) -> Meaning {
+    if descriptor.physical_type() == Type::INT96 {
+        return Meaning::Timed(Timed::Moments { per_second: 1_000_000_000, is_utc: true });
+    }
+    match descriptor.logical_type_ref() {
+        Some(LogicalType::Timestamp(kind)) => Meaning::Timed(Timed::Moments {
+            per_second: per_second(&kind.unit),
+            is_utc: kind.is_adjusted_to_u_t_c,
+        }),
+        Some(LogicalType::Time(kind)) => Meaning::Timed(Timed::OfDay { per_second: per_second(&kind.unit) }),
+        Some(LogicalType::Date) => Meaning::Timed(Timed::Days),
+        Some(LogicalType::Decimal(_)) => Meaning::Decimal(descriptor.type_scale()),
+        Some(LogicalType::Integer(kind)) if !kind.is_signed => Meaning::Unsigned,
+        Some(LogicalType::Float16) => Meaning::Half,
+        _ => converted(descriptor),
+    }
+}
+
+/// By the converted type, as in the first version of the format.
+fn converted(descriptor: &ColumnDescPtr) -> Meaning {
+    match descriptor.converted_type() {
+        ConvertedType::TIMESTAMP_MILLIS => Meaning::Timed(Timed::Moments { per_second: 1000, is_utc: true }),
+        ConvertedType::TIMESTAMP_MICROS => {
+            Meaning::Timed(Timed::Moments { per_second: 1_000_000, is_utc: true })
+        }
+        ConvertedType::TIME_MILLIS => Meaning::Timed(Timed::OfDay { per_second: 1000 }),
+        ConvertedType::TIME_MICROS => Meaning::Timed(Timed::OfDay { per_second: 1_000_000 }),
+        ConvertedType::DATE => Meaning::Timed(Timed::Days),
+        ConvertedType::DECIMAL => Meaning::Decimal(descriptor.type_scale()),
+        ConvertedType::UINT_8 | ConvertedType::UINT_16 | ConvertedType::UINT_32 | ConvertedType::UINT_64 => {
+            Meaning::Unsigned
+        }
+        _ => Meaning::Plain,
+    }
+}
+
+fn per_second(unit: &TimeUnit) -> i64 {
+    match unit {
+        TimeUnit::MILLIS => 1000,
+        TimeUnit::MICROS => 1_000_000,
+        TimeUnit::NANOS => 1_000_000_000,
+    }
+}
+
+impl Meaning {
+    /// The number that an integer of `bits` represents.
+    pub(crate) fn integer(self, value: i64, bits: u32) -> f64 {
+        match self {
+            Self::Unsigned if bits == 32 => f64::from(value as u32),
+            Self::Unsigned => value as u64 as f64,
+            Self::Decimal(scale) => decimal(i128::from(value), scale),
+            _ => value as f64,
+        }
+    }
+
+    /// The number that bytes of a fixed length represent; `None` if they are not a number.
+    pub(crate) fn bytes(self, bytes: &[u8]) -> Option<f64> {
+        match (self, bytes) {
+            (Self::Half, [low, high]) => Some(half(u16::from_le_bytes([*low, *high]))),
+            (Self::Decimal(scale), [first, ..]) if bytes.len() <= 16 => {
+                let mut all = [if *first < 0x80 { 0 } else { 0xFF }; 16];
+                all[16 - bytes.len()..].copy_from_slice(bytes);
+                Some(decimal(i128::from_be_bytes(all), scale))
+            }
+            _ => None,
+        }
+    }
+
+    /// Seconds since 1970, or since midnight, of a time that is stored as an integer.
+    pub(crate) fn seconds(self, value: i64) -> f64 {
+        match self {
+            Self::Timed(Timed::Moments { per_second, .. } | Timed::OfDay { per_second }) => {
+                let rest = value.rem_euclid(per_second) as f64;
+                value.div_euclid(per_second) as f64 + rest / per_second as f64
+            }
+            _ => f64::NAN,
+        }
+    }
+}
+
+fn decimal(value: i128, scale: i32) -> f64 {
+    value as f64 / 10_f64.powi(scale)
+}
+
+/// Floating point of 16 bits (IEEE 754).
+fn half(bits: u16) -> f64 {
+    let sign = if bits & 0x8000 == 0 { 1.0 } else { -1.0 };
+    let (exponent, fraction) = (i32::from(bits >> 10 & 0x1F), f64::from(bits & 0x3FF));
+    sign * match exponent {
+        0 => fraction * 2_f64.powi(-24),
+        31 if fraction == 0.0 => f64::INFINITY,
+        31 => f64::NAN,
+        _ => (1024.0 + fraction) * 2_f64.powi(exponent - 25),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_16_bits_and_decimals_are_what_they_are_stored_as() {
+        for (bits, value) in
+            [(0x3C00, 1.0), (0xC000, -2.0), (0x7BFF, 65_504.0), (1, 5.960_464_477_539_063e-8)]
+        {
+            assert_eq!(half(bits), value);
+        }
+        assert!(half(0x7E00).is_nan() && half(0xFC00) == f64::NEG_INFINITY);
+        let decimal = Meaning::Decimal(2);
+        assert_eq!([decimal.integer(-1250, 32), decimal.bytes(&[0xFB, 0x1E]).unwrap()], [-12.5; 2]);
+        assert_eq!(Meaning::Unsigned.integer(-1, 32), 4_294_967_295.0);
+        let moments = Meaning::Timed(Timed::Moments { per_second: 1000, is_utc: true });
+        assert_eq!(moments.seconds(-500), -0.5);
+    }
 }

@@ -6,10 +6,9 @@ use std::path::{Path, PathBuf};
 
 use refusal::foreign as quoted;
 
+use crate::columns::TableSchema;
 use crate::error::{Error, Result};
-use crate::provenance::{MIXED, Provenance};
-use crate::schema::TableSchema;
-use crate::shard::Shard;
+use crate::provenance::{MIXED, Provenance, Shard};
 use crate::staged::Staged;
 use crate::table_reader::TableReader;
 use crate::table_writer::TableWriter;
@@ -75,17 +74,12 @@ pub fn shards_of(shards: &[PathBuf], id: &'static str, version: u32) -> Result<V
 /// # Errors
 /// Names the setting.
 pub fn check_settings(given: &Provenance, path: &Path, made: &Provenance) -> Result<()> {
-    let shown = |settings: &BTreeMap<String, serde_json::Value>| {
-        let own = settings.iter().filter(|(name, _)| *name != MIXED);
-        own.map(|(name, value)| (name.clone(), value.clone())).collect::<BTreeMap<_, _>>()
+    let compared = |settings: &BTreeMap<String, serde_json::Value>| {
+        let entries = settings.iter().filter(|(name, _)| *name != MIXED);
+        entries.map(|(name, value)| (name.clone(), value.clone())).collect::<BTreeMap<_, _>>()
     };
-    match differing_entry("settings", &shown(&given.settings), &shown(&made.settings)) {
-        None => Ok(()),
-        Some([thing, expected, found]) => {
-            let expected = format!("{expected}, as requested now");
-            Err(Error::refuse(path, thing, found, expected, "request the same, or make the shards again"))
-        }
-    }
+    let difference = differing_entry("settings", &compared(&given.settings), &compared(&made.settings));
+    difference.map_or(Ok(()), |difference| Err(otherwise_requested(path, difference)))
 }
 
 /// Refuses the shard at `path` if its inputs or settings differ from the given ones. Where mixtures are
@@ -109,16 +103,16 @@ pub fn check_given(given: &mut Provenance, path: &Path, made: &Provenance) -> Re
     let other = |(name, value): &(&String, &serde_json::Value)| {
         *name != MIXED && made.settings.get(*name) != Some(*value)
     };
-    match given.settings.iter().find(other) {
-        None => Ok(()),
-        Some((name, value)) => {
-            let made = made.settings.get(name);
-            let made = made.map_or("nothing".to_owned(), |made| quoted(&made.to_string()));
-            let (thing, found) = (format!("`{name}`"), made);
-            let expected = format!("{value}, as requested now");
-            Err(Error::refuse(path, thing, found, expected, "request the same, or make the shards again"))
-        }
-    }
+    given.settings.iter().find(other).map_or(Ok(()), |(name, value)| {
+        let difference = [format!("`{name}`"), value.to_string(), shown(made.settings.get(name))];
+        Err(otherwise_requested(path, difference))
+    })
+}
+
+/// Refuses the shard at `path`, which was made with another setting than requested.
+fn otherwise_requested(path: &Path, [thing, expected, found]: [String; 3]) -> Error {
+    let expected = format!("{expected}, as requested now");
+    Error::refuse(path, thing, found, expected, "request the same, or make the shards again")
 }
 
 /// Refuses files, in the order of their numbers, that are not all shards of one computation.
@@ -184,8 +178,12 @@ fn differing_entry<T: PartialEq + ToString>(
     two: &BTreeMap<String, T>,
 ) -> Option<[String; 3]> {
     let key = one.keys().chain(two.keys()).find(|key| one.get(*key) != two.get(*key))?;
-    let shown = |value: Option<&T>| value.map_or("nothing".to_owned(), |value| quoted(&value.to_string()));
     Some([format!("{name}.{}", quoted(key)), shown(one.get(key)), shown(two.get(key))])
+}
+
+/// A value as text.
+fn shown(value: Option<&impl ToString>) -> String {
+    value.map_or("nothing".to_owned(), |value| quoted(&value.to_string()))
 }
 
 /// Refuses a set that lacks a shard or has one twice; `first` is the path of its first.
@@ -214,9 +212,7 @@ fn missing(count: u32, parts: &[Part]) -> String {
 
 /// Both paths, if two neighbours have the same number.
 fn twice(pair: &[Part]) -> Option<String> {
-    let [one, two] = pair else {
-        return None;
-    };
+    let [one, two] = pair else { return None };
     let shown = || format!("shard {} in {} and in {}", one.shard, one.path.display(), two.path.display());
     (one.shard == two.shard).then(shown)
 }

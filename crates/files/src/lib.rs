@@ -5,10 +5,10 @@
 //! reported in one line that names the file, the thing, what was found, what was expected and the remedy.
 //!
 //! ```
-//! use crate::{Column, ColumnSpec, Kind, Provenance, Table, TableReader, TableSchema, TableWriter};
-//! use crate::{commit, encode_block};
+//! use files::{Column, ColumnSpec, Kind, Provenance, Table, TableReader, TableSchema, TableWriter};
+//! use files::{commit, encode_block};
 //!
-//! # fn main() -> crate::Result<()> {
+//! # fn main() -> files::Result<()> {
 //! let folder = tempfile::tempdir().unwrap();
 //! let path = folder.path().join("speeds.parquet");
 //! let speed = ColumnSpec { name: "u".into(), unit: "m/s".into(), kind: Kind::F64, nullable: false };
@@ -34,79 +34,51 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-mod agreement;
-mod arrow_schema;
+mod access;
 mod budget;
-mod changes;
-mod chunk;
 mod columns;
-mod commit;
-mod complaint;
 mod decode;
-mod digest;
 mod document;
 mod document_reader;
 mod encode;
 mod error;
-pub mod fault;
-mod finite;
-mod flat;
 mod footer;
 mod foreign;
 mod gather;
-mod identity;
-mod inspect;
+mod hand_written;
+mod json;
 mod layout;
-mod meaning;
-mod metadata;
-mod names;
-mod ordinary;
-mod page_bytes;
-mod pretty;
 mod provenance;
 mod rows;
-mod schema;
 mod scratch;
 mod seal;
-mod set;
-mod shard;
-mod source;
 mod staged;
 mod table_reader;
 mod table_writer;
-mod thrift;
-mod toml_input;
 mod toml_place;
-mod trace;
-mod unfinished;
-mod weight;
-mod whole_folder;
 
 pub use self::budget::{Budget, PROGRAM_BYTES, Work, budget, free_bytes, mib_with_program, set_budget};
-pub use self::commit::{commit, commit_with_document};
-pub use changes::{Change, Changes};
-pub use columns::{Column, FloatColumn, IntegerColumn, Labels, Table, TextColumn};
+pub use access::{
+    DEEPEST, Observed, Trace, check_within, exists, observe_names, open, place_of, read, trace, traced,
+};
+pub use columns::{
+    Column, ColumnSpec, FloatColumn, IntegerColumn, Kind, Labels, Table, TableSchema, TextColumn,
+};
 pub use decode::decoding;
-pub use digest::{Digest, Digesting};
-pub use document::{Document, Loaded, Units, json_schema, stage_document, stage_set_document, units};
-pub use document_reader::{read_document, read_json, read_part};
-pub use encode::{EncodedBlock, encode_block};
+pub use document::{
+    Document, Loaded, Units, check_members, commit, commit_with_document, json_schema, stage_document,
+    stage_set_document, units,
+};
+pub use document_reader::{Inspected, inspect, read_document, read_json, read_part};
+pub use encode::{EncodedBlock, PIECE_ROWS, encode_block};
 pub use error::{Error, Result};
-pub use foreign::ForeignTable;
+pub use foreign::{ForeignTable, Timed};
 pub use gather::{check_given, check_settings, check_shards, gather, shards_of};
-pub use inspect::{Inspected, inspect};
-pub use meaning::Timed;
-pub use ordinary::{exists, open, read};
-pub use provenance::{MIXED, Provenance, STUDY_ROLES};
+pub use hand_written::{Change, Changes, parse_toml, read_hand_written, read_to_string, read_toml};
+pub use provenance::{MIXED, Provenance, STUDY_ROLES, Shard};
 pub use rows::Columns;
-pub use schema::{ColumnSpec, Kind, TableSchema};
 pub use scratch::Scratch;
-pub use set::check_members;
-pub use shard::Shard;
-pub use staged::Staged;
+pub use seal::{Digest, Digesting};
+pub use staged::{Staged, abandon, fault, is_unfinished, whole_folder};
 pub use table_reader::TableReader;
-pub use table_writer::{PIECE_ROWS, TableWriter};
-pub use toml_input::{parse_toml, read_hand_written, read_to_string, read_toml};
-pub use trace::{DEEPEST, Observed, Trace, check_within, observe_names, place_of, trace, traced};
-pub use unfinished::{abandon, is_unfinished};
-pub use whole_folder::whole_folder;
+pub use table_writer::TableWriter;

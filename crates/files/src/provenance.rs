@@ -1,16 +1,19 @@
 //! The origin of a file's contents.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
+use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::changes::Changes;
-use crate::digest::Digest;
 use crate::error::{Error, Result};
-use crate::shard::Shard;
-use crate::toml_input::read_changed;
+use crate::hand_written::{Changes, read_changed};
+use crate::seal::Digest;
 
 /// Roles that one file plays in a whole study: an output whose inputs refer to different files is a mixture.
 pub const STUDY_ROLES: [&str; 7] =
@@ -102,13 +105,11 @@ impl Provenance {
     /// Refuses an output at the path of one of its inputs.
     pub(crate) fn check_output(&self, path: &Path) -> Result<()> {
         let Ok(existing) = path.canonicalize() else { return Ok(()) };
-        match self.read.iter().any(|input| input.canonicalize().is_ok_and(|input| input == existing)) {
-            true => {
-                let (found, expected) = ("a file that this is made of", "another file");
-                Err(Error::refuse(path, "output", found, expected, "name another --out"))
-            }
-            false => Ok(()),
+        if self.read.iter().any(|input| input.canonicalize().is_ok_and(|input| input == existing)) {
+            let (found, expected) = ("a file that this is made of", "another file");
+            return Err(Error::refuse(path, "output", found, expected, "name another --out"));
         }
+        Ok(())
     }
 
     /// Inherits the label of a mixture.
@@ -142,5 +143,69 @@ impl Provenance {
         let (found, expected) = (format!("another {role} than that of {other}"), "files of one study");
         let remedy = "make both again (`make` does), or add --allow-mixed";
         Err(Error::refuse(path, "provenance", found, expected, remedy))
+    }
+}
+
+/// Part `index` of `count`, written `K/N` with 1 ≤ K ≤ N.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(try_from = "String", into = "String")]
+#[schemars(with = "String", extend("pattern" = "^[1-9][0-9]*/[1-9][0-9]*$"))]
+pub struct Shard {
+    /// Number of this part, from 1.
+    pub index: u32,
+    /// Number of parts.
+    pub count: u32,
+}
+
+impl Shard {
+    /// The items, out of `items`, that belong to this part.
+    ///
+    /// The ranges of the parts 1 to N follow each other, cover `0..items`, and their lengths
+    /// differ by at most one. A part outside `1..=count` has no items.
+    pub fn range(&self, items: usize) -> Range<usize> {
+        if self.index == 0 || self.index > self.count {
+            return 0..0;
+        }
+        // At most `items`.
+        let bound = |parts: u32| (items as u128 * u128::from(parts) / u128::from(self.count)) as usize;
+        bound(self.index - 1)..bound(self.index)
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.index, self.count)
+    }
+}
+
+/// Why a text is not a [`Shard`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is not a shard: expected K/N with whole numbers 1 <= K <= N, like 2/4")]
+pub struct NotAShard(String);
+
+impl FromStr for Shard {
+    type Err = NotAShard;
+
+    fn from_str(text: &str) -> Result<Self, NotAShard> {
+        let wrong = || NotAShard(text.to_owned());
+        let (index, count) = text.split_once('/').ok_or_else(wrong)?;
+        let number = |part: &str| part.parse::<u32>().ok().filter(|n| n.to_string() == part);
+        let index = number(index).ok_or_else(wrong)?;
+        let count = number(count).ok_or_else(wrong)?;
+        if index == 0 || index > count { Err(wrong()) } else { Ok(Self { index, count }) }
+    }
+}
+
+impl TryFrom<String> for Shard {
+    type Error = NotAShard;
+
+    fn try_from(text: String) -> Result<Self, NotAShard> {
+        text.parse()
+    }
+}
+
+impl From<Shard> for String {
+    fn from(shard: Shard) -> Self {
+        shard.to_string()
     }
 }

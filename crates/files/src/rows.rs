@@ -8,16 +8,15 @@ use serde::de::value::StrDeserializer;
 use serde::de::{DeserializeOwned, IntoDeserializer};
 use serde_json::Value;
 
-use crate::columns::{Column, Labels, Table};
+use crate::columns::{Column, ColumnSpec, Kind, Labels, Table, TableSchema};
 use crate::encode::{EncodedBlock, encode_block};
 use crate::error::{Error, Result};
-use crate::schema::{ColumnSpec, Kind, TableSchema};
 use crate::table_reader::TableReader;
 
 /// The columns of a table whose rows are of type `Row`: its schema, its writer and its reader.
 ///
 /// ```
-/// use crate::Columns;
+/// use files::Columns;
 /// #[derive(Clone, Default)]
 /// struct Speed { place: String, run: i32, u: Option<f64> }
 ///
@@ -36,7 +35,7 @@ type Get<Row, T> = Box<dyn Fn(&Row) -> T + Send + Sync>;
 type Set<Row, T> = Box<dyn Fn(&mut Row, T) + Send + Sync>;
 type GetText<Row> = Box<dyn for<'a> Fn(&'a Row) -> Cow<'a, str> + Send + Sync>;
 /// Returns what would have been expected if the text is unknown.
-type SetText<Row> = Box<dyn Fn(&mut Row, &str) -> std::result::Result<(), Unknown> + Send + Sync>;
+type SetText<Row> = Box<dyn Fn(&mut Row, &str) -> Result<(), Unknown> + Send + Sync>;
 
 /// The accessors of one column.
 enum Field<Row> {
@@ -159,8 +158,8 @@ impl<Row: Clone + 'static> Columns<Row> {
             field.fill(&mut rows, column).map_err(|(row, expected)| {
                 let before: usize = (0..block).map(|earlier| reader.block_rows(earlier)).sum();
                 let thing = format!("column `{}`, row {}", spec.name, before + row);
-                let found = format!("`{}`", column.text_at(row).unwrap_or_default());
-                Error::refuse(reader.path(), thing, found, expected, "write the table again")
+                let text = format!("`{}`", column.text_at(row).unwrap_or_default());
+                Error::refuse(reader.path(), thing, text, expected, "write the table again")
             })?;
         }
         Ok(rows)
@@ -211,7 +210,7 @@ impl<Row> Field<Row> {
     }
 
     /// Sets this field of every row; else returns the row whose text is unknown, and what was expected there.
-    fn fill(&self, rows: &mut [Row], column: &Column) -> std::result::Result<(), (usize, String)> {
+    fn fill(&self, rows: &mut [Row], column: &Column) -> Result<(), (usize, String)> {
         for (i, row) in rows.iter_mut().enumerate() {
             match self {
                 Self::Text(_, set) => {
@@ -235,16 +234,9 @@ fn name_of<T: Serialize>(variant: &T) -> String {
 }
 
 /// serde's names, where a text is none of them.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
 struct Unknown(String);
-
-impl Display for Unknown {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Unknown {}
 
 impl serde::de::Error for Unknown {
     fn custom<T: Display>(message: T) -> Self {

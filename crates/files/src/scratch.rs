@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::error::{Error, Result};
-use crate::fault;
-use crate::names::folder_of;
+use crate::staged::{fault, folder_of};
 
 /// Slots of equal length: the first in memory, the others in an unnamed file that disappears with the
 /// process. A failure is recorded for [`Scratch::check`]: until then, numbers that could not be stored read
@@ -116,9 +115,7 @@ impl Scratch {
     /// The file, created on first use.
     fn file(&self, slots: &mut Slots) -> Option<std::sync::Arc<File>> {
         if slots.file.is_none() && slots.failure.is_none() {
-            let folder = folder_of(&self.target);
-            let folder = if folder == Path::new("") { Path::new(".") } else { folder };
-            match tempfile::tempfile_in(folder) {
+            match tempfile::tempfile_in(folder_of(&self.target)) {
                 Ok(file) => slots.file = Some(file.into()),
                 Err(failure) => slots.failure = Some(failure),
             }
@@ -188,8 +185,8 @@ mod tests {
         let slots: Vec<u64> = (0..5).map(|i| scratch.put(&[f64::from(i), -0.0, f64::NAN])).collect();
         assert_eq!(slots, [0, 1, 2, 3, 4]);
         for (i, slot) in slots.iter().enumerate() {
-            let found = got(&scratch, *slot);
-            assert!(found[0] == i as f64 && found[1].is_sign_negative() && found[2].is_nan(), "{found:?}");
+            let got = got(&scratch, *slot);
+            assert!(got[0] == i as f64 && got[1].is_sign_negative() && got[2].is_nan(), "{got:?}");
         }
         [1, 3].into_iter().for_each(|slot| scratch.forget(slot));
         assert_eq!([scratch.put(&[7.0; 3]), scratch.put(&[8.0; 3])], [3, 1]);

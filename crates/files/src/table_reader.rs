@@ -5,25 +5,21 @@ use std::fs::File;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use parquet::errors::Result as ParquetResult;
 use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataOptions, RowGroupMetaData};
+use parquet::schema::types::{ColumnDescriptor, SchemaDescriptor};
+use refusal::{foreign, nearest};
 use serde::de::DeserializeOwned;
 
+use crate::access::{Source, open};
 use crate::budget::{Work, budget};
-use crate::columns::{Column, Table};
-use crate::complaint::Complaint;
-use crate::decode::{Undecoded, decode_column, decoded};
-use crate::digest::Digest;
-use crate::error::{Error, Result};
+use crate::columns::{Column, ColumnSpec, Kind, Table};
+use crate::decode::{decode_column, guarded};
+use crate::document::check_companion;
+use crate::error::{Complaint, Error, Result};
 use crate::footer::{self, Footer};
-use crate::identity::Header;
-use crate::metadata::TableMetadata;
-use crate::ordinary::open;
+use crate::layout::{ColumnEntry, TableMetadata, physical};
 use crate::provenance::Provenance;
-use crate::schema::{ColumnSpec, Kind};
-use crate::seal;
-use crate::set::check_companion;
-use crate::source::Source;
+use crate::seal::{self, Digest, Header};
 
 /// A table whose kind, version, seal and schema have been checked.
 pub struct TableReader {
@@ -51,8 +47,8 @@ impl TableReader {
         let (entries, provenance) = envelope.into_parts();
         // Statistics are kept as stored, so that a copied block has the same bytes.
         let options = ParquetMetaDataOptions::new().with_encoding_stats_as_mask(false);
-        let metadata = guarded(path, || footer::metadata(&footer.bytes, &options))?;
-        let columns = crate::agreement::columns(path, entries, metadata.file_metadata().schema_descr())?;
+        let metadata = guarded(path, damaged, || footer::metadata(&footer.bytes, &options))?;
+        let columns = agreed_columns(path, entries, metadata.file_metadata().schema_descr())?;
         let blocks = block_rows(path, metadata.row_groups())?;
         let source = Source::new(file).map_err(|e| Error::io(path, "read", e))?;
         let (path, sealed) = (path.to_owned(), header.seal().is_some());
@@ -67,7 +63,7 @@ impl TableReader {
     /// # Errors
     /// [`Error::Refused`] naming all missing columns at once, or else all that differ.
     pub fn require(&self, columns: &[ColumnSpec]) -> Result<()> {
-        crate::agreement::require(&self.path, &self.columns, columns)
+        require_columns(&self.path, &self.columns, columns)
     }
 
     /// Columns in file order.
@@ -112,7 +108,7 @@ impl TableReader {
             let (found, expected) = (format!("block {i}"), format!("a block below {}", self.blocks()));
             return Err(Error::refuse(&self.path, "block", found, expected, "ask for a block of the file"));
         };
-        let places = crate::agreement::places(&self.path, &self.columns, names)?;
+        let places = column_places(&self.path, &self.columns, names)?;
         let width = |place: &usize| match self.columns[*place].kind {
             Kind::F64 => size_of::<f64>(),
             Kind::I32 | Kind::Text => size_of::<u32>(),
@@ -122,7 +118,7 @@ impl TableReader {
         let mut columns = Vec::with_capacity(places.len());
         for place in places {
             let decode = || decode_column(&self.source, group.column(place), rows.len());
-            let column = guarded(&self.path, decode)?;
+            let column = guarded(&self.path, damaged, decode)?;
             self.check_values(place, &column, rows.start)?;
             columns.push(column);
         }
@@ -156,12 +152,10 @@ impl TableReader {
 
     /// Refuses rows of `bytes` each that exceed the memory: few bytes of a file can represent many rows.
     pub(crate) fn check_memory(&self, rows: usize, bytes: usize) -> Result<()> {
-        let found = format!("{rows} rows");
+        let amount = format!("{rows} rows");
         let remedy = "write the table in smaller parts, or raise --memory-mib";
-        budget().memory(
-            Work { file: &self.path, thing: "rows", found: &found, remedy },
-            bytes as f64 * rows as f64,
-        )
+        let work = Work { file: &self.path, thing: "rows", found: &amount, remedy };
+        budget().memory(work, bytes as f64 * rows as f64)
     }
 
     fn check_values(&self, place: usize, column: &Column, start: usize) -> Result<()> {
@@ -169,8 +163,8 @@ impl TableReader {
             return Ok(());
         };
         let thing = format!("column `{}`, row {}", self.columns[place].name, start + row);
-        let found = column.as_f64().map(|values| values[row].to_string()).unwrap_or_default();
-        Err(Error::refuse(&self.path, thing, found, "a finite number", "write the file again"))
+        let value = column.as_f64().map(|values| values[row].to_string()).unwrap_or_default();
+        Err(Error::refuse(&self.path, thing, value, "a finite number", "write the file again"))
     }
 }
 
@@ -194,7 +188,7 @@ impl Whole {
         kind.map_or(Ok(()), |(id, version)| header.check(path, id, version))?;
         let digits_at = header.seal().map(|seal| footer.seal_digits_at(path, seal)).transpose()?.flatten();
         let digests = seal::digests(&mut file, digits_at).map_err(unreadable)?;
-        seal::check(path, header.seal(), digests)?;
+        seal::check_seal(path, header.seal(), digests)?;
         let envelope: TableMetadata = parse(path, text)?;
         check_companion(path, digests.digest, envelope.document.as_deref())?;
         Ok(Self { file, footer, header, envelope, digest: digests.digest })
@@ -223,31 +217,90 @@ fn block_rows(path: &Path, groups: &[RowGroupMetaData]) -> Result<Vec<Range<usiz
         end = end.checked_add(usize::try_from(group.num_rows()).ok()?)?;
         Some(start..end)
     };
-    groups
-        .iter()
-        .map(next)
-        .collect::<Option<_>>()
-        .ok_or_else(|| damaged(path, "an impossible number of rows"))
+    let blocks = groups.iter().map(next).collect::<Option<_>>();
+    blocks.ok_or_else(|| damaged(path, "an impossible number of rows"))
 }
 
-fn guarded<T>(path: &Path, decode: impl FnOnce() -> ParquetResult<T>) -> Result<T> {
-    decoded(decode).map_err(|undecoded| match undecoded {
-        Undecoded::Unreadable(io) => Error::io(path, "read", io),
-        Undecoded::Damaged(found) => damaged(path, &found),
-    })
+fn damaged(path: &Path, fault: &str) -> Error {
+    Error::refuse(path, "contents", fault, "a readable table", "the file is damaged: write it again")
 }
 
-fn damaged(path: &Path, found: &str) -> Error {
-    Error::refuse(path, "contents", found, "a readable table", "the file is damaged: write it again")
+/// The columns of a file, if its envelope agrees with its Parquet schema.
+fn agreed_columns(
+    path: &Path,
+    entries: Vec<ColumnEntry>,
+    schema: &SchemaDescriptor,
+) -> Result<Vec<ColumnSpec>> {
+    let agree = entries.len() == schema.num_columns()
+        && entries.iter().zip(schema.columns()).all(|(entry, descriptor)| fits(entry, descriptor));
+    if !agree {
+        let (found, expected) = ("columns other than those in the metadata", "the same columns in both");
+        return Err(Error::refuse(path, "columns", found, expected, "write the file again"));
+    }
+    let spec = |(entry, descriptor): (ColumnEntry, &std::sync::Arc<ColumnDescriptor>)| {
+        let ColumnEntry { name, unit, kind } = entry;
+        ColumnSpec { name, unit, kind, nullable: descriptor.max_def_level() > 0 }
+    };
+    Ok(entries.into_iter().zip(schema.columns()).map(spec).collect())
+}
+
+fn fits(entry: &ColumnEntry, descriptor: &ColumnDescriptor) -> bool {
+    let deepest = if entry.kind == Kind::F64 { 1 } else { 0 };
+    descriptor.path().parts() == [entry.name.as_str()]
+        && descriptor.physical_type() == physical(entry.kind)
+        && descriptor.max_rep_level() == 0
+        && descriptor.max_def_level() <= deepest
+}
+
+/// Refuses if a wanted column is missing (all are named), or has another unit or type.
+fn require_columns(path: &Path, found: &[ColumnSpec], wanted: &[ColumnSpec]) -> Result<()> {
+    let names: Vec<&str> = wanted.iter().map(|column| column.name.as_str()).collect();
+    let places = column_places(path, found, &names)?;
+    let mut differ = [const { Vec::new() }; 3];
+    for (wanted, found) in wanted.iter().zip(places.into_iter().map(|place| &found[place])) {
+        if (&wanted.unit, wanted.kind) != (&found.unit, found.kind) {
+            let parts = [format!("`{}`", wanted.name), kind_of(found), kind_of(wanted)];
+            differ.iter_mut().zip(parts).for_each(|(list, part)| list.push(part));
+        }
+    }
+    if differ[0].is_empty() {
+        return Ok(());
+    }
+    let [thing, found, expected] = differ.map(|list| list.join(", "));
+    let remedy = "convert the values, correct the unit and write the file again";
+    Err(Error::refuse(path, format!("column {thing}"), found, expected, remedy))
+}
+
+fn kind_of(column: &ColumnSpec) -> String {
+    format!("{} in unit {}", column.kind, foreign(&column.unit))
+}
+
+/// The indices of the named columns; a refusal names all that are missing.
+fn column_places(path: &Path, columns: &[ColumnSpec], names: &[&str]) -> Result<Vec<usize>> {
+    let place = |name: &&str| columns.iter().position(|column| column.name == **name);
+    let missing: Vec<&str> = names.iter().filter(|name| place(name).is_none()).copied().collect();
+    if missing.is_empty() {
+        return Ok(names.iter().filter_map(place).collect());
+    }
+    let known = || columns.iter().map(|column| column.name.as_str());
+    let near: Vec<&str> = missing.iter().filter_map(|name| nearest(name, known())).collect();
+    let remedy = format!("write the file again with them (nearest in the file: {})", list(&near));
+    let known: Vec<&str> = known().collect();
+    Err(Error::refuse(path, "columns", list(&known), format!("also {}", list(&missing)), remedy))
+}
+
+fn list(names: &[&str]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{}`", foreign(name))).collect();
+    if quoted.is_empty() { "none".to_owned() } else { quoted.join(", ") }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::commit::commit;
+    use crate::columns::TableSchema;
+    use crate::document::commit;
     use crate::encode::encode_checked;
-    use crate::layout::Layout;
-    use crate::schema::TableSchema;
+    use crate::layout::descriptor;
     use crate::table_writer::TableWriter;
 
     /// A file such as only another program could write: the second block has a NaN in row 3.
@@ -258,7 +311,7 @@ mod tests {
         let (name, unit) = ("u".to_owned(), "m/s".to_owned());
         let columns = vec![ColumnSpec { name, unit, kind: Kind::F64, nullable: true }];
         let schema = TableSchema { id: "t", version: 1, columns };
-        let layout = Layout::new(&path, &schema.columns).unwrap();
+        let layout = descriptor(&path, &schema.columns).unwrap();
         let mut writer = TableWriter::create(&path, &schema, &Provenance::default()).unwrap();
         for value in [0.5, f64::NAN] {
             let columns = vec![Column::f64(vec![1.0, 2.0, 3.0, value])];

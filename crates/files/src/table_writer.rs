@@ -14,22 +14,14 @@ use parquet::file::writer::TrackedWrite;
 use parquet::schema::types::SchemaDescPtr;
 use tempfile::NamedTempFile;
 
-use crate::arrow_schema;
-use crate::chunk::{Chunk, PAGE_ROWS};
-use crate::columns::Column;
-use crate::digest::Digest;
-use crate::encode::{EncodedBlock, check_piece, check_rows};
+use crate::columns::{Column, ColumnSpec, TableSchema};
+use crate::encode::{Chunk, EncodedBlock, check_piece, check_rows};
 use crate::error::{Error, Result};
-use crate::fault;
 use crate::footer::Footer;
-use crate::layout::{Layout, write_error};
-use crate::metadata::{KEY, TableMetadata};
+use crate::layout::{self, KEY, TableMetadata, descriptor, write_error};
 use crate::provenance::Provenance;
-use crate::schema::{ColumnSpec, TableSchema};
-use crate::staged::{Staged, create_temporary};
-
-/// Rows per piece of a column: those of a page.
-pub const PIECE_ROWS: usize = PAGE_ROWS;
+use crate::seal::Digest;
+use crate::staged::{Staged, create_temporary, fault};
 
 /// Bytes that are hashed and written at a time: hashing is several times faster on long blocks.
 const BUFFER: usize = 1 << 18;
@@ -62,14 +54,13 @@ impl TableWriter {
     pub fn create(path: impl AsRef<Path>, schema: &TableSchema, provenance: &Provenance) -> Result<Self> {
         let path = path.as_ref();
         provenance.check_output(path)?;
-        let layout = Layout::new(path, &schema.columns)?;
+        let descriptor = descriptor(path, &schema.columns)?;
         let metadata = TableMetadata::new(schema, provenance);
         let file = Hashed { file: create_temporary(path)?, hasher: blake3::Hasher::new() };
         let buffered = BufWriter::with_capacity(BUFFER, file);
         let mut to = TrackedWrite::new(buffered);
         to.write_all(MAGIC).map_err(|e| Error::io(path, "write", e))?;
         let (path, columns) = (path.to_owned(), schema.columns.clone());
-        let descriptor = layout.descriptor;
         Ok(Self { path, columns, metadata, descriptor, to, groups: Vec::new(), cut_short: false })
     }
 
@@ -103,7 +94,7 @@ impl TableWriter {
 
     /// Appends a block of `rows` rows as [`crate::encode_block`] and [`TableWriter::push`] would, without
     /// ever having it in memory: `column` yields the pieces of the column at an index of the schema. All but
-    /// the last must have [`PIECE_ROWS`] rows, or pages would end elsewhere.
+    /// the last must have [`crate::PIECE_ROWS`] rows, or pages would end elsewhere.
     ///
     /// # Errors
     /// As theirs.
@@ -159,8 +150,8 @@ impl TableWriter {
         Ok(())
     }
 
-    fn check_columns(&self, found: &[ColumnSpec]) -> Result<()> {
-        if found == self.columns {
+    fn check_columns(&self, columns: &[ColumnSpec]) -> Result<()> {
+        if columns == self.columns {
             return Ok(());
         }
         let (found, expected) = ("a block with other columns", "the columns of the table's schema");
@@ -218,7 +209,7 @@ impl TableWriter {
             return Err(Error::io(&path, "write", what));
         }
         let rows = self.groups.iter().map(RowGroupMetaData::num_rows).sum();
-        let units = KeyValue::new(arrow_schema::KEY.to_owned(), arrow_schema::text(&self.columns));
+        let units = KeyValue::new(layout::ARROW_KEY.to_owned(), layout::arrow_schema(&self.columns));
         let notes = vec![KeyValue::new(KEY.to_owned(), metadata), units];
         let creator = Some(CREATOR.to_owned());
         let file = FileMetaData::new(FORMAT, rows, creator, Some(notes), self.descriptor, None);

@@ -11,14 +11,6 @@ use toml::{Spanned, Value};
 /// Most bytes of a file in which a key is looked for: many times what a hand writes.
 const MOST: u64 = 1 << 24;
 
-/// A key of a file.
-pub(crate) struct Place {
-    /// The key.
-    pub key: String,
-    /// Where it begins.
-    pub at: usize,
-}
-
 /// `line 3, column 5` of byte `at`, counted from 1.
 pub(crate) fn line_and_column(text: &str, at: usize) -> String {
     let before = text.get(..at).unwrap_or(text);
@@ -26,12 +18,12 @@ pub(crate) fn line_and_column(text: &str, at: usize) -> String {
     format!("line {}, column {}", 1 + before.matches('\n').count(), 1 + line.chars().count())
 }
 
-/// The innermost key whose name or value is at `span`.
-pub(crate) fn key_at(text: &str, span: &Range<usize>) -> Option<Place> {
+/// The innermost key whose name or value is at `span`, and where it begins.
+pub(crate) fn key_at(text: &str, span: &Range<usize>) -> Option<(String, usize)> {
     let whole = DeTable::parse(text).ok()?;
-    let mut found = None;
-    within_table(whole.get_ref(), span, &mut found);
-    found
+    let mut innermost = None;
+    within_table(whole.get_ref(), span, &mut innermost);
+    innermost
 }
 
 /// The part of `text` that the `way` leads to: a value, or its key.
@@ -51,24 +43,21 @@ pub(crate) fn span_of(text: &str, way: &[PathStep], is_key: bool) -> Option<Rang
     Some(if is_key { key.span() } else { value.span() })
 }
 
-fn holds(outer: &Range<usize>, inner: &Range<usize>) -> bool {
-    outer.start <= inner.start && inner.end <= outer.end
-}
-
-fn within_table(table: &DeTable<'_>, span: &Range<usize>, found: &mut Option<Place>) {
+fn within_table(table: &DeTable<'_>, span: &Range<usize>, innermost: &mut Option<(String, usize)>) {
+    let holds = |outer: Range<usize>| outer.start <= span.start && span.end <= outer.end;
     for (key, value) in table {
-        if holds(&key.span(), span) || holds(&value.span(), span) {
-            *found = Some(Place { key: key.get_ref().to_string(), at: key.span().start });
+        if holds(key.span()) || holds(value.span()) {
+            *innermost = Some((key.get_ref().to_string(), key.span().start));
         }
         // Tables may go on elsewhere in the file than where they begin.
-        within(value.get_ref(), span, found);
+        within(value.get_ref(), span, innermost);
     }
 }
 
-fn within(value: &DeValue<'_>, span: &Range<usize>, found: &mut Option<Place>) {
+fn within(value: &DeValue<'_>, span: &Range<usize>, innermost: &mut Option<(String, usize)>) {
     match value {
-        DeValue::Table(table) => within_table(table, span, found),
-        DeValue::Array(list) => list.iter().for_each(|item| within(item.get_ref(), span, found)),
+        DeValue::Table(table) => within_table(table, span, innermost),
+        DeValue::Array(list) => list.iter().for_each(|item| within(item.get_ref(), span, innermost)),
         _ => {}
     }
 }
@@ -77,7 +66,7 @@ fn within(value: &DeValue<'_>, span: &Range<usize>, found: &mut Option<Place>) {
 /// the file has another value there: a flag has changed it.
 pub(crate) fn placed(file: &Path, mut invalid: Invalid) -> Invalid {
     let names_a_key = invalid.thing.contains('`') && !invalid.found.contains("(line ");
-    if file.extension().is_none_or(|own| own != "toml") || !names_a_key {
+    if file.extension().is_none_or(|end| end != "toml") || !names_a_key {
         return invalid;
     }
     let ordinary = fs::metadata(file).is_ok_and(|file| file.is_file() && file.len() <= MOST);
@@ -88,9 +77,9 @@ pub(crate) fn placed(file: &Path, mut invalid: Invalid) -> Invalid {
     invalid
 }
 
-/// Where the key begins that a message calls `thing`: "maneuver `slow`, `feedback.every_s`". If a value is `found`, it has to
-/// be there.
-pub(crate) fn place_of(text: &str, thing: &str, found: Option<&str>) -> Option<usize> {
+/// Where the key begins that a message calls `thing`: "maneuver `slow`, `feedback.every_s`". If a value is `expected`, it has
+/// to be there.
+pub(crate) fn place_of(text: &str, thing: &str, expected: Option<&str>) -> Option<usize> {
     let whole = DeTable::parse(text).ok()?;
     let (mut table, mut at) = (whole.get_ref(), None);
     let parts: Vec<&str> = thing.split('`').collect();
@@ -103,12 +92,12 @@ pub(crate) fn place_of(text: &str, thing: &str, found: Option<&str>) -> Option<u
         }
         let (start, value) = below(table, name)?;
         (at, last) = (Some(start), Some(value));
-        if let DeValue::Table(own) = value {
-            table = own;
+        if let DeValue::Table(below) = value {
+            table = below;
         }
     }
-    match (last, found) {
-        (Some(value), Some(found)) if !shows(value, found) => None,
+    match (last, expected) {
+        (Some(value), Some(expected)) if !shows(value, expected) => None,
         _ => at,
     }
 }
@@ -121,19 +110,19 @@ fn item<'a, 'i>(table: &'a DeTable<'i>, kind: &str, name: &str) -> Option<(usize
         (value.as_str() == Some(name)).then_some((start, as_table))
     };
     let list = entry(table, kind).and_then(|(_, list)| list.as_array());
-    let own = list.and_then(|list| list.iter().find_map(called));
+    let listed = list.and_then(|list| list.iter().find_map(called));
     let mut tables = table.values().filter_map(|value| value.get_ref().as_table());
-    own.or_else(|| tables.find_map(|below| item(below, kind, name)))
+    listed.or_else(|| tables.find_map(|below| item(below, kind, name)))
 }
 
 /// The key with its value at the dotted `path`, of which items of lists may be indices or names.
 fn below<'a, 'i>(table: &'a DeTable<'i>, path: &str) -> Option<(usize, &'a DeValue<'i>)> {
-    if let Some(found) = entry(table, path) {
-        return Some(found);
+    if let Some(whole) = entry(table, path) {
+        return Some(whole);
     }
     let (first, rest) = path.split_once('.')?;
     match entry(table, first)?.1 {
-        DeValue::Table(own) => below(own, rest),
+        DeValue::Table(table) => below(table, rest),
         DeValue::Array(list) => {
             let (place, rest) = rest.split_once('.')?;
             below(of_list(list, place)?, rest)
@@ -144,33 +133,33 @@ fn below<'a, 'i>(table: &'a DeTable<'i>, path: &str) -> Option<(usize, &'a DeVal
 
 fn of_list<'a, 'i>(list: &'a DeArray<'i>, place: &str) -> Option<&'a DeTable<'i>> {
     let called =
-        |own: &&DeTable<'i>| entry(own, "name").is_some_and(|(_, name)| name.as_str() == Some(place));
+        |item: &&DeTable<'i>| entry(item, "name").is_some_and(|(_, name)| name.as_str() == Some(place));
     let mut tables = list.iter().filter_map(|item| item.get_ref().as_table());
     tables.clone().find(called).or_else(|| tables.nth(place.parse().ok()?))
 }
 
 fn entry<'a, 'i>(table: &'a DeTable<'i>, key: &str) -> Option<(usize, &'a DeValue<'i>)> {
-    let (key, value) = table.iter().find(|(own, _)| own.get_ref() == key)?;
+    let (key, value) = table.iter().find(|(name, _)| name.get_ref() == key)?;
     Some((key.span().start, value.get_ref()))
 }
 
-/// Whether the value `found` is that of the file; anything is of tables and lists.
-fn shows(value: &DeValue<'_>, found: &str) -> bool {
-    let plain = found.trim_matches('`');
+/// Whether the value `expected` is that of the file; anything is of tables and lists.
+fn shows(value: &DeValue<'_>, expected: &str) -> bool {
+    let plain = expected.trim_matches('`');
     // Behind the number may be a unit.
     let first = plain.split(' ').next().unwrap_or_default();
     let number = |text: &str| {
-        text.replace('_', "").parse::<Value>().ok().and_then(|own| match own {
+        text.replace('_', "").parse::<Value>().ok().and_then(|value| match value {
             Value::Integer(n) => Some(n as f64),
             Value::Float(x) => Some(x),
             _ => None,
         })
     };
     match value {
-        DeValue::String(own) => plain.contains(own.as_ref()),
-        DeValue::Integer(own) => number(own.as_str()).is_none_or(|number| first.parse() == Ok(number)),
-        DeValue::Float(own) => number(own.as_str()).is_none_or(|number| first.parse() == Ok(number)),
-        DeValue::Boolean(own) => plain.contains(if *own { "true" } else { "false" }),
+        DeValue::String(text) => plain.contains(text.as_ref()),
+        DeValue::Integer(n) => number(n.as_str()).is_none_or(|number| first.parse() == Ok(number)),
+        DeValue::Float(x) => number(x.as_str()).is_none_or(|number| first.parse() == Ok(number)),
+        DeValue::Boolean(flag) => plain.contains(if *flag { "true" } else { "false" }),
         DeValue::Datetime(_) | DeValue::Array(_) | DeValue::Table(_) => true,
     }
 }

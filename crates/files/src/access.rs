@@ -1,17 +1,195 @@
-//! What a stage opens, looks for and writes: its inputs and outputs, whatever its files name.
+//! Opens files for reading: ordinary files only. A pipe, a device or a folder is refused without waiting.
 //!
-//! Every file is opened by [`crate::open`], so that nothing that is read is missed. A file that is not there and the names in a folder are
-//! observations like a file's bytes: a stage whose observations are as before gives the same outputs.
+//! What a stage opens, looks for and writes is traced, so that nothing that is read is missed, whatever its files name. A file that
+//! is not there and the names in a folder are observations like a file's bytes: a stage whose observations are as before gives the
+//! same outputs.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
-use std::io;
+use std::fs::{File, FileType, OpenOptions};
+use std::io::{self, BufReader, ErrorKind, Read};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use crate::digest::Digest;
+use bytes::Bytes;
+use parquet::errors::Result as ParquetResult;
+use parquet::file::reader::{ChunkReader, Length};
+
+use crate::budget::{Work, budget};
 use crate::error::{Error, Result};
-use crate::source::Source;
+use crate::seal::Digest;
+
+/// Opens the ordinary file at `path` for reading.
+///
+/// # Errors
+/// [`Error::Refused`] for a folder, pipe, socket or device; [`Error::Io`] if the file cannot be opened.
+pub fn open(path: impl AsRef<Path>) -> Result<File> {
+    let path = path.as_ref();
+    observed(path, open_unobserved(path))
+}
+
+/// As [`open`], without a trace of it: for what this process writes.
+pub(crate) fn open_unobserved(path: &Path) -> Result<File> {
+    let unreadable = |e| Error::io(path, "read", e);
+    // Opening a device may have effects, and a socket cannot be opened.
+    refuse_special(path, path.metadata().map_err(unreadable)?.file_type())?;
+    let file = without_waiting().open(path).map_err(unreadable)?;
+    // Another file may have taken the name since.
+    refuse_special(path, file.metadata().map_err(unreadable)?.file_type())?;
+    Ok(file)
+}
+
+/// Whether there is something at `path` to [`open`], or to refuse.
+pub fn exists(path: impl AsRef<Path>) -> bool {
+    !matches!(open(path), Err(Error::Io { source, .. }) if source.kind() == ErrorKind::NotFound)
+}
+
+impl Digest {
+    /// The digest of the file at `path`, read in one streaming pass.
+    ///
+    /// # Errors
+    /// See [`open`]; [`Error::Io`] if the file cannot be read.
+    pub fn of_file(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        Self::of_reader(open(path)?).map_err(|e| Error::io(path, "read", e))
+    }
+
+    /// As [`Digest::of_file`], without a trace of it: for what this process writes.
+    pub(crate) fn of_own(path: &Path) -> Result<Self> {
+        Self::of_reader(open_unobserved(path)?).map_err(|e| Error::io(path, "read", e))
+    }
+}
+
+/// The bytes of the ordinary file at `path`.
+///
+/// # Errors
+/// As [`open`]; [`Error::Refused`] if they do not fit in memory.
+pub fn read(path: impl AsRef<Path>) -> Result<Vec<u8>> {
+    let path = path.as_ref();
+    bytes_of(path, open(path)?)
+}
+
+/// The contents of `file`, which was opened at `path`.
+pub(crate) fn bytes_of(path: &Path, mut file: File) -> Result<Vec<u8>> {
+    let unreadable = |e| Error::io(path, "read", e);
+    let length = file.metadata().map_err(unreadable)?.len();
+    let amount = format!("{length} bytes");
+    let work = Work { file: path, thing: "file", found: &amount, remedy: REMEDY };
+    budget().memory(work, length as f64)?;
+    let mut bytes = Vec::new();
+    let reserved = bytes.try_reserve_exact(usize::try_from(length).unwrap_or(usize::MAX));
+    reserved.map_err(|_| unreadable(ErrorKind::OutOfMemory.into()))?;
+    file.read_to_end(&mut bytes).map_err(unreadable)?;
+    Ok(bytes)
+}
+
+/// The remedy for a file that is too large.
+pub(crate) const REMEDY: &str = "name a smaller file, or raise --memory-mib";
+
+/// Options that never wait: opening a pipe without a writer would block.
+fn without_waiting() -> OpenOptions {
+    let mut options = OpenOptions::new();
+    options.read(true);
+    #[cfg(unix)]
+    {
+        use rustix::fs::OFlags;
+        use std::os::unix::fs::OpenOptionsExt;
+        options.custom_flags((OFlags::NONBLOCK | OFlags::NOCTTY).bits() as i32);
+    }
+    options
+}
+
+fn refuse_special(path: &Path, kind: FileType) -> Result<()> {
+    if kind.is_file() {
+        return Ok(());
+    }
+    let remedy = "name a file: what comes from elsewhere has to be written into one first";
+    Err(Error::refuse(path, "file", name_of(kind), "an ordinary file", remedy))
+}
+
+#[cfg(unix)]
+fn name_of(kind: FileType) -> &'static str {
+    use std::os::unix::fs::FileTypeExt;
+    match kind {
+        _ if kind.is_dir() => "a folder",
+        _ if kind.is_fifo() => "a pipe",
+        _ if kind.is_socket() => "a socket",
+        _ => "a device",
+    }
+}
+
+#[cfg(not(unix))]
+fn name_of(kind: FileType) -> &'static str {
+    if kind.is_dir() { "a folder" } else { "a device" }
+}
+
+/// An open file without a shared position: the file that was checked is the file that is read, even if
+/// another has taken its name since.
+#[derive(Clone, Debug)]
+pub(crate) struct Source {
+    file: Arc<File>,
+    length: u64,
+}
+
+impl Source {
+    /// Takes over an open file.
+    pub fn new(file: File) -> io::Result<Self> {
+        let length = file.metadata()?.len();
+        Ok(Self { file: Arc::new(file), length })
+    }
+
+    /// A reader from the position `at` on.
+    pub fn from(&self, at: u64) -> ReaderAt {
+        ReaderAt { file: Arc::clone(&self.file), at }
+    }
+}
+
+impl Length for Source {
+    fn len(&self) -> u64 {
+        self.length
+    }
+}
+
+impl ChunkReader for Source {
+    type T = BufReader<ReaderAt>;
+
+    fn get_read(&self, start: u64) -> ParquetResult<Self::T> {
+        Ok(BufReader::new(self.from(start)))
+    }
+
+    fn get_bytes(&self, start: u64, length: usize) -> ParquetResult<Bytes> {
+        // No more memory than the file has bytes, regardless of the announced length.
+        if length as u64 > self.length.saturating_sub(start) {
+            return Err(io::Error::from(io::ErrorKind::UnexpectedEof).into());
+        }
+        let mut bytes = vec![0; length];
+        self.from(start).read_exact(&mut bytes)?;
+        Ok(bytes.into())
+    }
+}
+
+/// Reads a file from a position on.
+pub(crate) struct ReaderAt {
+    file: Arc<File>,
+    at: u64,
+}
+
+impl Read for ReaderAt {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let read = read_at(&self.file, buffer, self.at)?;
+        self.at = self.at.saturating_add(read as u64);
+        Ok(read)
+    }
+}
+
+#[cfg(unix)]
+fn read_at(file: &File, buffer: &mut [u8], at: u64) -> io::Result<usize> {
+    std::os::unix::fs::FileExt::read_at(file, buffer, at)
+}
+
+#[cfg(windows)]
+fn read_at(file: &File, buffer: &mut [u8], at: u64) -> io::Result<usize> {
+    std::os::windows::fs::FileExt::seek_read(file, buffer, at)
+}
 
 /// The observations of the stage that runs, if it is traced.
 static TRACE: Mutex<Option<Trace>> = Mutex::new(None);
@@ -40,9 +218,8 @@ impl Observed {
         match self {
             Self::File(path) => Digest::of_file(path).ok(),
             Self::Names(folder, pattern) => {
-                let (pattern, depth) = pattern
-                    .strip_prefix(BELOW)
-                    .map_or((&**pattern, 1), |strip_prefix| (strip_prefix, DEEPEST));
+                let below = pattern.strip_prefix(BELOW).map(|pattern| (pattern, DEEPEST));
+                let (pattern, depth) = below.unwrap_or((pattern, 1));
                 let mut names = BTreeSet::new();
                 names_in(folder, "", pattern, depth, &mut names).ok()?;
                 Some(Digest::of_bytes(Vec::from_iter(names).join("\n").as_bytes()))
@@ -129,7 +306,7 @@ pub(crate) fn wrote(path: &Path) {
 }
 
 /// Observes `opened`, which is to be what [`crate::open`] gave for `path`.
-pub(crate) fn observed(path: &Path, opened: Result<File>) -> Result<File> {
+fn observed(path: &Path, opened: Result<File>) -> Result<File> {
     let what = Observed::File(path.to_owned());
     if is_known(&what) {
         return opened;
@@ -191,23 +368,23 @@ fn names_in(
 /// Whether `name` fits `pattern`. Of several stars only the last one is tried again: no pattern takes long.
 fn fits(pattern: &[u8], name: &[u8]) -> bool {
     let is_one =
-        |own: u8, found: u8| own.eq_ignore_ascii_case(&found) || own == b'#' && found.is_ascii_digit();
-    let (mut own, mut at, mut star) = (0, 0, None);
+        |sign: u8, byte: u8| sign.eq_ignore_ascii_case(&byte) || sign == b'#' && byte.is_ascii_digit();
+    let (mut next, mut at, mut star) = (0, 0, None);
     while at < name.len() {
-        match pattern.get(own) {
+        match pattern.get(next) {
             Some(b'*') => {
-                star = Some((own, at));
-                own += 1;
+                star = Some((next, at));
+                next += 1;
             }
-            Some(&one) if is_one(one, name[at]) => (own, at) = (own + 1, at + 1),
+            Some(&one) if is_one(one, name[at]) => (next, at) = (next + 1, at + 1),
             _ => {
                 let Some((before, from)) = star else { return false };
                 star = Some((before, from + 1));
-                (own, at) = (before + 1, from + 1);
+                (next, at) = (before + 1, from + 1);
             }
         }
     }
-    pattern[own..].iter().all(|rest| *rest == b'*')
+    pattern[next..].iter().all(|rest| *rest == b'*')
 }
 
 #[cfg(test)]

@@ -1,22 +1,23 @@
-//! Finding numbers that JSON cannot hold: serde_json would write NaN and infinity as null.
+//! JSON texts: readable ones, and numbers that JSON cannot hold, which serde_json would write as null.
 
-use std::fmt::{self, Display};
+use std::fmt::Display;
 
 use serde::ser::{self, Serialize, Serializer};
+use serde_json::Value;
 
 /// The field path and value of the first number in `data` that is not finite,
 /// like `("maneuvers[2].gap", "NaN")`.
 pub(crate) fn first_not_finite(data: &impl Serialize) -> Option<(String, String)> {
-    let mut walk = Walk::default();
-    match data.serialize(&mut walk) {
-        Err(Stop::NotFinite(value)) => Some((walk.path(), value.to_string())),
+    let mut check = FiniteCheck::default();
+    match data.serialize(&mut check) {
+        Err(Stop::NotFinite(value)) => Some((check.path(), value.to_string())),
         Ok(()) | Err(Stop::Other) => None,
     }
 }
 
 /// A serializer that writes nothing and tracks its path.
 #[derive(Default)]
-struct Walk {
+struct FiniteCheck {
     steps: Vec<Step>,
 }
 
@@ -25,15 +26,16 @@ enum Step {
     Item(usize),
 }
 
-/// Why the walk ended early.
-#[derive(Debug)]
+/// Why the check ended early.
+#[derive(Debug, thiserror::Error)]
+#[error("stopped")]
 enum Stop {
     NotFinite(f64),
     /// The data's own serializer failed; the real serializer will report that.
     Other,
 }
 
-impl Walk {
+impl FiniteCheck {
     fn path(&self) -> String {
         let mut path = String::new();
         for step in &self.steps {
@@ -55,14 +57,6 @@ impl Walk {
     }
 }
 
-impl Display for Stop {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("stopped")
-    }
-}
-
-impl std::error::Error for Stop {}
-
 impl ser::Error for Stop {
     fn custom<T: Display>(_: T) -> Self {
         Self::Other
@@ -71,30 +65,34 @@ impl ser::Error for Stop {
 
 /// Inside a list, a map or a struct.
 struct Level<'a> {
-    walk: &'a mut Walk,
+    check: &'a mut FiniteCheck,
     index: usize,
     key: String,
 }
 
-impl<'a> Level<'a> {
-    fn new(walk: &'a mut Walk) -> Result<Self, Stop> {
-        Ok(Self { walk, index: 0, key: String::new() })
-    }
-
+impl Level<'_> {
     fn item<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Stop> {
         let step = Step::Item(self.index);
         self.index += 1;
-        self.walk.visit(step, value)
+        self.check.visit(step, value)
     }
 }
 
 macro_rules! nothing_to_find {
-    ($($name:ident: $type:ty),* $(,)?) => {
-        $(fn $name(self, _: $type) -> Result<(), Stop> { Ok(()) })*
+    ($($name:ident($($type:ty),*)),* $(,)?) => {
+        $(fn $name(self $(, _: $type)*) -> Result<(), Stop> { Ok(()) })*
     };
 }
 
-impl<'a> Serializer for &'a mut Walk {
+macro_rules! levels {
+    ($($name:ident($($type:ty),*)),* $(,)?) => {
+        $(fn $name(self $(, _: $type)*) -> Result<Level<'a>, Stop> {
+            Ok(Level { check: self, index: 0, key: String::new() })
+        })*
+    };
+}
+
+impl<'a> Serializer for &'a mut FiniteCheck {
     type Ok = ();
     type Error = Stop;
     type SerializeSeq = Level<'a>;
@@ -106,10 +104,18 @@ impl<'a> Serializer for &'a mut Walk {
     type SerializeStructVariant = Level<'a>;
 
     nothing_to_find! {
-        serialize_bool: bool, serialize_i8: i8, serialize_i16: i16, serialize_i32: i32,
-        serialize_i64: i64, serialize_i128: i128, serialize_u8: u8, serialize_u16: u16,
-        serialize_u32: u32, serialize_u64: u64, serialize_u128: u128, serialize_char: char,
-        serialize_str: &str, serialize_bytes: &[u8], serialize_unit_struct: &'static str,
+        serialize_bool(bool), serialize_i8(i8), serialize_i16(i16), serialize_i32(i32), serialize_i64(i64),
+        serialize_i128(i128), serialize_u8(u8), serialize_u16(u16), serialize_u32(u32), serialize_u64(u64),
+        serialize_u128(u128), serialize_char(char), serialize_str(&str), serialize_bytes(&[u8]),
+        serialize_none(), serialize_unit(), serialize_unit_struct(&'static str),
+        serialize_unit_variant(&'static str, u32, &'static str),
+    }
+
+    levels! {
+        serialize_seq(Option<usize>), serialize_tuple(usize), serialize_tuple_struct(&'static str, usize),
+        serialize_tuple_variant(&'static str, u32, &'static str, usize), serialize_map(Option<usize>),
+        serialize_struct(&'static str, usize),
+        serialize_struct_variant(&'static str, u32, &'static str, usize),
     }
 
     fn serialize_f32(self, value: f32) -> Result<(), Stop> {
@@ -120,20 +126,8 @@ impl<'a> Serializer for &'a mut Walk {
         if value.is_finite() { Ok(()) } else { Err(Stop::NotFinite(value)) }
     }
 
-    fn serialize_none(self) -> Result<(), Stop> {
-        Ok(())
-    }
-
     fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Result<(), Stop> {
         value.serialize(self)
-    }
-
-    fn serialize_unit(self) -> Result<(), Stop> {
-        Ok(())
-    }
-
-    fn serialize_unit_variant(self, _: &'static str, _: u32, _: &'static str) -> Result<(), Stop> {
-        Ok(())
     }
 
     fn serialize_newtype_struct<T: Serialize + ?Sized>(self, _: &'static str, value: &T) -> Result<(), Stop> {
@@ -148,46 +142,6 @@ impl<'a> Serializer for &'a mut Walk {
         value: &T,
     ) -> Result<(), Stop> {
         self.visit(Step::Field(variant.to_owned()), value)
-    }
-
-    fn serialize_seq(self, _: Option<usize>) -> Result<Level<'a>, Stop> {
-        Level::new(self)
-    }
-
-    fn serialize_tuple(self, _: usize) -> Result<Level<'a>, Stop> {
-        Level::new(self)
-    }
-
-    fn serialize_tuple_struct(self, _: &'static str, _: usize) -> Result<Level<'a>, Stop> {
-        Level::new(self)
-    }
-
-    fn serialize_tuple_variant(
-        self,
-        _: &'static str,
-        _: u32,
-        _: &'static str,
-        _: usize,
-    ) -> Result<Level<'a>, Stop> {
-        Level::new(self)
-    }
-
-    fn serialize_map(self, _: Option<usize>) -> Result<Level<'a>, Stop> {
-        Level::new(self)
-    }
-
-    fn serialize_struct(self, _: &'static str, _: usize) -> Result<Level<'a>, Stop> {
-        Level::new(self)
-    }
-
-    fn serialize_struct_variant(
-        self,
-        _: &'static str,
-        _: u32,
-        _: &'static str,
-        _: usize,
-    ) -> Result<Level<'a>, Stop> {
-        Level::new(self)
     }
 }
 
@@ -215,7 +169,7 @@ macro_rules! visit_fields {
             type Error = Stop;
 
             fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(), Stop> {
-                self.walk.visit(Step::Field(key.to_owned()), value)
+                self.check.visit(Step::Field(key.to_owned()), value)
             }
 
             fn end(self) -> Result<(), Stop> {
@@ -248,7 +202,7 @@ impl ser::SerializeMap for Level<'_> {
 
     fn serialize_value<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Stop> {
         let key = std::mem::take(&mut self.key);
-        self.walk.visit(Step::Field(key), value)
+        self.check.visit(Step::Field(key), value)
     }
 
     fn end(self) -> Result<(), Stop> {
@@ -256,10 +210,63 @@ impl ser::SerializeMap for Level<'_> {
     }
 }
 
+/// The readable text of `value`, ending in a line break: two spaces per level, lists of plain values on one line.
+pub(crate) fn pretty(value: &Value) -> String {
+    let mut text = String::new();
+    write(&mut text, value, 0);
+    text.push('\n');
+    text
+}
+
+fn write(out: &mut String, value: &Value, depth: usize) {
+    match value {
+        Value::Array(items) if items.iter().any(is_nested) => {
+            write_lines(out, ['[', ']'], items.iter().map(|item| (None, item)), depth);
+        }
+        Value::Array(items) => {
+            let items: Vec<String> = items.iter().map(Value::to_string).collect();
+            out.push_str(&format!("[{}]", items.join(", ")));
+        }
+        Value::Object(fields) if !fields.is_empty() => {
+            let fields = fields.iter().map(|(key, value)| (Some(key.as_str()), value));
+            write_lines(out, ['{', '}'], fields, depth);
+        }
+        plain => out.push_str(&plain.to_string()),
+    }
+}
+
+fn is_nested(value: &Value) -> bool {
+    value.is_array() || value.is_object()
+}
+
+fn write_lines<'a>(
+    out: &mut String,
+    [open, close]: [char; 2],
+    entries: impl Iterator<Item = (Option<&'a str>, &'a Value)>,
+    depth: usize,
+) {
+    out.push(open);
+    for (i, (key, value)) in entries.enumerate() {
+        out.push_str(if i == 0 { "\n" } else { ",\n" });
+        out.push_str(&"  ".repeat(depth + 1));
+        if let Some(key) = key {
+            out.push_str(&Value::from(key).to_string());
+            out.push_str(": ");
+        }
+        write(out, value, depth + 1);
+    }
+    out.push('\n');
+    out.push_str(&"  ".repeat(depth));
+    out.push(close);
+}
+
 #[cfg(test)]
 mod tests {
-    use super::*;
     use std::collections::BTreeMap;
+
+    use serde_json::json;
+
+    use super::*;
 
     #[derive(serde::Serialize)]
     enum Shape {
@@ -287,5 +294,24 @@ mod tests {
         assert_eq!(path(data(f64::NAN, f64::NAN, 1.0)).as_deref(), Some("shares.sine[1]"));
         assert_eq!(path(data(0.5, f64::INFINITY, 1.0)).as_deref(), Some("shapes[0][1]"));
         assert_eq!(path(data(0.5, 1.0, f64::NEG_INFINITY)).as_deref(), Some("shapes[1].side"));
+    }
+
+    #[test]
+    fn rows_stay_on_one_line() {
+        let value = json!({"a \"b\"": [[1, 2.5], [null, "x"]], "empty": {}, "none": [], "deep": {"c": true}});
+        let expected = r#"{
+  "a \"b\"": [
+    [1, 2.5],
+    [null, "x"]
+  ],
+  "empty": {},
+  "none": [],
+  "deep": {
+    "c": true
+  }
+}
+"#;
+        assert_eq!(pretty(&value), expected);
+        assert_eq!(serde_json::from_str::<Value>(expected).unwrap(), value);
     }
 }
