@@ -2,6 +2,7 @@
 
 use std::fmt::Display;
 
+use refusal::PathStep;
 use serde::ser::{self, Serialize, Serializer};
 use serde_json::Value;
 
@@ -18,12 +19,7 @@ pub(crate) fn first_not_finite(data: &impl Serialize) -> Option<(String, String)
 /// A serializer that writes nothing and tracks its path.
 #[derive(Default)]
 struct FiniteCheck {
-    steps: Vec<Step>,
-}
-
-enum Step {
-    Field(String),
-    Item(usize),
+    steps: Vec<PathStep>,
 }
 
 /// Why the check ended early.
@@ -40,16 +36,16 @@ impl FiniteCheck {
         let mut path = String::new();
         for step in &self.steps {
             match step {
-                Step::Field(name) if path.is_empty() => path.push_str(name),
-                Step::Field(name) => path.extend([".", name]),
-                Step::Item(index) => path.push_str(&format!("[{index}]")),
+                PathStep::Key(name) if path.is_empty() => path.push_str(name),
+                PathStep::Key(name) => path.extend([".", name]),
+                PathStep::Item(index) => path.push_str(&format!("[{index}]")),
             }
         }
         path
     }
 
     /// Visits `value` under `step`; on an error the step stays, so that the path can be reported.
-    fn visit<T: Serialize + ?Sized>(&mut self, step: Step, value: &T) -> Result<(), Stop> {
+    fn visit<T: Serialize + ?Sized>(&mut self, step: PathStep, value: &T) -> Result<(), Stop> {
         self.steps.push(step);
         value.serialize(&mut *self)?;
         self.steps.pop();
@@ -72,7 +68,7 @@ struct Level<'a> {
 
 impl Level<'_> {
     fn item<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Stop> {
-        let step = Step::Item(self.index);
+        let step = PathStep::Item(self.index);
         self.index += 1;
         self.check.visit(step, value)
     }
@@ -141,7 +137,7 @@ impl<'a> Serializer for &'a mut FiniteCheck {
         variant: &'static str,
         value: &T,
     ) -> Result<(), Stop> {
-        self.visit(Step::Field(variant.to_owned()), value)
+        self.visit(PathStep::Key(variant.to_owned()), value)
     }
 }
 
@@ -169,7 +165,7 @@ macro_rules! visit_fields {
             type Error = Stop;
 
             fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(), Stop> {
-                self.check.visit(Step::Field(key.to_owned()), value)
+                self.check.visit(PathStep::Key(key.to_owned()), value)
             }
 
             fn end(self) -> Result<(), Stop> {
@@ -202,7 +198,7 @@ impl ser::SerializeMap for Level<'_> {
 
     fn serialize_value<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), Stop> {
         let key = std::mem::take(&mut self.key);
-        self.check.visit(Step::Field(key), value)
+        self.check.visit(PathStep::Key(key), value)
     }
 
     fn end(self) -> Result<(), Stop> {
