@@ -69,9 +69,6 @@ impl Rules {
     }
 
     /// The treatment of an object in view of `land`, and why it has no effect if it has none.
-    ///
-    /// # Errors
-    /// A clearance that is not a number.
     pub(crate) fn treatment(&self, feature: &Feature, land: &Land) -> Result<(Treatment, Ignored), Invalid> {
         let named = class_name(feature.class).map_or_else(|| feature.class.to_string(), str::to_owned);
         if let Some(changed) = self.changed.get(&named) {

@@ -217,9 +217,6 @@ const LIST: usize = 160;
 const VALUE: usize = 96;
 
 /// Refuses a text, read from `path`, whose contents do not fit in memory: a few of its bytes can represent a hundred times as many.
-///
-/// # Errors
-/// States the need and the bound.
 fn check_memory(path: &Path, text: &str) -> Result<()> {
     // Most texts are so short that they need not be counted.
     if (text.len() * MAP) as f64 <= budget().bytes() {

@@ -286,9 +286,6 @@ impl Changes {
     }
 
     /// `text`, which is the TOML of `file`, with the replacements applied.
-    ///
-    /// # Errors
-    /// Text that is not TOML; a change within a value that is neither table nor list.
     pub(crate) fn applied(&self, file: &str, text: &str) -> Result<String, Invalid> {
         let mut table: Table = toml::from_str(text).map_err(|e| {
             Invalid::new("text", e.message(), "TOML with numbers of 64 bits and a sign", "correct it")

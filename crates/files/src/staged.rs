@@ -33,9 +33,6 @@ impl Staged {
     }
 
     /// The digest of the complete file, which is read for that.
-    ///
-    /// # Errors
-    /// [`Error::Io`] if it cannot be read.
     pub(crate) fn digest(&self) -> Result<Digest> {
         match self.digest.get() {
             Some(digest) => Ok(*digest),

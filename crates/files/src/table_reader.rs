@@ -126,9 +126,6 @@ impl TableReader {
     }
 
     /// Checks all values of an unsealed table, whose blocks are to be copied unchanged.
-    ///
-    /// # Errors
-    /// See [`TableReader::read_block`].
     pub(crate) fn check_unsealed(&self) -> Result<()> {
         let names: Vec<&str> = self.columns.iter().map(|column| column.name.as_str()).collect();
         let blocks = if self.sealed { 0 } else { self.blocks() };

@@ -260,10 +260,6 @@ pub(crate) fn drift(channels: &Channels, derivatives: &Derivatives) -> Option<f6
 
 /// Heading, roll and pitch \[rad\] of the quaternion in `cells` (w, x, y, z), as far as `spec` names channels for them:
 /// rotations about the vertical, the forward and the transverse axis, in this order. `line` says on which line a row stands.
-///
-/// # Errors
-/// The first row whose quaternion is not of unit length or puts the ship upside down, which means that its
-/// axes are different ones.
 pub(crate) fn angles(
     spec: &QuaternionSpec,
     cells: [Cells; 4],

@@ -238,9 +238,6 @@ impl Unrolling {
 }
 
 /// `times` \[s\] without those of the rows before the clock was set, by decades, and how many these are.
-///
-/// # Errors
-/// A jump of more than a year that is not of this kind: the row after it, the previous time and its own.
 pub(crate) fn set(times: Samples) -> Result<(Samples, usize), (usize, [f64; 2])> {
     let (mut before, mut jump) = (f64::NAN, None);
     for (row, time) in times.iter().enumerate().filter(|(_, time)| time.is_finite()) {

@@ -26,9 +26,6 @@ enum Encoding {
 }
 
 /// Decodes `bytes` as text.
-///
-/// # Errors
-/// Bytes that cannot be read.
 fn plain<'a>(bytes: impl BufRead + 'a) -> io::Result<Plain<'a>> {
     let (head, bytes) = probed(bytes)?;
     let (encoding, mark) = encoding(&head);
@@ -236,9 +233,6 @@ pub(crate) struct Lines<'a> {
 
 impl<'a> Lines<'a> {
     /// The lines of text in any encoding.
-    ///
-    /// # Errors
-    /// Bytes that cannot be read.
     pub(crate) fn new(bytes: impl BufRead + 'a) -> Result<Self, LogError> {
         Ok(Self { text: plain(bytes)?, line: Vec::new(), number: 0, is_ended: true, read: 0 })
     }

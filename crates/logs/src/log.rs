@@ -135,9 +135,6 @@ impl std::ops::AddAssign for RowSummary {
 
 impl Log {
     /// The log of some of the channels, which stand in `columns` after their clock.
-    ///
-    /// # Errors
-    /// Time going backwards, no rows, angles in another unit.
     pub(crate) fn of(
         columns: Columns,
         channels: &[usize],

@@ -282,9 +282,6 @@ pub struct LoggedPositions {
 }
 
 /// Appends a position to `rows`.
-///
-/// # Errors
-/// One that is not later than the last; too many.
 fn push(rows: &mut Vec<LoggedPosition>, next: LoggedPosition) -> Result<(), Invalid> {
     let line = format!("line {}", next.line);
     if rows.len() == MOST {

@@ -1,7 +1,7 @@
 //! Strict reading of files that people write: refuses what serde accepts in data between programs.
 //!
 //! A file is read into [`Contents`] first, whatever its syntax, and then into the type that is wanted. So each type is
-//! compiled for one reader, and a fault has a [`PathStep`] by step way to it.
+//! compiled for one reader, and a fault has the way to it, step by step ([`PathStep`]).
 
 use std::collections::BTreeSet;
 use std::fmt::{self, Display};

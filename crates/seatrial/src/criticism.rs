@@ -33,9 +33,6 @@ pub(crate) fn channels(vessel: &Vessel) -> Vec<Channel> {
 }
 
 /// What is wrong with `vessel` after `fit`.
-///
-/// # Errors
-/// A start of a window or a number that nothing determines.
 pub(crate) fn criticised(vessel: &Vessel, problem: &Problem, fit: &Fit) -> Result<ForceCriticism, Unfit> {
     let channels = channels(vessel);
     let criticise =

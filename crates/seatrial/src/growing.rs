@@ -48,9 +48,6 @@ pub(crate) struct GrownShip {
 
 impl ForwardSelection<'_> {
     /// Adds forces to `vessel` until one does not help, nothing is missing beyond chance, or there are as many as were asked for.
-    ///
-    /// # Errors
-    /// No fit.
     pub(crate) fn grown(&self, vessel: &Vessel) -> Result<GrownShip, Unfit> {
         let count = self.sources.len();
         let few = (self.most > 0 && count < FEWEST)
@@ -187,9 +184,6 @@ fn carried(new: &Forces, old: &Forces, theta: &[f64]) -> Vec<f64> {
 }
 
 /// `vessel` with another force, whose number is 0 with a prior.
-///
-/// # Errors
-/// A product that is no term.
 fn with(vessel: &Vessel, named: (&AbsentTerm, &str), channels: &[Channel]) -> Result<Vessel, Invalid> {
     let Some(moved) = &vessel.model.forces else { return Ok(vessel.clone()) };
     let description = richer(moved.forces.description(), named, channels)?;

@@ -52,9 +52,6 @@ impl Physical<'_> {
     }
 
     /// The ship with the forces that `sources` confirm, of the usual ones or of those `listed` for surge, sway and yaw.
-    ///
-    /// # Errors
-    /// No fit; a listed text that is no term.
     pub(crate) fn grown(
         &self,
         (sources, held): (&[Recorded], bool),
@@ -65,9 +62,6 @@ impl Physical<'_> {
     }
 
     /// The model of `runs`, whose recordings are `sources`, without other forces than those of the ship.
-    ///
-    /// # Errors
-    /// As [`Self::model`].
     pub(crate) fn fitted_model(
         &self,
         runs: &PooledRuns,
@@ -111,17 +105,11 @@ impl Physical<'_> {
     }
 
     /// The same of recordings.
-    ///
-    /// # Errors
-    /// As [`Self::model`].
     pub(crate) fn theta_of(&self, sources: &[Recorded], held: bool) -> Result<Vec<f64>, PhysicalError> {
         self.theta_from(self.former.unwrap_or(&self.vessel.nominal), sources, held)
     }
 
     /// The same, searched for from `theta` on.
-    ///
-    /// # Errors
-    /// As [`Self::model`].
     pub(crate) fn theta_from(
         &self,
         theta: &[f64],
@@ -152,9 +140,6 @@ impl Physical<'_> {
     }
 
     /// The forces of the ship.
-    ///
-    /// # Errors
-    /// A ship without.
     pub(crate) fn forces(&self) -> Result<&Forces, Invalid> {
         Ok(&self.vessel.model.forces.as_ref().ok_or_else(without_forces)?.forces)
     }

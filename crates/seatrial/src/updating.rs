@@ -234,9 +234,6 @@ impl<'a> Updating<'a> {
 
 impl Estimate {
     /// That of `model`.
-    ///
-    /// # Errors
-    /// Another vessel, rate or parameters; no standard errors; numbers that are no covariance.
     fn read(model: &ModelDocument, moments: &Moments, names: &[&str]) -> Result<Self, Invalid> {
         let remedy = "name the model.json that the trial of this design was estimated to";
         let refuse =
@@ -283,9 +280,6 @@ impl Estimate {
 }
 
 /// The part of a covariance by `rows` that `names` have, in their order.
-///
-/// # Errors
-/// A parameter that it does not have; numbers that are no covariance.
 fn covariance(rows: &[String], entries: &[f64], names: &[&str]) -> Result<Vec<f64>, Invalid> {
     let refuse = |found: String| {
         let expected = "a covariance of the parameters of the design's moments";

@@ -18,9 +18,6 @@ use crate::tables::{estimates, scores};
 use crate::{beside, validated};
 
 /// The documents of all `shards`, in the order of their numbers.
-///
-/// # Errors
-/// Files that are not all the shards of one document.
 pub(crate) fn all<D: Document>(shards: &[PathBuf]) -> Result<Vec<(&Path, Loaded<D>)>, Error> {
     let read = |path| Ok::<_, Error>((path, read_part::<D>(path)?));
     let mut all: Vec<(&Path, Loaded<D>)> =

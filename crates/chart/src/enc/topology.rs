@@ -241,9 +241,6 @@ fn holds<E>(ring: &[Place], hole: &[Place], count: impl Fn(usize) -> Result<(), 
 }
 
 /// Edges as rings: each continues with the first remaining edge that follows.
-///
-/// # Errors
-/// Where a ring ends without being closed.
 fn rings(edges: Vec<EdgeRun>) -> Result<Rings, Place> {
     let mut ends = Ends::of(&edges);
     let mut left: Vec<Option<EdgeRun>> = edges.into_iter().map(Some).collect();

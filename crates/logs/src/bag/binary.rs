@@ -98,9 +98,6 @@ enum ValueKind {
 
 impl Node {
     /// Numbers of `shape` at the `wanted` paths, each with its index in the row.
-    ///
-    /// # Errors
-    /// The index of a path that leads to no number.
     pub(crate) fn new(shape: &Shape, wanted: &[(usize, &[PathStep])]) -> Result<Self, usize> {
         let ends: Vec<usize> =
             wanted.iter().filter(|(_, path)| path.is_empty()).map(|(slot, _)| *slot).collect();

@@ -94,9 +94,6 @@ impl<'a> TopicChannels<'a> {
     }
 
     /// Adds a channel of the topic, whose messages are to yield the fields at `paths`; `number` names its publisher.
-    ///
-    /// # Errors
-    /// See [`Decoder::new`].
     pub(crate) fn add(
         &mut self,
         [id, number]: [u32; 2],
@@ -131,9 +128,6 @@ impl<'a> TopicChannels<'a> {
     }
 
     /// The decoder of a message of channel `id`; `None` where that is not read.
-    ///
-    /// # Errors
-    /// Messages of several channels of which none continues another.
     pub(crate) fn heard(&mut self, id: u32, topic: &str) -> Result<Option<&mut Decoder>, Invalid> {
         if self.last != Some(id) {
             let Some(next) = self.known.get(&id) else { return Ok(None) };

@@ -53,9 +53,6 @@ pub struct DatabaseFile {
 }
 
 /// Passes the topics of a bag and the messages of `topic`, or of all, to `each`.
-///
-/// # Errors
-/// Bytes that cannot be read, are not a bag, or end early; refusals of `each`.
 pub(crate) fn each_part(
     file: &DatabaseFile,
     topic: Option<&str>,

@@ -25,9 +25,6 @@ pub(crate) enum Decoder {
 
 impl Decoder {
     /// A decoder for the fields at `paths` of messages of `topic`; `schema` is name, encoding and text.
-    ///
-    /// # Errors
-    /// An unknown encoding, an unreadable definition, a missing field.
     pub(crate) fn new(
         topic: &str,
         encoding: &str,
@@ -87,9 +84,6 @@ impl Decoder {
 }
 
 /// The shape of messages of `topic` in `encoding`; the schema is name, encoding and text.
-///
-/// # Errors
-/// An unknown encoding, a definition that is missing or cannot be read.
 pub(crate) fn shape(
     topic: &str,
     encoding: &str,
@@ -200,9 +194,6 @@ const NUMBERS: [(&str, Primitive); 12] = [
 ];
 
 /// The shape of messages called `name` by the definitions in `text`.
-///
-/// # Errors
-/// Why it cannot be read.
 fn format(name: &str, text: &str, effort: &Effort) -> Result<Shape, String> {
     // The first of several with one name counts.
     let known = text.lines().rev().filter_map(|line| line.split_once(':')).collect();

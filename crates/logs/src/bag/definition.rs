@@ -61,9 +61,6 @@ struct Types<'a> {
 }
 
 /// The shape of messages of type `name` by the definition in `text`.
-///
-/// # Errors
-/// Why it cannot be read.
 pub(crate) fn definition(name: &str, text: &str, dialect: Dialect, effort: &Effort) -> Result<Shape, String> {
     if text.len() > LONGEST {
         return Err(format!("{} bytes, which are more than {LONGEST}", text.len()));
@@ -226,9 +223,6 @@ impl Shape {
 }
 
 /// The paths to the numbers of `shape`; of a list all elements if they are `few` at most, else the first.
-///
-/// # Errors
-/// More paths, to anything or to nothing, than `effort` allows.
 pub(crate) fn leaves(shape: &Shape, few: usize, effort: &Effort) -> Result<Vec<String>, Invalid> {
     let mut leaves = Vec::new();
     collect(shape, "", few, effort, &mut leaves)?;

@@ -22,9 +22,6 @@ pub(crate) const ENCODING: [&str; 2] = ["ros1", "ros1msg"];
 const LONGEST_HEADER: u32 = 1 << 20;
 
 /// Passes every connection and message of `bytes` to `each`.
-///
-/// # Errors
-/// Bytes that cannot be read, are not a bag, or end early; refusals of `each`.
 pub(crate) fn each_part(
     bytes: &mut dyn Read,
     effort: &Effort,
@@ -228,9 +225,6 @@ pub(crate) struct Unpacking<'a> {
 
 impl Unpacking<'_> {
     /// The decompressed bytes of a chunk, checked for size and checksum.
-    ///
-    /// # Errors
-    /// Chunks that are too large, expand too much, are compressed in another way or damaged.
     pub(crate) fn whole(&self, chunk: &Chunk) -> Result<Vec<u8>, Invalid> {
         self.effort.unpack(chunk.data.len(), chunk.size)?;
         let bytes = unpacked(chunk)?.filter(|bytes| bytes.len() as u64 == chunk.size);

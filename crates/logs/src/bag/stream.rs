@@ -12,9 +12,6 @@ use crate::bag::{BagPart, Effort, Rest, part, rosbag};
 use crate::{Format, LogError};
 
 /// Passes every part of `bytes` that is read to `each`.
-///
-/// # Errors
-/// Bytes that cannot be read or are not of the format; refusals of `each`.
 pub(crate) fn each_part(
     bytes: &mut dyn Read,
     format: Format,
@@ -108,9 +105,6 @@ const MOST_BYTES: usize = 1 << 20;
 const MOST_APPENDED: usize = 3;
 
 /// Passes every subscription and message of `bytes` to `each`.
-///
-/// # Errors
-/// Bytes that cannot be read, are not a ULog, or end within a message; refusals of `each`.
 fn each_part_of_ulog(
     bytes: &mut dyn Read,
     each: &mut dyn FnMut(BagPart) -> Result<(), LogError>,

@@ -106,9 +106,6 @@ impl Census {
     }
 
     /// How many sentences are left out for their checksums, and how many because the file ends within them.
-    ///
-    /// # Errors
-    /// More wrong checksums among wanted sentences than `spec` allows.
     pub(super) fn finish(&self, spec: &FileSpec) -> Result<(usize, usize), Invalid> {
         let cut = usize::from(self.last_is_cut);
         let (wrong, share) = (self.broken.saturating_sub(cut), spec.max_wrong_checksums);

@@ -237,9 +237,6 @@ impl<'a> SentenceClock<'a> {
     }
 
     /// Removes untrusted times; returns how many of the clock's sentences came late.
-    ///
-    /// # Errors
-    /// Two receivers; refusals of [`Trust::check`].
     pub(super) fn check(
         &self,
         tables: &mut [SensorTable],
@@ -325,9 +322,6 @@ fn lengths(tables: &[SensorTable]) -> Lengths {
 
 impl Trust {
     /// Removes untrusted times. The clock's sentences are of `kind`, and `late` of them came late.
-    ///
-    /// # Errors
-    /// No time, too many late ones, several dates.
     pub(super) fn check(
         &self,
         (kind, timeline, late): (&str, &Timeline, usize),

@@ -206,9 +206,6 @@ const FEW: f64 = 0.1;
 
 impl Sources<'_> {
     /// The tables as files of their own, with their channels; warnings are appended to `warnings`.
-    ///
-    /// # Errors
-    /// Several sensors for a channel; times that are not the clock's.
     fn apart(
         &self,
         tables: Vec<SensorTable>,

@@ -252,9 +252,6 @@ pub(crate) fn is_dated(kind: &str) -> bool {
 }
 
 /// The time in `sentence`: `None` where it is of another kind or has none.
-///
-/// # Errors
-/// The field that is not a time, and what was expected.
 pub(crate) fn reported_time<'a>(
     sentence: &Sentence<'a>,
 ) -> Result<Option<Reported>, (&'a str, &'static str)> {

@@ -104,9 +104,6 @@ const HELD: usize = 100;
 
 /// How well the parts of the steps of `vessel` follow these in a run from the middle of her known range of motion, or from rest,
 /// whose inputs go to other settings within their ranges every hundred samples; `None` where samples are no parts of steps.
-///
-/// # Errors
-/// An input without a range; a run that diverges; as [`Divided::found`].
 fn tried(vessel: &Vessel, parameters: &[f64]) -> Result<Option<String>, Invalid> {
     let Some(mut divided) = Divided::new(&vessel.model) else { return Ok(None) };
     let inputs = vessel.model.inputs;

@@ -19,9 +19,6 @@ pub(super) const PER_BYTE: u64 = 14;
 const PER_PLACE: u64 = 72;
 
 /// The base cells that a path names: one, or those of a folder or of a catalogue's; `None` for another file.
-///
-/// # Errors
-/// A folder that cannot be read or has no cell; two base cells of one name and edition.
 pub(super) fn cells_of(path: &Path) -> Result<Option<Vec<PathBuf>>, Error> {
     if path.is_dir() {
         return Ok(Some(below(path)?));
@@ -74,9 +71,6 @@ pub(super) struct CellReader<'a> {
 
 impl CellReader<'_> {
     /// A cell with its updates, by the rules of its classes; and the treatment of its objects.
-    ///
-    /// # Errors
-    /// Files that cannot be read, do not fit in the memory, are damaged, or are refused; each names itself.
     pub(super) fn cell(&mut self, path: &Path, rules: &Rules) -> Result<(PolygonLayer, PlanChart), Error> {
         let root = self.look_around(path)?;
         let stem = capitals(path).trim_end_matches(".000").to_owned();
@@ -264,9 +258,6 @@ struct Updates {
 
 impl Updates {
     /// The updates of `base` among the other files of its name.
-    ///
-    /// # Errors
-    /// A newer edition of the cell; two different files with the same identification.
     fn of(base: &ReadCell, others: Vec<ReadCell>) -> Result<Self, Error> {
         let mut updates = Self::default();
         for file in others.into_iter().filter(|file| file.bytes != base.bytes) {

@@ -44,9 +44,6 @@ fn check(thing: String, value: f64, range: Range, unit: &str) -> Result<(), Inva
 
 impl PlanFile {
     /// Refuses invalid numbers, and speed modes that cannot be distinguished.
-    ///
-    /// # Errors
-    /// Names the key.
     pub(super) fn check(&self) -> Result<(), Invalid> {
         for (key, value, range, unit) in self.numbers() {
             check(format!("`{key}`"), value, range, unit)?;
@@ -228,9 +225,6 @@ const CORNERS: &str = "corners = [[longitude, latitude], ...], three or more in 
 
 impl AreaSpec {
     /// The area of the keys.
-    ///
-    /// # Errors
-    /// Neither a box nor a polygon, or both; an invalid one.
     pub(super) fn area(&self) -> Result<Area, Invalid> {
         let edges = [
             ("west_deg", self.west_deg),

@@ -56,9 +56,6 @@ const ZONES_S: [f64; 2] = [1800.0, 60.0];
 const LEAP_S: [f64; 2] = [18.0, 1.5];
 
 /// Reads the positions of a file called `.nmea` as sentences, and of any other as CSV, with the vessel's `inputs`.
-///
-/// # Errors
-/// A file that is refused.
 fn read_so_far(path: &Path, inputs: &[&str], provenance: &mut Provenance) -> Result<LoggedPositions, Error> {
     let unreadable = |e| Error::io(path, "read", e);
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();

@@ -227,10 +227,6 @@ fn no_table(error: csv::Error) -> Invalid {
 
 impl PlanFile {
     /// The end of the slot for a trial that begins at `departure` \[s since 1970, UTC\], if `[slot]` has one.
-    ///
-    /// # Errors
-    /// A slot that is empty or ends before it begins, a departure that is unknown or outside of it, a day without
-    /// sun.
     pub(super) fn slot(&self, area: &Area, departure: Option<i64>) -> Result<Option<Slot>, Invalid> {
         let Some(spec) = &self.slot else { return Ok(None) };
         let time = |key: &str, text: &Option<String>| {

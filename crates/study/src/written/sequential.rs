@@ -192,9 +192,6 @@ impl SequentialFile {
     }
 
     /// The floor of every parameter of `vessel`, 0 if not stated.
-    ///
-    /// # Errors
-    /// A floor of an unknown parameter; a central parameter in `about` that is zero and has no floor.
     fn floors(&self, vessel: &Vessel, about: &[f64]) -> Result<Vec<f64>, Invalid> {
         let names = || vessel.model.parameter_names();
         if let Some(unknown) = self.floor.keys().find(|key| names().all(|name| name != key.as_str())) {

@@ -84,8 +84,6 @@ struct Prepared {
 }
 
 impl Prepared {
-    /// # Errors
-    /// The nominal simulation diverges, and the estimator needs it.
     fn new(pool: &Pool, runs: &PooledRuns, estimator: Estimator) -> Result<Self, LostInstruments> {
         let segments = runs.segments(pool.part_samples);
         let counts: Vec<usize> = segments.iter().map(Vec::len).collect();

@@ -59,9 +59,6 @@ pub fn schemas() -> Vec<NewFile> {
 
 /// Its maneuvers and its sea, in the folder `next`: a ship with forces sails the preset's maneuvers, of another the maneuvers are drawn
 /// that inputs and motions of the logs allow.
-///
-/// # Errors
-/// A chart that is refused.
 fn trial(preset: &Preset, charted: Option<&Charted>) -> Result<Vec<(String, String)>, Error> {
     let plan = charted.map(|charted| preset.plan().map_err(|why| Error::invalid(charted.file, why)));
     let plan = plan.transpose()?;
@@ -139,9 +136,6 @@ pub struct Charted<'a> {
 }
 
 /// `plan.toml` from a preset's `template`, for the study `name` in an area of `side_m` on a side.
-///
-/// # Errors
-/// A chart that cannot be read; a place off the earth, or where there is no water with the template's depth and margin.
 fn planned(charted: &Charted, name: &str, (template, side_m): (&str, f64)) -> Result<String, Error> {
     let Charted { file, place: [longitude, latitude], slot } = *charted;
     let at =

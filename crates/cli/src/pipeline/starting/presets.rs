@@ -119,9 +119,6 @@ impl Preset {
     }
 
     /// Its `plan.toml` with places to be filled in, and the side of the area \[m\].
-    ///
-    /// # Errors
-    /// A ship whose speed nothing commands: names those that have one.
     pub(super) fn plan(&self) -> Result<(&'static str, f64), Invalid> {
         self.plan.ok_or_else(|| {
             let others = PRESETS.iter().filter(|preset| preset.plan.is_some()).map(|preset| preset.name);

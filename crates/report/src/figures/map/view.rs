@@ -47,9 +47,6 @@ pub(crate) struct View {
 
 impl View {
     /// The largest view that fits the sheet.
-    ///
-    /// # Errors
-    /// A frame without area, an absurdly large or a very long one.
     pub(crate) fn new(frame: &Frame) -> Result<Self, Invalid> {
         check(frame)?;
         let room = WIDTH - LEFT - RIGHT;

@@ -236,9 +236,6 @@ fn damaged(error: &std::io::Error) -> Invalid {
 // Logs in Parquet: the requested columns, and times by their types.
 
 /// Reads the columns of the file at `path` that `plan` needs from group `group`; numbers are spilled to `store`.
-///
-/// # Errors
-/// A file that cannot be read, columns that are missing or of another type, invalid times.
 fn parquet(path: &Path, plan: &Plan, group: usize, store: &Arc<dyn Store>) -> Result<Columns, Error> {
     let (table, wanted) = (ForeignTable::open(path)?, plan.wanted(group));
     let refused = |invalid| crate::invalid(path, &invalid);

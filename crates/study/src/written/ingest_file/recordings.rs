@@ -120,9 +120,6 @@ const LIST: &str = "metadata.yaml";
 const LONGEST: u64 = 1 << 20;
 
 /// Refuses bags among `files` in `folder` of which a listed part is not there.
-///
-/// # Errors
-/// A part that is not there; a list that cannot be read.
 fn check_parts(folder: &Path, files: &[String]) -> Result<(), Error> {
     let split = |file: &String| file.rsplit_once('/').map_or("", |(parent, _)| parent).to_owned();
     let parents: BTreeSet<String> = files.iter().map(split).collect();
