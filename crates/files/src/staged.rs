@@ -34,6 +34,8 @@ impl Staged {
 
     /// The digest of the complete file, which is read for that.
     pub(crate) fn digest(&self) -> Result<Digest> {
+        // No signal removes the file meanwhile.
+        let _held = hold_names();
         match self.digest.get() {
             Some(digest) => Ok(*digest),
             None => Digest::of_own(&self.temporary).map(|digest| *self.digest.get_or_init(|| digest)),
