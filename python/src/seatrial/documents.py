@@ -1449,7 +1449,7 @@ class FollowDocument:
     #: How much of the information of the plan's maneuvers those have that are done.
     information: Gathered
     #: Where the ship goes on.
-    from_: GoesOn
+    from_: RestartPoint
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1670,22 +1670,6 @@ class GatheredManeuver:
     #: tr(M⁻¹ M_q)/p of all its uses in the plan, with the information M of all maneuvers: what the D-criterion grows
     #: by, to first order. With priors, which M then has, p is tr(M⁻¹ M_q) summed over the maneuvers. Absent as above.
     share: float | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class GoesOn:
-    """Where the ship goes on."""
-
-    #: Longitude of the last position.
-    longitude_deg: float
-    #: Its latitude.
-    latitude_deg: float
-    #: True heading there: as logged, else as planned where the ship is on the plan, else her course.
-    heading_deg: float
-    #: Speed over the ground there, by the same rule \[m/s\].
-    speed_m_s: float
-    #: The speed mode that is nearest to it.
-    mode: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -3041,6 +3025,22 @@ class Resamples:
     searches: int
     #: Those that found none.
     failed: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class RestartPoint:
+    """Where the ship goes on."""
+
+    #: Longitude of the last position.
+    longitude_deg: float
+    #: Its latitude.
+    latitude_deg: float
+    #: True heading there: as logged, else as planned where the ship is on the plan, else her course.
+    heading_deg: float
+    #: Speed over the ground there, by the same rule \[m/s\].
+    speed_m_s: float
+    #: The speed mode that is nearest to it.
+    mode: str
 
 
 @dataclass(frozen=True, kw_only=True)
