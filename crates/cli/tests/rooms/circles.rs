@@ -120,8 +120,11 @@ fn is_statement(before: &str) -> bool {
 
 /// Paths in the middle of code that begin with `crate::` or `super::`, and those of a lower-case first part.
 fn inline(code: &str) -> Vec<(Vec<String>, bool)> {
-    let lines =
-        code.lines().filter(|line| !line.trim_start().starts_with("use ") && !line.starts_with("pub use "));
+    let is_use = |line: &str| {
+        let line = line.trim_start();
+        line.starts_with("use ") || line.starts_with("pub") && line.contains(" use ")
+    };
+    let lines = code.lines().filter(|line| !is_use(line));
     let tokens = lines.flat_map(|line| line.split(|c: char| !c.is_alphanumeric() && c != '_' && c != ':'));
     let paths = tokens.filter(|token| token.contains("::") && token.starts_with(char::is_lowercase));
     paths

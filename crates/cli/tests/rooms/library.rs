@@ -72,7 +72,9 @@ fn types_of_its_signatures_are_its_own() {
     let library = all.iter().find(|one| one.name == "seatrial").unwrap();
     let (_, root) = library.files().find(|(file, _)| file.ends_with("/lib.rs")).unwrap();
     let exported: BTreeSet<&str> = words(&root).collect();
-    let files: Vec<(&str, String)> = library.files().collect();
+    // Models in other languages have their types at `seatrial::export`.
+    let files: Vec<(&str, String)> =
+        library.files().filter(|(file, _)| !file.contains("/src/export/")).collect();
     let signatures: BTreeSet<&str> = files.iter().flat_map(|(_, code)| named(code)).collect();
     let missing = signatures.iter().filter(|name| !exported.contains(*name) && !STANDARD.contains(name));
     let missing: Vec<_> = missing.collect();

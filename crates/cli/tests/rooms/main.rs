@@ -94,7 +94,7 @@ const DEPENDENCIES: [(&[&str], &[&str], &str); 5] = [
 const SHARE: f64 = 0.12;
 
 /// What does not hold yet: rule, crate, how much of it is left.
-const NOT_YET: &[(&str, &str, usize)] = &[("share of all lines", "estimation", 1_250)];
+const NOT_YET: &[(&str, &str, usize)] = &[("share of all lines", "estimation", 620)];
 
 /// What breaks the rules, by rule and crate.
 #[derive(Default)]
