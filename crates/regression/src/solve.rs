@@ -286,7 +286,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// Whether a parameter is free or fixed at a bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Place {
+enum Hold {
     Free,
     Held(f64),
 }
@@ -316,7 +316,7 @@ pub fn bounded(
     solve: impl Fn(&[usize], Vec<f64>) -> Result<(Vec<f64>, Vec<f64>), usize>,
 ) -> Result<(Vec<f64>, Vec<f64>), usize> {
     let p = theta.len();
-    let mut places = vec![Place::Free; p];
+    let mut places = vec![Hold::Free; p];
     let mut gain = Vec::new();
     for _ in 0..FLIPS {
         let flip = equations.bounds.iter().find_map(|(i, bounds)| {
@@ -332,15 +332,15 @@ pub fn bounded(
 
 /// The state that parameter `i` should have: a free one beyond a bound is fixed there, a fixed one is freed if its
 /// equation points inside.
-fn wanted(equations: &Equations, theta: &[f64], place: Place, i: usize, [low, high]: [f64; 2]) -> Place {
+fn wanted(equations: &Equations, theta: &[f64], place: Hold, i: usize, [low, high]: [f64; 2]) -> Hold {
     match place {
-        Place::Free if theta[i] < low => Place::Held(low),
-        Place::Free if theta[i] > high => Place::Held(high),
-        Place::Free => Place::Free,
-        Place::Held(at) => {
+        Hold::Free if theta[i] < low => Hold::Held(low),
+        Hold::Free if theta[i] > high => Hold::Held(high),
+        Hold::Free => Hold::Free,
+        Hold::Held(at) => {
             let (pull, rounding) = pull(equations, theta, i);
             let back = if at == low { pull > rounding } else { pull < -rounding };
-            if back { Place::Free } else { place }
+            if back { Hold::Free } else { place }
         }
     }
 }
@@ -356,12 +356,12 @@ fn pull(equations: &Equations, theta: &[f64], i: usize) -> (f64, f64) {
 /// θ and the gain with some parameters fixed.
 fn solved(
     equations: &Equations,
-    places: &[Place],
+    places: &[Hold],
     solve: impl Fn(&[usize], Vec<f64>) -> Result<(Vec<f64>, Vec<f64>), usize>,
 ) -> Result<(Vec<f64>, Vec<f64>), usize> {
     let p = places.len();
-    let free: Vec<usize> = (0..p).filter(|i| places[*i] == Place::Free).collect();
-    let held = |i: usize| if let Place::Held(at) = places[i] { at } else { 0.0 };
+    let free: Vec<usize> = (0..p).filter(|i| places[*i] == Hold::Free).collect();
+    let held = |i: usize| if let Hold::Held(at) = places[i] { at } else { 0.0 };
     let mut theta: Vec<f64> = (0..p).map(held).collect();
     let mut gain = vec![0.0; p * p];
     if free.is_empty() {

@@ -8,10 +8,10 @@
 //!
 //! ```no_run
 //! let [base, first] = [Vec::new(), Vec::new()];
-//! let mut cell = crate::enc::Cell::read(&base)?;
+//! let mut cell = chart::enc::Cell::read(&base)?;
 //! cell.update(&first)?;
-//! let wrecks = cell.features()?.into_iter().filter(|f| f.class == crate::enc::class("WRECKS").unwrap_or(0));
-//! # Ok::<(), crate::enc::Invalid>(())
+//! let wrecks = cell.features()?.into_iter().filter(|f| f.class == chart::enc::class("WRECKS").unwrap_or(0));
+//! # Ok::<(), chart::enc::Invalid>(())
 //! ```
 
 mod cell;

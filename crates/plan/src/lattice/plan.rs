@@ -18,7 +18,7 @@ const PART: usize = 3;
 /// No plan: proved, or for lack of time or memory.
 ///
 /// ```
-/// use crate::lattice::{Action, Cost, Goal, Lattice, Move, Options, Pose, Problem, plan};
+/// use plan::lattice::{Action, Cost, Goal, Lattice, Move, Options, Pose, Problem, plan};
 /// let east = |di, cost| Move { from: 0, di, dj: 0, to: 0, cost: Cost::primary(cost) };
 /// let actions = vec![
 ///     Action { name: "zigzag".into(), required: 2, moves: vec![east(3, 0.0)] },
@@ -29,7 +29,7 @@ const PART: usize = 3;
 /// let problem = Problem::new(lattice, actions, pose(0), Goal::Poses(vec![pose(8)]), |_, _, _| true)?;
 /// let solution = plan(&problem, &Options::default(), &mut |_| true).expect("four steps east");
 /// assert_eq!((solution.cost.primary, solution.steps.len()), (2.0, 4));
-/// # Ok::<(), crate::lattice::Invalid>(())
+/// # Ok::<(), plan::lattice::Invalid>(())
 /// ```
 pub fn plan(
     problem: &Problem,
