@@ -135,8 +135,8 @@ else
     END { for (name in left) print name }' $(cat "$work/places") | count)"
 fi
 
-# Not those that measure and test
-figure crates "$(ls -d crates/*/Cargo.toml | grep -cv -e '/bench/' -e '/rooms/' -e '/workspace-hack/')"
+# Not the one that only names features
+figure crates "$(ls -d crates/*/Cargo.toml | grep -cv '/workspace-hack/')"
 figure files "$(count < "$work/files")"
 # Declarations of struct, enum, trait and type, those of `choices!` and types that belong to an implementation among them
 sed -n -E 's/^[ \t]*(pub(\([a-z ]*\))? )?(struct|enum|trait|type) ([A-Z][A-Za-z0-9]*).*/\3 \4/p' "$work/code" > "$work/types"

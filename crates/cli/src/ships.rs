@@ -9,8 +9,7 @@ use serde_json::json;
 use ship::forces::{GRAVITY, MainDimensions, usual_froude};
 use ship::model::{InputSpec, Vessel, VesselFile};
 use study::plan::second;
-use study::ship_file::{Notes, vessel_text};
-use study::ship_file::{ShipFile, read_ship};
+use study::ship_file::{Notes, ShipFile, read_ship, vessel_text};
 
 use crate::cli::{Common, folder_of, none_given};
 use crate::failure::Failure;

@@ -1,10 +1,11 @@
 //! Reading JSON documents: syntax, kind, version, seal, then the strict contents.
 
 use std::collections::BTreeMap;
+use std::convert::Infallible;
 use std::fmt;
 use std::path::Path;
 
-use refusal::{Contents, Invalid, PathStep, Unreadable};
+use refusal::{Contents, PathStep, Unreadable};
 use serde::de::{DeserializeOwned, DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::Value;
 use serde_json::error::Category;
@@ -68,11 +69,8 @@ fn parsed<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T> {
     let contents: Contents = serde_json::from_str(text).map_err(|e| refusal(path, text, &e))?;
     contents.read().map_err(|fault: Unreadable| {
         let way = Way { steps: &fault.way, is_key: fault.is_key, message: &fault.message };
-        let placed = way.deserialize(&mut serde_json::Deserializer::from_str(text)).err();
-        placed.map_or_else(
-            || Error::invalid(path, Invalid::new("contents", fault.message.as_str(), "", "")),
-            |e| refusal(path, text, &e),
-        )
+        let Err(placed) = way.deserialize(&mut serde_json::Deserializer::from_str(text));
+        refusal(path, text, &placed)
     })
 }
 
@@ -85,29 +83,29 @@ struct Way<'a> {
 }
 
 impl Way<'_> {
-    fn fault<T, E: serde::de::Error>(&self) -> Result<T, E> {
+    fn fault<E: serde::de::Error>(&self) -> Result<Infallible, E> {
         Err(E::custom(self.message))
     }
 }
 
 impl<'de> DeserializeSeed<'de> for Way<'_> {
-    type Value = ();
+    type Value = Infallible;
 
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Infallible, D::Error> {
         deserializer.deserialize_any(self)
     }
 }
 
 macro_rules! fails {
     ($($method:ident($($type:ty)?)),+) => {
-        $(fn $method<E: serde::de::Error>(self, $(_: $type)?) -> Result<(), E> {
+        $(fn $method<E: serde::de::Error>(self, $(_: $type)?) -> Result<Infallible, E> {
             self.fault()
         })+
     };
 }
 
 impl<'de> Visitor<'de> for Way<'_> {
-    type Value = ();
+    type Value = Infallible;
 
     fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str("what was read before")
@@ -115,7 +113,7 @@ impl<'de> Visitor<'de> for Way<'_> {
 
     fails! { visit_bool(bool), visit_i64(i64), visit_u64(u64), visit_f64(f64), visit_str(&str), visit_unit() }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<(), A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Infallible, A::Error> {
         let Some((PathStep::Item(place), steps)) = self.steps.split_first() else { return self.fault() };
         for _ in 0..*place {
             items.next_element::<IgnoredAny>()?;
@@ -124,7 +122,7 @@ impl<'de> Visitor<'de> for Way<'_> {
         self.fault()
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<(), A::Error> {
+    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Infallible, A::Error> {
         while let Some(key) = entries.next_key::<String>()? {
             match self.steps.split_first() {
                 Some((PathStep::Key(wanted), steps)) if *wanted == key => {

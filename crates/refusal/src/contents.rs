@@ -4,6 +4,7 @@
 //! compiled for one reader, and a fault has the way to it, step by step ([`PathStep`]).
 
 use std::collections::BTreeSet;
+use std::convert::Infallible;
 use std::fmt::{self, Display};
 
 use serde::de::{
@@ -214,22 +215,34 @@ impl<'de> Deserializer<'de> for &Contents {
     fn deserialize_enum<V: Visitor<'de>>(
         self,
         _: &'static str,
-        _: &'static [&'static str],
+        variants: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Unreadable> {
-        match self {
-            Contents::Text(name) => visitor.visit_enum(Variant { name, value: None }),
-            Contents::Table(entries) => match entries.as_slice() {
-                [(name, value)] => visitor.visit_enum(Variant { name, value: Some(value) }),
-                _ => Err(Error::invalid_value(Unexpected::Map, &"a table with one key")),
-            },
-            _ => self.deserialize_any(visitor),
-        }
+        let (name, value) = match self {
+            Contents::Text(name) => (name, None),
+            Contents::Table(entries) if entries.len() == 1 => (&entries[0].0, Some(&entries[0].1)),
+            _ => {
+                let Err(error) = self.deserialize_any(OneOf(variants));
+                return Err(error);
+            }
+        };
+        visitor.visit_enum(Variant { name, value })
     }
 
     serde::forward_to_deserialize_any! {
         bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf
         unit unit_struct seq tuple tuple_struct map identifier ignored_any
+    }
+}
+
+/// Expects one of these names, and takes nothing.
+struct OneOf(&'static [&'static str]);
+
+impl Visitor<'_> for OneOf {
+    type Value = Infallible;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "one of `{}`", self.0.join("`, `"))
     }
 }
 

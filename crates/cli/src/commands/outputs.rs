@@ -6,8 +6,7 @@ use clap::Parser;
 use files::{Staged, commit};
 use report::results::{Folders, tables};
 use report::{EXPLORE, Sources, explore, load, maneuvers_picture, picture, render};
-use seatrial::export::read_portable;
-use seatrial::export::{COMPILED_WITH, PLATFORM, Portable, Target};
+use seatrial::export::{COMPILED_WITH, PLATFORM, Portable, Target, read_portable};
 use serde_json::{Value, json};
 use ship::model::Source;
 

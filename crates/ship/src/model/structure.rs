@@ -369,18 +369,6 @@ impl Model {
         model.derived.extend(derive(specs, &names, self.variables.len())?);
         Ok(model)
     }
-
-    /// The model with the channels of `other`; `None` unless `other` has all of its own first, and computes the additional ones.
-    pub fn with_channels_of(&self, other: &Self) -> Option<Self> {
-        let count = self.variables.len();
-        let first: Vec<&DerivedChannel> = other.derived.iter().filter(|d| d.variable < count).collect();
-        let computed = other.variables.len() - count.min(other.variables.len()) + first.len();
-        let same = other.variables.starts_with(&self.variables)
-            && other.derived.len() == computed
-            && first.into_iter().eq(&self.derived);
-        let (variables, derived) = (other.variables.clone(), other.derived.clone());
-        same.then(|| Self { variables, derived, ..self.clone() })
-    }
 }
 
 /// Forces that move a ship from sample to sample.

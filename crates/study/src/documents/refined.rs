@@ -13,9 +13,8 @@ use ship::model::{Source, Vessel};
 use trial::moments::Promise;
 use trial::refining::Refinement;
 
-use super::design::titles;
 use super::design::{
-    CovarianceCriterion, DesignDocument, DesignPromise, DesignStatus, Sequence, SequencePart,
+    CovarianceCriterion, DesignDocument, DesignPromise, DesignStatus, Sequence, SequencePart, titles,
 };
 use super::statements;
 

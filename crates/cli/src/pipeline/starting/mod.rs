@@ -10,7 +10,7 @@ use std::path::Path;
 use chart::{Bounds, Chart, Class, Distances, Layer, Plane, Raster};
 use files::{Error, Provenance, budget};
 use presets::with_schema;
-use study::files as hand_written;
+use study::files::file_name;
 use study::plan::{ChartsError, Means, PlanFile, read_charts};
 
 pub use looking::{LogGuess, Looked};
@@ -52,8 +52,8 @@ pub fn measured(
 
 /// The JSON Schemas of all hand-written files, which editors check them by.
 pub fn schemas() -> Vec<NewFile> {
-    let all = hand_written::schemas().into_iter();
-    let file = |kind| format!("schemas/{}", hand_written::file_name(kind));
+    let all = study::files::schemas().into_iter();
+    let file = |kind| format!("schemas/{}", file_name(kind));
     all.map(|(kind, schema)| (file(kind), format!("{schema:#}\n"))).collect()
 }
 

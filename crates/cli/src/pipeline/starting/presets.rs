@@ -8,8 +8,7 @@ use logs::guess::Needed;
 use refusal::Invalid;
 use ship::engine::Streams;
 use ship::model::{Vessel, VesselFile};
-use study::files as hand_written;
-use study::files::read_any_vessel;
+use study::files::{file_name, kind_of, read_any_vessel};
 
 /// A hand-written file of a new study: its name and its text.
 pub type NewFile = (String, String);
@@ -17,10 +16,10 @@ pub type NewFile = (String, String);
 /// A file with the line that editors find its schema by.
 pub(super) fn with_schema((name, text): NewFile) -> NewFile {
     let (up, last) = name.rsplit_once('/').map_or(("", name.as_str()), |(_, last)| ("../", last));
-    match hand_written::kind_of(last) {
+    match kind_of(last) {
         None => (name, text),
         Some(kind) => {
-            let text = format!("#:schema {up}schemas/{}\n{text}", hand_written::file_name(kind));
+            let text = format!("#:schema {up}schemas/{}\n{text}", file_name(kind));
             (name, text)
         }
     }
