@@ -57,7 +57,7 @@ pub(crate) fn read_changed<T: DeserializeOwned>(
     let of_file = |refused: Error| parse_toml::<T>(&text, path).err().unwrap_or(refused);
     let changed = changes.applied(file, &text).map_err(|e| of_file(Error::invalid(path, e)))?;
     let parsed = parsed(&changed).map_err(|fault| {
-        of_file(fault.complaint(&changed, path).changed(&changes.in_words(file)).refusal())
+        of_file(complaint(&changed, path, &fault).changed(&changes.in_words(file)).refusal())
     })?;
     Ok((parsed, Digest::of_bytes(changed.as_bytes())))
 }
@@ -87,42 +87,38 @@ pub(crate) fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String> {
 /// [`Error::Refused`] on a syntax error, an unknown key (with the nearest known key), a missing
 /// key, a wrong type, a list where keys belong or an unknown choice, always with the line.
 pub fn parse_toml<T: DeserializeOwned>(text: &str, path: impl AsRef<Path>) -> Result<T> {
-    parsed(text).map_err(|fault| fault.complaint(text, path.as_ref()).refusal())
+    parsed(text).map_err(|fault| complaint(text, path.as_ref(), &fault).refusal())
 }
 
-/// What is wrong with a text, and where.
-struct Fault {
-    message: String,
-    span: Option<Range<usize>>,
-}
-
-fn parsed<T: DeserializeOwned>(text: &str) -> Result<T, Fault> {
+/// `text` as TOML; else what is wrong, and where.
+fn parsed<T: DeserializeOwned>(text: &str) -> Result<T, (String, Option<Range<usize>>)> {
     let contents = toml::Deserializer::parse(text).and_then(Contents::deserialize);
-    let contents = contents.map_err(|e| Fault { message: e.message().to_owned(), span: e.span() })?;
-    let fault = |Unreadable { message, way, is_key }| Fault { message, span: span_of(text, &way, is_key) };
-    contents.read().map_err(fault)
+    let contents = contents.map_err(|e| (e.message().to_owned(), e.span()))?;
+    contents.read().map_err(|Unreadable { message, way, is_key }| (message, span_of(text, &way, is_key)))
 }
 
-impl Fault {
-    fn complaint<'a>(&'a self, text: &str, path: &'a Path) -> Complaint<'a> {
-        let parts = self.message.rsplit_once(" (");
-        // Items of a list are read as they are, without their places: the message names the item and the key.
-        let named = parts.and_then(|(message, item)| {
-            let key = message.split('`').nth(1).unwrap_or_default();
-            let item = item.trim_end_matches(')');
-            place_of(text, &format!("{item}, `{key}`"), None).or_else(|| place_of(text, item, None))
-        });
-        let place = self.span.as_ref().and_then(|span| key_at(text, span));
-        // Of a wrong value the key before it.
-        let start = self.span.as_ref().map(|span| match &place {
-            Some((_, at)) if line_at(text.as_bytes(), *at) == line_at(text.as_bytes(), span.start) => *at,
-            _ => span.start,
-        });
-        let at = named.or(start).map(|at| line_and_column(text, at));
-        let inner = parts.and_then(|(_, item)| item.split('`').nth(3));
-        let key = inner.map(str::to_owned).or(place.map(|(key, _)| key));
-        Complaint { path, place: at, key, message: &self.message }
-    }
+fn complaint<'a>(
+    text: &str,
+    path: &'a Path,
+    (message, span): &'a (String, Option<Range<usize>>),
+) -> Complaint<'a> {
+    let parts = message.rsplit_once(" (");
+    // Items of a list are read as they are, without their places: the message names the item and the key.
+    let named = parts.and_then(|(message, item)| {
+        let key = message.split('`').nth(1).unwrap_or_default();
+        let item = item.trim_end_matches(')');
+        place_of(text, &format!("{item}, `{key}`"), None).or_else(|| place_of(text, item, None))
+    });
+    let place = span.as_ref().and_then(|span| key_at(text, span));
+    // Of a wrong value the key before it.
+    let start = span.as_ref().map(|span| match &place {
+        Some((_, at)) if line_at(text.as_bytes(), *at) == line_at(text.as_bytes(), span.start) => *at,
+        _ => span.start,
+    });
+    let at = named.or(start).map(|at| line_and_column(text, at));
+    let inner = parts.and_then(|(_, item)| item.split('`').nth(3));
+    let key = inner.map(str::to_owned).or(place.map(|(key, _)| key));
+    Complaint { path, place: at, key, message }
 }
 
 /// Number, from 1, of the line that holds byte `at`.

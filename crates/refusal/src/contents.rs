@@ -171,16 +171,16 @@ impl<'de> Deserializer<'de> for &Contents {
             Contents::Whole(value) => visitor.visit_u64(*value),
             Contents::Real(value) => visitor.visit_f64(*value),
             Contents::Text(value) => visitor.visit_str(value),
-            Contents::Table(entries) => visitor.visit_map(Entries { entries, place: 0 }),
+            Contents::Table(entries) => visitor.visit_map(Unread { all: entries, read: 0 }),
             Contents::List(items) => {
                 // An internally tagged enum is read as anything; serde mentions it in the expectation.
                 let expecting = (&visitor as &dyn Expected).to_string();
                 if expecting.starts_with("internally tagged enum") {
                     return Err(not_a_table());
                 }
-                let mut items = Items { items, place: 0 };
-                let value = visitor.visit_seq(&mut items)?;
-                match items.place < items.items.len() {
+                let mut unread = Unread { all: items, read: 0 };
+                let value = visitor.visit_seq(&mut unread)?;
+                match unread.read < items.len() {
                     true => Err(Error::custom(format_args!("a value too many, expected {expecting}"))),
                     false => Ok(value),
                 }
@@ -250,52 +250,48 @@ fn not_a_table() -> Unreadable {
     Error::invalid_type(Unexpected::Other("a list"), &"keys with values")
 }
 
-struct Items<'a> {
-    items: &'a [Contents],
-    place: usize,
+/// The items of a list or the entries of a table, of which so many were read.
+struct Unread<'a, T> {
+    all: &'a [T],
+    read: usize,
 }
 
-impl<'de> SeqAccess<'de> for Items<'_> {
+impl<'de> SeqAccess<'de> for Unread<'_, Contents> {
     type Error = Unreadable;
 
     fn next_element_seed<T: DeserializeSeed<'de>>(
         &mut self,
         seed: T,
     ) -> Result<Option<T::Value>, Unreadable> {
-        let Some(item) = self.items.get(self.place) else { return Ok(None) };
-        let place = self.place;
-        self.place += 1;
+        let Some(item) = self.all.get(self.read) else { return Ok(None) };
+        let place = self.read;
+        self.read += 1;
         seed.deserialize(item).map(Some).map_err(|error| error.below(PathStep::Item(place)))
     }
 
     fn size_hint(&self) -> Option<usize> {
-        Some(self.items.len() - self.place)
+        Some(self.all.len() - self.read)
     }
 }
 
-struct Entries<'a> {
-    entries: &'a [(String, Contents)],
-    place: usize,
-}
-
-impl<'de> MapAccess<'de> for Entries<'_> {
+impl<'de> MapAccess<'de> for Unread<'_, (String, Contents)> {
     type Error = Unreadable;
 
     fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Unreadable> {
-        let Some((key, _)) = self.entries.get(self.place) else { return Ok(None) };
+        let Some((key, _)) = self.all.get(self.read) else { return Ok(None) };
         let wrong =
             |error: Unreadable| Unreadable { is_key: true, ..error.below(PathStep::Key(key.clone())) };
         seed.deserialize(key.as_str().into_deserializer()).map(Some).map_err(wrong)
     }
 
     fn next_value_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value, Unreadable> {
-        let (key, value) = &self.entries[self.place];
-        self.place += 1;
+        let (key, value) = &self.all[self.read];
+        self.read += 1;
         seed.deserialize(value).map_err(|error| error.below(PathStep::Key(key.clone())))
     }
 
     fn size_hint(&self) -> Option<usize> {
-        Some(self.entries.len() - self.place)
+        Some(self.all.len() - self.read)
     }
 }
 
