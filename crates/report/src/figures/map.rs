@@ -53,8 +53,8 @@ pub fn parted(svg: &str) -> Option<[String; 2]> {
 /// class. Coordinates are finite, a raster has a value per cell, and tracks name maneuvers that the map declares.
 ///
 /// ```
-/// use report::figures::map::{Map, Track, TrackStyle, map_figure};
-/// let track = Track { style: TrackStyle::Basic, points: vec![[100.0, 200.0], [900.0, 700.0]], number: None };
+/// use report::figures::map::{Map, PlottedTrack, TrackStyle, map_figure};
+/// let track = PlottedTrack { style: TrackStyle::Basic, points: vec![[100.0, 200.0], [900.0, 700.0]], number: None };
 /// let map = Map { title: "Transit".to_owned(), tracks: vec![track], ..Map::default() };
 /// let svg = map_figure(&map)?;
 /// assert!(svg.contains("<title>Transit</title>") && svg.contains(">basic move</text>"));
