@@ -9,6 +9,7 @@ use files::{
     check_given, check_settings, commit, commit_with_document, gather, read_document, shards_of,
 };
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use serde_json::json;
 use ship::engine::Run;
@@ -29,7 +30,10 @@ pub fn document<D: Document>(path: &Path, key: &str, provenance: &mut Provenance
 }
 
 /// Reads the hand-written file usually called `<key>.toml` as the input `key`.
-pub fn toml<T: DeserializeOwned>(path: &Path, key: &str, provenance: &mut Provenance) -> Result<T, Failure> {
+pub fn toml<T>(path: &Path, key: &str, provenance: &mut Provenance) -> Result<T, Failure>
+where
+    T: DeserializeOwned + JsonSchema,
+{
     Ok(provenance.read_toml(key, key, path)?)
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::dictionary::{Dictionary, Scarce};
@@ -80,11 +81,12 @@ pub fn counted(
 }
 
 /// The available amount of every maneuver. Maneuvers in neither table are not limited.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Stock {
     /// Maneuver → maximum time \[s\].
     #[serde(default)]
+    #[schemars(extend("additionalProperties" = {"type": "number", "minimum": 0}))]
     pub seconds: BTreeMap<String, f64>,
     /// Maneuver → maximum number of whole segments.
     #[serde(default)]

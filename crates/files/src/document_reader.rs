@@ -6,6 +6,7 @@ use std::fmt;
 use std::path::Path;
 
 use refusal::{Contents, PathStep, Unreadable};
+use schemars::JsonSchema;
 use serde::de::{DeserializeOwned, DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::Value;
 use serde_json::error::Category;
@@ -58,19 +59,21 @@ pub fn read_part<D: Document>(path: &Path) -> Result<Loaded<D>> {
 /// # Errors
 /// [`Error::Io`] if it cannot be read; [`Error::Refused`] if it is not JSON, or has unknown, missing,
 /// duplicate or mistyped keys.
-pub fn read_json<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<(T, Digest)> {
+pub fn read_json<T: DeserializeOwned + JsonSchema>(path: impl AsRef<Path>) -> Result<(T, Digest)> {
     let path = path.as_ref();
     let text = text_at(path)?;
     Ok((parsed(path, &text)?, Digest::of_bytes(text.as_bytes())))
 }
 
 /// Reads JSON; messages name the file `path`.
-fn parsed<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T> {
+fn parsed<T: DeserializeOwned + JsonSchema>(path: &Path, text: &str) -> Result<T> {
     let contents: Contents = serde_json::from_str(text).map_err(|e| refusal(path, text, &e))?;
-    contents.read().map_err(|fault: Unreadable| {
-        let way = Way { steps: &fault.way, is_key: fault.is_key, message: &fault.message };
+    contents.read().map_err(|Unreadable { message, way, is_key, invalid }| {
+        let way = Way { steps: &way, is_key, message: &message };
         let Err(placed) = way.deserialize(&mut serde_json::Deserializer::from_str(text));
-        refusal(path, text, &placed)
+        let Some(mut invalid) = invalid else { return refusal(path, text, &placed) };
+        invalid.found += &format!(" (line {})", placed.line());
+        Error::Refused { file: path.into(), invalid: *invalid }
     })
 }
 

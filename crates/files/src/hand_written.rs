@@ -6,7 +6,8 @@ use std::path::Path;
 use std::str::FromStr;
 
 use refusal::{Contents, Invalid, Unreadable};
-use serde::de::{Deserialize, DeserializeOwned};
+use schemars::JsonSchema;
+use serde::de::{Deserialize, DeserializeOwned, Error as _};
 use toml::{Table, Value};
 
 use crate::access::{bytes_of, open, read};
@@ -18,7 +19,7 @@ use crate::toml_place::{key_at, line_and_column, place_of, span_of};
 ///
 /// # Errors
 /// [`Error::Io`] if it cannot be read; [`Error::Refused`] as in [`parse_toml`].
-pub fn read_toml<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<(T, Digest)> {
+pub fn read_toml<T: DeserializeOwned + JsonSchema>(path: impl AsRef<Path>) -> Result<(T, Digest)> {
     let path = path.as_ref();
     let text = read_hand_written(path)?;
     Ok((parse_toml(&text, path)?, Digest::of_bytes(text.as_bytes())))
@@ -44,7 +45,7 @@ pub fn read_hand_written(path: impl AsRef<Path>) -> Result<String> {
 
 /// As [`read_toml`], with those of `changes` that concern `file`, the usual name without `.toml`. The digest
 /// is that of the changed contents.
-pub(crate) fn read_changed<T: DeserializeOwned>(
+pub(crate) fn read_changed<T: DeserializeOwned + JsonSchema>(
     path: &Path,
     file: &str,
     changes: &Changes,
@@ -56,8 +57,12 @@ pub(crate) fn read_changed<T: DeserializeOwned>(
     // A fault of the file itself is reported with its line.
     let of_file = |refused: Error| parse_toml::<T>(&text, path).err().unwrap_or(refused);
     let changed = changes.applied(file, &text).map_err(|e| of_file(Error::invalid(path, e)))?;
-    let parsed = parsed(&changed).map_err(|fault| {
-        of_file(complaint(&changed, path, &fault).changed(&changes.in_words(file)).refusal())
+    let parsed = parsed(&changed).map_err(|(fault, span)| {
+        let complaint = complaint(&changed, path, &fault.message, span);
+        of_file(match fault.invalid {
+            Some(invalid) => Error::Refused { file: path.into(), invalid: *invalid },
+            None => complaint.changed(&changes.in_words(file)).refusal(),
+        })
     })?;
     Ok((parsed, Digest::of_bytes(changed.as_bytes())))
 }
@@ -85,23 +90,30 @@ pub(crate) fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String> {
 ///
 /// # Errors
 /// [`Error::Refused`] on a syntax error, an unknown key (with the nearest known key), a missing
-/// key, a wrong type, a list where keys belong or an unknown choice, always with the line.
-pub fn parse_toml<T: DeserializeOwned>(text: &str, path: impl AsRef<Path>) -> Result<T> {
-    parsed(text).map_err(|fault| complaint(text, path.as_ref(), &fault).refusal())
+/// key, a wrong type, a list where keys belong, an unknown choice or a number out of bounds, always with the line.
+pub fn parse_toml<T: DeserializeOwned + JsonSchema>(text: &str, path: impl AsRef<Path>) -> Result<T> {
+    let path = path.as_ref();
+    parsed(text).map_err(|(fault, span)| match fault.invalid {
+        None => complaint(text, path, &fault.message, span).refusal(),
+        Some(mut invalid) => {
+            let place = span.map(|span| format!(" ({})", line_and_column(text, span.start)));
+            invalid.found += &place.unwrap_or_default();
+            Error::Refused { file: path.into(), invalid: *invalid }
+        }
+    })
 }
 
 /// `text` as TOML; else what is wrong, and where.
-fn parsed<T: DeserializeOwned>(text: &str) -> Result<T, (String, Option<Range<usize>>)> {
+fn parsed<T: DeserializeOwned + JsonSchema>(text: &str) -> Result<T, (Unreadable, Option<Range<usize>>)> {
     let contents = toml::Deserializer::parse(text).and_then(Contents::deserialize);
-    let contents = contents.map_err(|e| (e.message().to_owned(), e.span()))?;
-    contents.read().map_err(|Unreadable { message, way, is_key }| (message, span_of(text, &way, is_key)))
+    let contents = contents.map_err(|e| (Unreadable::custom(e.message()), e.span()))?;
+    contents.read().map_err(|fault| {
+        let span = span_of(text, &fault.way, fault.is_key);
+        (fault, span)
+    })
 }
 
-fn complaint<'a>(
-    text: &str,
-    path: &'a Path,
-    (message, span): &'a (String, Option<Range<usize>>),
-) -> Complaint<'a> {
+fn complaint<'a>(text: &str, path: &'a Path, message: &'a str, span: Option<Range<usize>>) -> Complaint<'a> {
     let parts = message.rsplit_once(" (");
     // Items of a list are read as they are, without their places: the message names the item and the key.
     let named = parts.and_then(|(message, item)| {

@@ -56,7 +56,12 @@ impl Provenance {
     ///
     /// # Errors
     /// As [`crate::read_toml`] and [`Provenance::written`].
-    pub fn read_toml<T: DeserializeOwned>(&mut self, role: &str, file: &str, path: &Path) -> Result<T> {
+    pub fn read_toml<T: DeserializeOwned + JsonSchema>(
+        &mut self,
+        role: &str,
+        file: &str,
+        path: &Path,
+    ) -> Result<T> {
         let (parsed, digest) = read_changed(path, file, &self.changes)?;
         self.written(role, path, digest)?;
         for change in self.changes.of(file) {

@@ -56,8 +56,10 @@ pub struct Interval {
     /// Name of the recording.
     pub run: String,
     /// Where it begins, from the recording's first row \[s\].
+    #[schemars(range(min = -1e9, max = 1e9))]
     pub from_s: f64,
     /// Where it ends \[s\].
+    #[schemars(range(min = -1e9, max = 1e9))]
     pub to_s: f64,
     /// Its maneuver.
     pub maneuver: String,

@@ -45,6 +45,7 @@ pub struct FileSpec {
     pub publisher: Option<String>,
     /// Share of sentences whose checksum may be wrong: they are left out and counted.
     #[serde(default = "hundredth")]
+    #[schemars(range(min = 0.0, max = 1.0), extend("x-expected" = "a share from 0 to 1"))]
     pub max_wrong_checksums: f64,
     /// Whether sentences need a checksum; also optional where `max_wrong_checksums` is 1.
     #[serde(default)]
@@ -70,6 +71,7 @@ pub struct FileSpec {
     #[serde(default = "yes")]
     pub header: bool,
     /// Number of columns of CSV files without a header.
+    #[schemars(range(min = 1, max = 100000))]
     pub columns: Option<usize>,
     /// Column with labels of sub-experiments.
     pub label_column: Option<String>,
@@ -172,6 +174,7 @@ pub struct TimeSpec {
     pub repeated: Repeated,
     /// Added to the clock \[s\].
     #[serde(default)]
+    #[schemars(range(min = -1e12, max = 1e12))]
     pub offset_s: f64,
 }
 
@@ -190,14 +193,18 @@ pub struct ChannelSpec {
     pub sign: f64,
     /// A further factor.
     #[serde(default = "one")]
+    #[schemars(range(min = -1e15, max = 1e15))]
     pub scale: f64,
     /// Added last, in SI units and radians.
     #[serde(default)]
+    #[schemars(range(min = -1e15, max = 1e15))]
     pub offset: f64,
     /// The sensor's delay \[s\]: what stands at time t happened at t − delay.
     #[serde(default)]
+    #[schemars(range(min = -1e9, max = 1e9))]
     pub delay_s: f64,
     /// Its own longest gap \[s\].
+    #[schemars(range(min = 1e-9, max = 1e9))]
     pub max_gap_s: Option<f64>,
     /// Numbers that stand for no value, as they stand in the column: `[-9999, 65535]`. Without it, numbers such as these that
     /// stand apart from their neighbours are left out; with it, even `[]`, only those in it are.
@@ -207,6 +214,7 @@ pub struct ChannelSpec {
     pub valid: Option<[f64; 2]>,
     /// Share of its values that may be left out as missing, out of range or not possible.
     #[serde(default = "fifth")]
+    #[schemars(range(min = 0.0, max = 1.0), extend("x-expected" = "a share from 0 to 1"))]
     pub max_omitted: f64,
     /// Whether it may be absent at some samples; for channels that the vessel does not need.
     #[serde(default)]
@@ -236,11 +244,14 @@ pub struct QuaternionSpec {
     pub pitch: Option<String>,
     /// How far its length may be off 1.
     #[serde(default = "hundredth")]
+    #[schemars(range(min = 1e-12, max = 1e3))]
     pub tolerance: f64,
     /// The sensor's delay \[s\].
     #[serde(default)]
+    #[schemars(range(min = -1e9, max = 1e9))]
     pub delay_s: f64,
     /// Its own longest gap \[s\].
+    #[schemars(range(min = 1e-9, max = 1e9))]
     pub max_gap_s: Option<f64>,
 }
 

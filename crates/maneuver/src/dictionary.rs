@@ -2,7 +2,7 @@ use std::collections::BTreeSet;
 use std::str::FromStr;
 
 use rand::Rng;
-use refusal::{Invalid, check_name, check_numbers, check_ranges};
+use refusal::{Invalid, check_name, strictly};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use ship::engine::Streams;
@@ -38,7 +38,7 @@ impl FromStr for DictionaryFile {
     type Err = toml::de::Error;
 
     fn from_str(text: &str) -> Result<Self, toml::de::Error> {
-        toml::from_str(text)
+        strictly(toml::Deserializer::parse(text)?)
     }
 }
 
@@ -52,7 +52,6 @@ impl DictionaryFile {
         let all: Vec<ManeuverSpec> =
             self.maneuvers.iter().cloned().chain(generated.into_iter().flatten()).collect();
         check_all(&all, self.duration_s)?;
-        self.tolerance.check()?;
         Ok(all)
     }
 
@@ -88,22 +87,26 @@ fn check_all(maneuvers: &[ManeuverSpec], default_s: Option<f64>) -> Result<(), I
 #[serde(deny_unknown_fields)]
 pub struct GenerateSpec {
     /// Number of draws. Those beyond the limits are left out.
+    #[schemars(range(min = 1, max = 1000000))]
     pub candidates: u32,
     /// Seed: candidate i of a seed does not depend on their number or the limits.
     #[serde(default = "one")]
     pub seed: u64,
     /// Duration of every candidate \[s\]; without it the dictionary's.
+    #[schemars(range(max = 1e9), extend("exclusiveMinimum" = 0.0))]
     pub duration_s: Option<f64>,
     /// Kinds, in turn; all by default.
     #[serde(default)]
     pub kinds: Vec<CandidateKind>,
     /// Range of speeds to draw from \[m/s\]; by default from standstill to the limit.
+    #[schemars(inner(range(min = -100.0, max = 100.0)))]
     pub speed_m_s: Option<[f64; 2]>,
     /// Initial speeds of candidates \[m/s\], as the modes of a plan; by default each has its own.
     #[serde(default)]
     pub start_m_s: Vec<f64>,
     /// Periods to draw from \[s\]: shortest and longest.
     #[serde(default = "periods")]
+    #[schemars(inner(range(min = 1e-9, max = 1e9)))]
     pub period_s: [f64; 2],
     /// How they are carried out. By feedback, limits of inputs leave none out: what the nominal ship would need for a motion says
     /// little of what another one needs, and actuators stay within their ranges.
@@ -154,42 +157,15 @@ impl GenerateSpec {
         let refuse = |key: &str, given: f64, expected: &str| {
             Err(Invalid::new(format!("`generate.{key}`"), given.to_string(), expected, "correct it"))
         };
-        if self.candidates == 0 || self.candidates > MOST {
-            return refuse("candidates", f64::from(self.candidates), &format!("1 to {MOST}"));
-        }
         let limits = &self.limits;
-        let named = [("u_m_s", limits.u_m_s), ("v_m_s", limits.v_m_s), ("r_rad_s", limits.r_rad_s)];
-        let named = named.map(|(key, value)| (format!("generate.limits.{key}"), value));
-        let rates = limits.rates.iter();
-        let rates = rates.map(|(name, rate)| (format!("generate.limits.rates.{name}"), *rate));
-        let all = named.into_iter().chain(rates);
-        check_numbers(all, "more than zero", |value| value > 0.0)?;
         let mut inputs = limits.inputs.iter();
         inputs.try_for_each(|(name, limit)| limit.check(format!("`generate.limits.inputs.{name}`")))?;
-        let duration = self.duration_s.map(|duration| ("generate.duration_s", duration));
-        check_numbers(duration, "more than 0 s", |value| value > 0.0)?;
-        check_ranges(duration.map(|(key, duration)| (key, duration, 0.0..=1e9, "s")))?;
-        check_ranges(self.period_s.map(|period| ("generate.period_s", period, 0.0..=1e9, "s")))?;
-        let speeds = self.speed_m_s.into_iter().flatten();
-        check_ranges(speeds.map(|speed| ("generate.speed_m_s", speed, -100.0..=100.0, "m/s")))?;
-        let moduli = [
-            ("u_m_s", limits.u_m_s, 100.0),
-            ("v_m_s", limits.v_m_s, 100.0),
-            ("r_rad_s", limits.r_rad_s, 10.0),
-        ];
-        check_ranges(
-            moduli.map(|(key, limit, most)| (format!("generate.limits.{key}"), limit, 0.0..=most, "")),
-        )?;
         let [shortest, longest] = self.period_s;
-        if !(shortest > 0.0 && longest >= shortest && longest.is_finite()) {
-            return refuse(
-                "period_s",
-                shortest,
-                "a shortest period above 0 s and a longest one not below it",
-            );
+        if shortest > longest {
+            return refuse("period_s", shortest, "a shortest period and a longest one not below it");
         }
         match self.speed_m_s {
-            Some([low, high]) if !(low.is_finite() && high.is_finite() && low <= high) => {
+            Some([low, high]) if low > high => {
                 refuse("speed_m_s", low, "a lowest speed and a highest one not below it")
             }
             _ => self.check_starts(),
@@ -247,9 +223,6 @@ impl GenerateSpec {
         check_period("`generate.period_s`".to_owned(), self.period_s[0], least, rate_hz)
     }
 }
-
-/// Most candidates of a dictionary.
-const MOST: u32 = 1_000_000;
 
 /// The random numbers of one candidate.
 struct Draw<'a, R> {

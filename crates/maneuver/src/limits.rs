@@ -16,16 +16,20 @@ use crate::standard::{Standard, is_turned_away, steps};
 #[serde(deny_unknown_fields)]
 pub struct Limits {
     /// Of the surge speed \[m/s\].
+    #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0.0))]
     pub u_m_s: f64,
     /// Of the sway speed \[m/s\].
+    #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0.0))]
     pub v_m_s: f64,
     /// Of the yaw rate \[rad/s\].
+    #[schemars(range(max = 10.0), extend("exclusiveMinimum" = 0.0))]
     pub r_rad_s: f64,
     /// Of inputs by name, in their units: the largest modulus, or the lowest and the highest value; others have no limit.
     #[serde(default)]
     pub inputs: BTreeMap<String, InputLimit>,
     /// Of the inputs' changes by name, in their units per second; others have no limit.
     #[serde(default)]
+    #[schemars(extend("additionalProperties" = {"type": "number", "exclusiveMinimum": 0}))]
     pub rates: BTreeMap<String, f64>,
 }
 
@@ -241,24 +245,19 @@ fn key(state: usize, unit: &str) -> String {
 #[serde(deny_unknown_fields, default)]
 pub struct Tolerance {
     /// By how much the mean speed over its second half may be beyond all wanted ones, as a fraction of the greatest.
+    #[schemars(range(min = 0.0))]
     pub speed: f64,
     /// The change of heading at its end, as a fraction of all turning that is wanted, to either side.
+    #[schemars(range(min = 0.0))]
     pub turn: f64,
     /// The least of these changes of heading that counts \[rad\].
+    #[schemars(range(min = 0.0))]
     pub least_turn_rad: f64,
 }
 
 impl Default for Tolerance {
     fn default() -> Self {
         Self { speed: 0.25, turn: 0.25, least_turn_rad: 0.35 }
-    }
-}
-
-impl Tolerance {
-    pub(crate) fn check(&self) -> Result<(), Invalid> {
-        let all = [("speed", self.speed), ("turn", self.turn), ("least_turn_rad", self.least_turn_rad)];
-        let named = all.map(|(key, value)| (format!("tolerance.{key}"), value));
-        refusal::check_numbers(named, "0 or more, and finite", |value| value >= 0.0 && value.is_finite())
     }
 }
 

@@ -7,10 +7,13 @@ use std::collections::BTreeSet;
 use std::convert::Infallible;
 use std::fmt::{self, Display};
 
+use schemars::JsonSchema;
 use serde::de::{
     Deserialize, DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, Error, Expected,
     IntoDeserializer, MapAccess, SeqAccess, Unexpected, VariantAccess, Visitor,
 };
+
+use crate::Invalid;
 
 /// What a file holds, keys in its order.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,8 +52,10 @@ pub struct Unreadable {
     pub message: String,
     /// The way from the outermost value.
     pub way: Vec<PathStep>,
-    /// Whether the last key itself is wrong, not its value.
+    /// Whether the place is that of the last key, not of its value.
     pub is_key: bool,
+    /// The refusal, if a number is outside of its bounds.
+    pub invalid: Option<Box<Invalid>>,
 }
 
 impl Unreadable {
@@ -70,7 +75,7 @@ impl std::error::Error for Unreadable {}
 
 impl Error for Unreadable {
     fn custom<T: Display>(message: T) -> Self {
-        Self { message: message.to_string(), way: Vec::new(), is_key: false }
+        Self { message: message.to_string(), way: Vec::new(), is_key: false, invalid: None }
     }
 
     fn invalid_type(found: Unexpected, expected: &dyn Expected) -> Self {
@@ -83,11 +88,13 @@ impl Error for Unreadable {
 
 /// Reads `T` from `deserializer`. A list in place of a table is refused, because its values would be
 /// identified by position alone; so are a key that occurs twice, because the first value would be lost, and
-/// surplus values of a list.
+/// surplus values of a list, and a number outside the bounds that `T` declares for it.
 ///
 /// # Errors
 /// These, and those of `T`.
-pub fn strictly<'de, T: DeserializeOwned, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+pub fn strictly<'de, T: DeserializeOwned + JsonSchema, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<T, D::Error> {
     Contents::deserialize(deserializer)?.read().map_err(D::Error::custom)
 }
 
@@ -96,7 +103,8 @@ impl Contents {
     ///
     /// # Errors
     /// What is wrong, and the way to it.
-    pub fn read<T: DeserializeOwned>(&self) -> Result<T, Unreadable> {
+    pub fn read<T: DeserializeOwned + JsonSchema>(&self) -> Result<T, Unreadable> {
+        self.check_bounds::<T>()?;
         T::deserialize(self)
     }
 }

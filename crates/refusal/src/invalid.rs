@@ -1,6 +1,7 @@
 use std::fmt::{self, Display};
 use std::ops::RangeInclusive;
 
+use crate::bounds::short;
 use crate::words::fitted;
 use crate::{foreign, one_line, suggestion};
 
@@ -111,10 +112,4 @@ pub fn check_ranges<K: Display>(
 
 fn invalid(key: impl Display, value: f64, expected: &str) -> Invalid {
     Invalid::new(format!("`{key}`"), short(value), expected, "correct it")
-}
-
-/// A number without long runs of zeros.
-fn short(number: f64) -> String {
-    let plain = number == 0.0 || !number.is_finite() || (1e-3..1e7).contains(&number.abs());
-    if plain { number.to_string() } else { format!("{number:e}") }
 }

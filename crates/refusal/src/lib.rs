@@ -4,7 +4,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-mod choices;
+mod bounds;
 mod contents;
 mod invalid;
 mod words;

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use files::{Changes, Digest, Document, Error, Loaded, MIXED, Provenance, TableReader, read_document};
+use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use study::documents::Reference;
 use study::files::{DictionaryFile, Vessel, read_any_vessel, read_reference};
@@ -104,11 +105,20 @@ impl<'a> Loader<'a> {
         }
     }
 
-    pub(super) fn toml<T: DeserializeOwned>(&mut self, name: &str, what: &str) -> Result<Option<T>, Error> {
+    pub(super) fn toml<T: DeserializeOwned + JsonSchema>(
+        &mut self,
+        name: &str,
+        what: &str,
+    ) -> Result<Option<T>, Error> {
         existing(self.sources.study.join(name)).map(|path| self.toml_at(&path, name, what)).transpose()
     }
 
-    fn toml_at<T: DeserializeOwned>(&mut self, path: &Path, name: &str, what: &str) -> Result<T, Error> {
+    fn toml_at<T: DeserializeOwned + JsonSchema>(
+        &mut self,
+        path: &Path,
+        name: &str,
+        what: &str,
+    ) -> Result<T, Error> {
         let value = self.known.read_toml(role_of(name), name.trim_end_matches(".toml"), path)?;
         self.read(name, what);
         Ok(value)

@@ -148,9 +148,6 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
     let mut loader = Loader::new(sources);
     let vessel = loader.vessel()?;
     let campaign = loader.toml::<CampaignFile>("campaign.toml", "runs, disturbances, seed, validation")?;
-    if let Some(Err(invalid)) = campaign.as_ref().map(CampaignFile::check) {
-        return Err(Error::invalid(sources.study.join("campaign.toml"), invalid));
-    }
     let maneuvers = loader.dictionary()?;
     let reference = loader.reference()?;
     let mut dictionary = loader.traces(&vessel, "dictionary.parquet", "maneuvers, undisturbed")?;

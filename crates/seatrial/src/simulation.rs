@@ -73,7 +73,6 @@ impl Study {
         dictionary: &DictionaryFile,
         campaign: CampaignFile,
     ) -> Result<Self, StudyError> {
-        campaign.check()?;
         let generator = Generator::without_tables(&vessel, dictionary)?;
         Ok(Self { vessel, generator, campaign })
     }

@@ -183,11 +183,11 @@ fn channels_that_nothing_provides_are_refused_all_at_once() {
 fn keys_without_meaning_are_refused() {
     let log = log(5);
     for (top, pieces) in [
-        ("average_s = -1.0", ["`average_s`", "above zero"]),
+        ("average_s = -1.0", ["`average_s`", "1e-9 to 100000 s"]),
         ("speed_classes_m_s = [0.1]", ["`speed_classes_m_s`", "no `window_s`"]),
         ("tail_s = 5", ["`tail_s`", "no `window_s`"]),
         ("window_s = 2\ntail_s = 3", ["`tail_s`", "windows of 2 s"]),
-        ("window_s = 2\ntail_s = -1", ["`tail_s`", "above zero"]),
+        ("window_s = 2\ntail_s = -1", ["`tail_s`", "1e-9 to 1e7 s"]),
         ("window_s = 2\nspeed_classes_m_s = [0.3, 0.1]", ["`speed_classes_m_s`", "increase"]),
         ("window_s = 2\nspeed_classes_m_s = [0.1, 0.2, 0.3]", ["`speed_class_names`", "4, one more"]),
         ("maneuver = \"x\"\nmaneuver_from_file = \"{kind}\"", ["`maneuver`", "one of the two"]),

@@ -43,10 +43,10 @@ fn numbers_without_meaning_are_refused() {
     for (from, to, piece) in [
         ("sample_rate_hz = 8.0", "sample_rate_hz = 4.0", "8 Hz"),
         ("rate_hz = 8.0\nwhite", "rate_hz = 3.0\nwhite", "gnss.rate_hz"),
-        ("white_std_m = 0.003", "white_std_m = -0.003", "gnss.white_std_m"),
-        ("coefficient = 1.44", "coefficient = 0.0", "thruster.coefficient"),
+        ("white_std_m = 0.003", "white_std_m = -0.003", "`gnss.white_std_m`"),
+        ("coefficient = 1.44", "coefficient = 0.0", "`coefficient` of thruster 1"),
         ("samples = 75", "samples = 0", "`samples`"),
-        ("std_m_s = 0.035", "std_m_s = nan", "current.std_m_s"),
+        ("std_m_s = 0.035", "std_m_s = nan", "`current.std_m_s` of day `pond`"),
         ("current = {", "wind = { speed_m_s = 3.0, from_rad = 0.0 }\ncurrent = {", "[hull]"),
     ] {
         refused_after("logs.toml", from, to, 3, &["logs.toml", piece]);

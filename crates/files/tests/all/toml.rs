@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use files::{Change, Changes, Digest, Error, Provenance, Result, parse_toml, read_toml};
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::sample::{folder, refusal};
 
-#[derive(Debug, PartialEq, Deserialize)]
+#[derive(Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Study {
     sample_rate_hz: f64,
@@ -20,14 +21,14 @@ struct Study {
     limits: BTreeMap<String, f64>,
 }
 
-#[derive(Debug, PartialEq, Deserialize)]
+#[derive(Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 enum Shape {
     Square,
     Sine,
 }
 
-#[derive(Debug, PartialEq, Deserialize)]
+#[derive(Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Maneuver {
     name: String,
@@ -96,7 +97,7 @@ fn a_wrong_type_is_told_with_key_and_line() {
     );
     let line = refused(&GOOD.replace("18446744073709551615", "-1"));
     assert!(
-        line.contains("seed: found the number -1 (line 3, column 1), expected a whole number from 0"),
+        line.contains("`seed`: found -1 (line 3, column 1), expected a whole number from 0; correct it"),
         "{line}"
     );
 }

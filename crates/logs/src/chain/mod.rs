@@ -13,40 +13,32 @@ pub use recording::{Chain, Commanded, Failed, Key, Pace, Recording, Truth, advan
 
 use std::f64::consts::PI;
 
-use refusal::{Invalid, check_numbers};
 use schemars::JsonSchema;
 use serde::Deserialize;
-use ship::engine::{Streams, check_currents};
+use ship::engine::Streams;
 
 use crate::{Law, Setting, Thruster};
-
-fn finite<const N: usize>(numbers: [(&str, f64); N]) -> Result<(), Invalid> {
-    check_numbers(numbers, "a finite number", |_| true)
-}
-
-fn from_zero<const N: usize>(numbers: [(&str, f64); N]) -> Result<(), Invalid> {
-    check_numbers(numbers, "a number from 0 on", |value| value >= 0.0)
-}
-
-fn above_zero<const N: usize>(numbers: [(&str, f64); N]) -> Result<(), Invalid> {
-    check_numbers(numbers, "a number above 0", |value| value > 0.0)
-}
 
 /// A satellite receiver at the reference point.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Gnss {
     /// Fixes per second; the samples per second are a multiple.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub rate_hz: f64,
     /// White noise of north and east \[m\].
+    #[schemars(range(min = 0.0))]
     pub white_std_m: f64,
     /// Slow error of north and east \[m\].
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub wander_std_m: f64,
     /// Its correlation time \[s\].
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub wander_time_s: Option<f64>,
     /// Step of the logged coordinates \[m\]; 0: none.
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub resolution_m: f64,
 }
 
@@ -55,55 +47,26 @@ pub struct Gnss {
 #[serde(deny_unknown_fields)]
 pub struct Compass {
     /// White noise \[rad\].
+    #[schemars(range(min = 0.0))]
     pub white_std_rad: f64,
     /// Slow error \[rad\].
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub wander_std_rad: f64,
     /// Its correlation time \[s\].
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub wander_time_s: Option<f64>,
     /// Step of the logged heading \[rad\]; 0: none.
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub resolution_rad: f64,
 }
 
 impl Gnss {
-    /// Refuses numbers without meaning.
-    ///
-    /// # Errors
-    /// Names the key.
-    pub fn check(&self) -> Result<(), Invalid> {
-        above_zero([
-            ("gnss.rate_hz", self.rate_hz),
-            ("gnss.wander_time_s", self.wander_time_s.unwrap_or(1.0)),
-        ])?;
-        let numbers = [
-            ("gnss.white_std_m", self.white_std_m),
-            ("gnss.wander_std_m", self.wander_std_m),
-            ("gnss.resolution_m", self.resolution_m),
-        ];
-        from_zero(numbers)
-    }
-
     /// Samples between fixes; `None` if that is not a whole number.
     pub fn every(&self, sample_rate_hz: f64) -> Option<usize> {
         let every = (sample_rate_hz / self.rate_hz).round();
         (every >= 1.0 && (every * self.rate_hz / sample_rate_hz - 1.0).abs() < 1e-9).then_some(every as usize)
-    }
-}
-
-impl Compass {
-    /// Refuses numbers without meaning.
-    ///
-    /// # Errors
-    /// Names the key.
-    pub fn check(&self) -> Result<(), Invalid> {
-        above_zero([("heading.wander_time_s", self.wander_time_s.unwrap_or(1.0))])?;
-        let numbers = [
-            ("heading.white_std_rad", self.white_std_rad),
-            ("heading.wander_std_rad", self.wander_std_rad),
-            ("heading.resolution_rad", self.resolution_rad),
-        ];
-        from_zero(numbers)
     }
 }
 
@@ -122,16 +85,22 @@ const AIR: f64 = 1.225;
 #[serde(deny_unknown_fields)]
 pub struct Hull {
     /// Frontal projected area \[m²\].
+    #[schemars(range(min = 0.0), extend("x-unit" = "m²"))]
     pub frontal_area_m2: f64,
     /// Lateral projected area \[m²\].
+    #[schemars(range(min = 0.0), extend("x-unit" = "m²"))]
     pub lateral_area_m2: f64,
     /// Length over all \[m\].
+    #[schemars(range(min = 0.0))]
     pub length_m: f64,
     /// Coefficient of the longitudinal force \[1\].
+    #[schemars(range(min = 0.0))]
     pub c_x: f64,
     /// Coefficient of the lateral force \[1\].
+    #[schemars(range(min = 0.0))]
     pub c_y: f64,
     /// Coefficient of the moment \[1\].
+    #[schemars(range(min = 0.0))]
     pub c_n: f64,
 }
 
@@ -140,13 +109,16 @@ pub struct Hull {
 #[serde(deny_unknown_fields)]
 pub struct Wind {
     /// Mean speed \[m/s\].
+    #[schemars(range(min = 0.0, max = 100.0))]
     pub speed_m_s: f64,
     /// Direction it comes from, clockwise from north \[rad\].
     pub from_rad: f64,
     /// Standard deviation of the gusts \[m/s\].
     #[serde(default)]
+    #[schemars(range(min = 0.0, max = 100.0))]
     pub gust_std_m_s: f64,
     /// Their correlation time \[s\].
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub gust_time_s: Option<f64>,
 }
 
@@ -156,36 +128,9 @@ impl Wind {
         let (sin, cos) = libm::sincos(self.from_rad + PI);
         [speed_m_s * cos, speed_m_s * sin]
     }
-
-    /// Refuses numbers without meaning.
-    ///
-    /// # Errors
-    /// Names the key.
-    pub fn check(&self) -> Result<(), Invalid> {
-        let speeds = [("wind.speed_m_s", self.speed_m_s), ("wind.gust_std_m_s", self.gust_std_m_s)];
-        let expected = "from 0 to 100 m/s, which no wind exceeds";
-        check_numbers(speeds, expected, |speed| (0.0..=100.0).contains(&speed))?;
-        finite([("wind.from_rad", self.from_rad)])?;
-        above_zero([("wind.gust_time_s", self.gust_time_s.unwrap_or(1.0))])
-    }
 }
 
 impl Hull {
-    /// Refuses numbers without meaning.
-    ///
-    /// # Errors
-    /// Names the key.
-    pub fn check(&self) -> Result<(), Invalid> {
-        from_zero([
-            ("hull.frontal_area_m2", self.frontal_area_m2),
-            ("hull.lateral_area_m2", self.lateral_area_m2),
-            ("hull.length_m", self.length_m),
-            ("hull.c_x", self.c_x),
-            ("hull.c_y", self.c_y),
-            ("hull.c_n", self.c_n),
-        ])
-    }
-
     /// Forward and starboard force \[N\] and moment \[N m\] when the ship moves through the air with `u`, `v`
     /// \[m/s\] (body axes).
     ///
@@ -218,33 +163,19 @@ pub struct Weather {
 pub struct Drift {
     /// Towards north \[m/s\].
     #[serde(default)]
+    #[schemars(range(min = -15.0, max = 15.0))]
     pub north_m_s: f64,
     /// Towards east \[m/s\].
     #[serde(default)]
+    #[schemars(range(min = -15.0, max = 15.0))]
     pub east_m_s: f64,
     /// Standard deviation of the varying part \[m/s\].
     #[serde(default)]
+    #[schemars(range(min = 0.0, max = 15.0))]
     pub std_m_s: f64,
     /// Its correlation time \[s\].
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub time_s: Option<f64>,
-}
-
-impl Weather {
-    /// Refuses numbers without meaning.
-    ///
-    /// # Errors
-    /// Names the key.
-    pub fn check(&self) -> Result<(), Invalid> {
-        let drift = &self.current;
-        check_currents([
-            ("current.north_m_s", drift.north_m_s),
-            ("current.east_m_s", drift.east_m_s),
-            ("current.std_m_s", drift.std_m_s),
-        ])?;
-        from_zero([("current.std_m_s", drift.std_m_s)])?;
-        above_zero([("current.time_s", drift.time_s.unwrap_or(1.0))])?;
-        self.wind.map_or(Ok(()), |wind| wind.check())
-    }
 }
 
 /// A first-order Gauss-Markov process, x(k+1) = a x(k) + std √(1 − a²) w(k) with a = exp(−dt/time), stationary from its
@@ -284,27 +215,35 @@ pub struct Actuator {
     /// Forward and to starboard of the reference point \[m\].
     pub position_m: [f64; 2],
     /// Force per speed squared \[N s²\], or per speed \[N s\].
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub coefficient: f64,
     /// Force from speed.
     #[serde(default)]
     pub law: Law,
     /// Highest speed, ahead or reversed \[1/s\].
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "1/s"))]
     pub speed_limit_rps: Option<f64>,
     /// Fastest change of speed \[1/s²\].
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "1/s²"))]
     pub speed_rate_limit_rps_s: Option<f64>,
     /// Fastest turn \[rad/s\].
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub angle_rate_limit_rad_s: Option<f64>,
     /// White noise of the logged speed \[1/s\].
     #[serde(default)]
+    #[schemars(range(min = 0.0), extend("x-unit" = "1/s"))]
     pub speed_std_rps: f64,
     /// Step of the logged speed \[1/s\]; 0: none.
     #[serde(default)]
+    #[schemars(range(min = 0.0), extend("x-unit" = "1/s"))]
     pub speed_resolution_rps: f64,
     /// White noise of the logged angle \[rad\].
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub angle_std_rad: f64,
     /// Step of the logged angle \[rad\]; 0: none.
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub angle_resolution_rad: f64,
     /// Which of speed and angle are logged.
     #[serde(default)]
@@ -337,28 +276,6 @@ impl Actuator {
     /// The thruster without limits.
     pub fn thruster(&self) -> Thruster {
         Thruster { law: self.law, coefficient: self.coefficient, position_m: self.position_m }
-    }
-
-    /// Refuses numbers without meaning.
-    ///
-    /// # Errors
-    /// Names the key.
-    pub fn check(&self) -> Result<(), Invalid> {
-        let given = |limit: Option<f64>| limit.unwrap_or(1.0);
-        above_zero([
-            ("thruster.coefficient", self.coefficient),
-            ("thruster.speed_limit_rps", given(self.speed_limit_rps)),
-            ("thruster.speed_rate_limit_rps_s", given(self.speed_rate_limit_rps_s)),
-            ("thruster.angle_rate_limit_rad_s", given(self.angle_rate_limit_rad_s)),
-        ])?;
-        let numbers = [
-            ("thruster.speed_std_rps", self.speed_std_rps),
-            ("thruster.speed_resolution_rps", self.speed_resolution_rps),
-            ("thruster.angle_std_rad", self.angle_std_rad),
-            ("thruster.angle_resolution_rad", self.angle_resolution_rad),
-        ];
-        from_zero(numbers)?;
-        finite(self.position_m.map(|metres| ("thruster.position_m", metres)))
     }
 
     /// The setting that it reaches `dt` seconds after `from` (`None` at the start, where it has had time)

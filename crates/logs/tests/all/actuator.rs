@@ -37,12 +37,3 @@ fn at_the_start_it_is_where_it_is_wanted() {
     let found = ACTUATOR.follow(None, Setting { n: 9.0, alpha: 3.0 }, 0.1, &mut hits);
     assert_eq!((found, hits), (Setting { n: 9.0, alpha: 3.0 }, Hits::default()));
 }
-
-#[test]
-fn numbers_without_meaning_are_refused() {
-    assert!(ACTUATOR.check().is_ok());
-    let refused = Actuator { speed_limit_rps: Some(0.0), ..ACTUATOR }.check().unwrap_err();
-    assert_eq!(refused.thing, "`thruster.speed_limit_rps`");
-    let refused = Actuator { angle_std_rad: -1.0, ..ACTUATOR }.check().unwrap_err();
-    assert_eq!(refused.thing, "`thruster.angle_std_rad`");
-}

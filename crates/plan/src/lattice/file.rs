@@ -1,3 +1,4 @@
+use schemars::JsonSchema;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
@@ -34,7 +35,7 @@ impl SchemaId {
 
 /// A planning problem with a map of boxes, all lengths in metres; x east, y north. Heading level h of H points
 /// `360 h / H` degrees counter-clockwise from x.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProblemFile {
     /// [`SCHEMA`].
@@ -46,6 +47,7 @@ pub struct ProblemFile {
     pub description: Option<String>,
     /// For people; not read.
     #[serde(default, skip_serializing)]
+    #[schemars(skip)]
     pub variant: Option<IgnoredAny>,
     /// Cells and heading levels.
     pub lattice: LatticeFile,
@@ -63,11 +65,12 @@ pub struct ProblemFile {
     pub goal: [usize; 3],
     /// What others found; not read.
     #[serde(default, skip_serializing)]
+    #[schemars(skip)]
     pub expected: Option<IgnoredAny>,
 }
 
 /// Size and place of the lattice.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LatticeFile {
     /// Number of cells along x.
@@ -83,7 +86,7 @@ pub struct LatticeFile {
 }
 
 /// An action with a count.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct InformativeFile {
     /// Unique name.
@@ -98,7 +101,7 @@ pub struct InformativeFile {
 }
 
 /// An action to use as one likes.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct BasicFile {
     /// Unique name.
@@ -110,7 +113,7 @@ pub struct BasicFile {
 }
 
 /// A move.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct MoveFile {
     /// Heading level in which it starts.

@@ -159,6 +159,7 @@ pub struct SpeedLimit {
     /// Longitude and latitude of its polygon's corners, in either sense \[deg\].
     pub corners: Vec<[f64; 2]>,
     /// The limit, over the ground \[m/s\].
+    #[schemars(range(max = 1e3), extend("exclusiveMinimum" = 0.0))]
     pub max_speed_m_s: f64,
 }
 
@@ -167,15 +168,19 @@ pub struct SpeedLimit {
 #[serde(deny_unknown_fields)]
 pub struct Hull {
     /// Length over all \[m\].
+    #[schemars(range(max = 1e3), extend("exclusiveMinimum" = 0.0))]
     pub length_m: f64,
     /// Beam \[m\].
+    #[schemars(range(max = 1e3), extend("exclusiveMinimum" = 0.0))]
     pub beam_m: f64,
     /// Distance of the reference point forward of midships \[m\].
     #[serde(default)]
     pub reference_m: f64,
     /// Air draught, including the required clearance \[m\]; without it no bridge of a chart is high enough.
+    #[schemars(range(max = 200.0), extend("exclusiveMinimum" = 0.0))]
     pub air_draught_m: Option<f64>,
     /// Draught \[m\], from which the passage plan computes the under-keel clearance.
+    #[schemars(range(max = 200.0), extend("exclusiveMinimum" = 0.0))]
     pub draught_m: Option<f64>,
 }
 
@@ -205,26 +210,34 @@ impl Hull {
 pub struct Safety {
     /// Least charted depth in transit: draught and under-keel clearance \[m\].
     #[serde(default)]
+    #[schemars(range(min = 0.0, max = 12000.0))]
     pub transit_depth_m: f64,
     /// Least charted depth for informative maneuvers \[m\].
     #[serde(default)]
+    #[schemars(range(min = 0.0, max = 12000.0))]
     pub trial_depth_m: f64,
     /// Distance that the hull keeps from obstacles \[m\].
+    #[schemars(range(min = 0.0, max = 1e5))]
     pub margin_m: f64,
     /// Bound on the unknown current \[m/s\].
     #[serde(default)]
+    #[schemars(range(min = 0.0, max = 15.0))]
     pub unknown_current_m_s: f64,
     /// Relative error of the nominal parameters: maneuvers have room for vessels with such errors.
     #[serde(default)]
+    #[schemars(range(min = 0.0, max = 0.99), extend("x-unit" = "(1 is 100 %)"))]
     pub parameter_error: f64,
     /// Instead of that: so many standard errors of the covariance of a `model.json`, jointly; for the `vessel.toml` of a
     /// ship with forces so many standard deviations of the priors of her numbers, jointly.
+    #[schemars(range(max = 10.0), extend("exclusiveMinimum" = 0.0, "x-unit" = "standard errors"))]
     pub standard_errors: Option<f64>,
     /// Simulations of the finished plan with such currents and vessels; by default as many as `aground_probability` needs.
+    #[schemars(range(min = 1, max = 1000000), extend("x-unit" = "runs"))]
     pub runs: Option<u32>,
     /// Without effect, for files that have it: every run has a vessel of its own.
     pub vessels: Option<u32>,
     /// The probability of running aground that the check must exclude, with 95 % confidence.
+    #[schemars(range(min = 1e-5, max = 0.5))]
     pub aground_probability: Option<f64>,
 }
 
@@ -259,6 +272,7 @@ pub struct ManeuverUse {
     /// Number of uses; by default from the design's share.
     pub count: Option<u32>,
     /// Length of one piece, cut to whole periods if the maneuver is periodic; by default the whole maneuver \[s\].
+    #[schemars(range(max = 1e7), extend("exclusiveMinimum" = 0.0))]
     pub piece_s: Option<f64>,
 }
 

@@ -1,5 +1,4 @@
 use numerics::{LANES, Lane, vectorized};
-use refusal::{Invalid, check_numbers, check_ranges};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -15,11 +14,13 @@ pub enum Current {
     /// New independent surge and sway components at every sample, in body axes.
     White {
         /// Standard deviation of each component \[m/s\].
+        #[schemars(range(min = 0.0, max = MOST_CURRENT_M_S))]
         std_m_s: f64,
     },
     /// Two components that a run keeps, drawn anew for every run.
     Constant {
         /// Standard deviation of each component \[m/s\].
+        #[schemars(range(min = 0.0, max = MOST_CURRENT_M_S))]
         std_m_s: f64,
         /// Whose components they are.
         #[serde(default)]
@@ -28,8 +29,10 @@ pub enum Current {
     /// Two stationary Gauss–Markov processes, correlated as exp(−|t|/T).
     GaussMarkov {
         /// Standard deviation of each component \[m/s\].
+        #[schemars(range(min = 0.0, max = MOST_CURRENT_M_S))]
         std_m_s: f64,
         /// Time constant T \[s\].
+        #[schemars(range(min = 1e-6, max = 1e9))]
         time_constant_s: f64,
         /// Whose components they are.
         #[serde(default)]
@@ -53,13 +56,17 @@ pub enum Axes {
 #[serde(deny_unknown_fields)]
 pub struct Wind {
     /// Standard deviation of the surge acceleration \[m/s²\].
+    #[schemars(range(min = 0.0, max = 100.0), extend("x-unit" = "m/s²"))]
     pub std_surge_m_s2: f64,
     /// Standard deviation of the sway acceleration \[m/s²\].
+    #[schemars(range(min = 0.0, max = 100.0), extend("x-unit" = "m/s²"))]
     pub std_sway_m_s2: f64,
     /// Standard deviation of the yaw acceleration \[rad/s²\].
+    #[schemars(range(min = 0.0, max = 100.0), extend("x-unit" = "rad/s²"))]
     pub std_yaw_rad_s2: f64,
     /// Time constant of gusts \[s\]; without it a run keeps what is drawn for it.
     #[serde(default)]
+    #[schemars(range(min = 1e-6, max = 1e9))]
     pub time_constant_s: Option<f64>,
 }
 
@@ -68,10 +75,13 @@ pub struct Wind {
 #[serde(deny_unknown_fields)]
 pub struct Measurement {
     /// Standard deviation of the measured surge speed \[m/s\].
+    #[schemars(range(min = 0.0, max = 100.0))]
     pub std_u_m_s: f64,
     /// Standard deviation of the measured sway speed \[m/s\].
+    #[schemars(range(min = 0.0, max = 100.0))]
     pub std_v_m_s: f64,
     /// Standard deviation of the measured yaw rate \[rad/s\].
+    #[schemars(range(min = 0.0, max = 100.0))]
     pub std_r_rad_s: f64,
 }
 
@@ -86,15 +96,6 @@ pub struct Disturbances {
 
 /// Stronger currents are refused \[m/s\]: no tidal stream reaches this speed.
 pub const MOST_CURRENT_M_S: f64 = 15.0;
-
-/// Refuses currents, each with its key, that are stronger than any at sea.
-///
-/// # Errors
-/// Names the key and its value.
-pub fn check_currents<const N: usize>(currents: [(&str, f64); N]) -> Result<(), Invalid> {
-    let expected = format!("at most {MOST_CURRENT_M_S} m/s, which no current exceeds");
-    check_numbers(currents, &expected, |value| value.abs() <= MOST_CURRENT_M_S)
-}
 
 /// Channels of the random streams: measurement noise of u, v, r, then the current's components, then the wind's.
 const CURRENT_CHANNEL: u32 = 3;
@@ -151,35 +152,11 @@ impl Wind {
     fn process(&self, channels: &mut Channels, rate_hz: f64) -> Process<3> {
         Process::new(channels, self.std_per_sample(rate_hz), Some(self.factor(rate_hz)))
     }
-
-    /// Refuses numbers without meaning.
-    ///
-    /// # Errors
-    /// Names the key and its value.
-    pub fn check(&self) -> Result<(), Invalid> {
-        check_deviations([
-            ("wind.std_surge_m_s2", self.std_surge_m_s2),
-            ("wind.std_sway_m_s2", self.std_sway_m_s2),
-            ("wind.std_yaw_rad_s2", self.std_yaw_rad_s2),
-        ])?;
-        check_time_constant("wind.time_constant_s", self.time_constant_s)
-    }
 }
 
 /// Correlation of consecutive samples of a process with time constant `time_constant_s`.
 pub(crate) fn factor(time_constant_s: f64, rate_hz: f64) -> f64 {
     libm::exp(-1.0 / (time_constant_s * rate_hz))
-}
-
-fn check_deviations<const N: usize>(deviations: [(&str, f64); N]) -> Result<(), Invalid> {
-    // No sea has more; and a divergence that it causes would be blamed on the vessel.
-    let range = 0.0..=100.0;
-    check_numbers(deviations, "a standard deviation from 0 to 100", |value| range.contains(&value))
-}
-
-fn check_time_constant(key: &str, value: Option<f64>) -> Result<(), Invalid> {
-    check_numbers(value.map(|value| (key, value)), "more than zero seconds", |value| value > 0.0)?;
-    check_ranges(value.map(|value| (key, value, 1e-6..=1e9, "s")))
 }
 
 /// Stationary processes of [`LANES`] runs, drawn a few samples at a time: x(k+1) = factor · x(k) + white
@@ -290,26 +267,6 @@ impl Disturbing {
 }
 
 impl Disturbances {
-    /// Refuses standard deviations that are negative or not finite.
-    ///
-    /// # Errors
-    /// Names the key and its value.
-    pub fn check(&self) -> Result<(), Invalid> {
-        let m = self.measurement;
-        check_currents([("current.std_m_s", self.current.std_m_s())])?;
-        check_deviations([
-            ("current.std_m_s", self.current.std_m_s()),
-            ("measurement.std_u_m_s", m.std_u_m_s),
-            ("measurement.std_v_m_s", m.std_v_m_s),
-            ("measurement.std_r_rad_s", m.std_r_rad_s),
-        ])?;
-        let time_constant_s = match self.current {
-            Current::GaussMarkov { time_constant_s, .. } => Some(time_constant_s),
-            _ => None,
-        };
-        check_time_constant("current.time_constant_s", time_constant_s)
-    }
-
     /// The current of [`LANES`] runs over `samples` samples at `rate_hz`, samples × 2, in its own axes; empty in still water.
     pub fn current(&self, streams: &Streams, runs: [u32; LANES], samples: usize, rate_hz: f64) -> Vec<Lane> {
         let process = self.current.process(&mut streams.lanes(runs, CURRENT_CHANNEL), rate_hz);

@@ -17,7 +17,7 @@ pub use command::{
 };
 pub use compiled::{Ambient, Compiled};
 pub use disturbance::{
-    Axes, Current, Disturbances, Disturbing, MOST_CURRENT_M_S, Measurement, Weather, Wind, check_currents,
+    Axes, Current, Disturbances, Disturbing, MOST_CURRENT_M_S, Measurement, Weather, Wind,
 };
 pub use force_step::{Moving, Point, Stepping};
 pub use noise::{NormalRows, Streams, fill_normals};

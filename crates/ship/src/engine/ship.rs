@@ -1,8 +1,7 @@
-use refusal::{Invalid, check_ranges};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::engine::disturbance::{MOST_CURRENT_M_S, factor};
+use crate::engine::disturbance::factor;
 use crate::engine::{Ambient, Compiled, NormalRows, Pose, Streams, Wind};
 use crate::model::{Actuator, ActuatorState, SampleCommand, Vessel};
 
@@ -119,8 +118,10 @@ pub struct Changes {
 #[serde(deny_unknown_fields)]
 pub struct ChangingCurrent {
     /// Standard deviation of each component \[m/s\].
+    #[schemars(range(min = 0.0, max = 15.0))]
     pub std_m_s: f64,
     /// Time constant T \[s\].
+    #[schemars(range(min = 1e-6, max = 1e9))]
     pub time_constant_s: f64,
 }
 
@@ -140,19 +141,6 @@ impl Changes {
         let (stds, factors) = ([water, water, u, v, r], [flow, flow, gust, gust, gust]);
         let noise = NormalRows::new(streams, run);
         (!self.are_none()).then_some(Changing { stds, factors, noise, at: None })
-    }
-
-    /// Refuses numbers without meaning.
-    ///
-    /// # Errors
-    /// Names the key and its value.
-    pub fn check(&self) -> Result<(), Invalid> {
-        self.wind.map_or(Ok(()), |wind| wind.check())?;
-        let Some(ChangingCurrent { std_m_s, time_constant_s }) = self.current else { return Ok(()) };
-        check_ranges([
-            ("changing_current.std_m_s", std_m_s, 0.0..=MOST_CURRENT_M_S, "m/s"),
-            ("changing_current.time_constant_s", time_constant_s, 1e-6..=1e9, "s"),
-        ])
     }
 }
 

@@ -1,4 +1,4 @@
-use refusal::{Invalid, check_numbers, check_ranges};
+use refusal::Invalid;
 
 use super::actuators::{Propeller, Rudder, Thruster, Wash};
 use crate::forces::mass::{Inertia, Mass, Prime};
@@ -155,9 +155,6 @@ impl<X: Real> Body<'_, X> {
     }
 }
 
-/// Most parts of a kind, such as terms of an equation or thrusters.
-const MOST: f64 = 2000.0;
-
 /// The forces on a ship, checked and compiled: structure, and one flat vector θ of free parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forces {
@@ -183,9 +180,6 @@ impl Forces {
     /// The first name that is unknown or duplicate, number that is missing, not finite or contradicts another, unit that
     /// does not fit, division by what can be 0; a free mass without a prior; a ship that her nominal masses cannot be.
     pub fn new(description: &Description, channels: &[Channel]) -> Result<Self, Invalid> {
-        check_counts(description)?;
-        let step = description.step_s.map(|step_s| ("step_s", step_s));
-        check_numbers(step, "a step above 0 s", |step| step > 0.0)?;
         let prime = Prime::new(description.density_kg_m3, &description.ship)?;
         let mut builder = Builder::default();
         let reading = &mut builder;
@@ -325,22 +319,6 @@ impl Forces {
             "correct them",
         ))
     }
-}
-
-/// Refuses more parts than any ship has.
-fn check_counts(description: &Description) -> Result<(), Invalid> {
-    let Description { surge, sway, yaw, propeller, rudder, thruster, wind, crossflow, .. } = description;
-    let counts = [
-        ("surge", surge.len()),
-        ("sway", sway.len()),
-        ("yaw", yaw.len()),
-        ("propeller", propeller.len()),
-        ("rudder", rudder.len()),
-        ("thruster", thruster.len()),
-        ("wind", wind.len()),
-        ("crossflow", crossflow.len()),
-    ];
-    check_ranges(counts.map(|(key, count)| (key, count as f64, 0.0..=MOST, "parts")))
 }
 
 /// The shortest time constant \[s\]: a shorter one is none.

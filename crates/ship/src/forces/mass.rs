@@ -1,6 +1,6 @@
 //! Mass, added mass, and the products of mass and yaw rate.
 
-use refusal::{Invalid, check_numbers, check_ranges};
+use refusal::Invalid;
 
 use crate::forces::numbers::{At, Builder, Measured};
 use crate::forces::{Area, Coriolis, Real, ShipSpec};
@@ -22,16 +22,6 @@ impl Prime {
     /// A size or speed that is not above 0.
     pub fn new(density: f64, ship: &ShipSpec) -> Result<Self, Invalid> {
         let ShipSpec { length_m: length, draught_m: draught, speed_m_s: speed, area, .. } = ship;
-        check_numbers([("density_kg_m3", density)], "a density above 0", |number| number > 0.0)?;
-        let all = [("length_m", *length), ("draught_m", *draught), ("speed_m_s", *speed)];
-        check_numbers(all, "a number above 0", |number| number > 0.0)?;
-        let ranges = [
-            ("density_kg_m3", density, 100.0..=10_000.0, "kg/m³"),
-            ("length_m", *length, 1e-2..=1e4, "m"),
-            ("draught_m", *draught, 1e-3..=1e3, "m"),
-            ("speed_m_s", *speed, 1e-3..=1e3, "m/s"),
-        ];
-        check_ranges(ranges)?;
         let area = area.unwrap_or(Area::LengthDraught);
         Ok(Self { density, length: *length, draught: *draught, speed: *speed, area })
     }

@@ -13,35 +13,45 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct Description {
     /// Density of the water \[kg/m³\].
+    #[schemars(range(min = 100.0, max = 1e4))]
     pub density_kg_m3: f64,
     /// Longest step of the integration \[s\]; one step per sample without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub step_s: Option<f64>,
     /// Size and mass.
     pub ship: ShipSpec,
     /// Terms of the force ahead.
     #[serde(default)]
+    #[schemars(length(max = 2000))]
     pub surge: Vec<TermSpec>,
     /// Terms of the force to starboard.
     #[serde(default)]
+    #[schemars(length(max = 2000))]
     pub sway: Vec<TermSpec>,
     /// Terms of the moment that turns the bow to starboard.
     #[serde(default)]
+    #[schemars(length(max = 2000))]
     pub yaw: Vec<TermSpec>,
     /// Propellers.
     #[serde(default)]
+    #[schemars(length(max = 2000))]
     pub propeller: Vec<PropellerSpec>,
     /// Rudders.
     #[serde(default)]
+    #[schemars(length(max = 2000))]
     pub rudder: Vec<RudderSpec>,
     /// Thrusters.
     #[serde(default)]
+    #[schemars(length(max = 2000))]
     pub thruster: Vec<ThrusterSpec>,
     /// Wind on the parts above water.
     #[serde(default)]
+    #[schemars(length(max = 2000))]
     pub wind: Vec<WindSpec>,
     /// Cross-flow drag.
     #[serde(default)]
+    #[schemars(length(max = 2000))]
     pub crossflow: Vec<CrossflowSpec>,
 }
 
@@ -105,10 +115,13 @@ choices! {
 #[schemars(rename = "ForceShip")]
 pub struct ShipSpec {
     /// Length between perpendiculars \[m\].
+    #[schemars(range(min = 1e-2, max = 1e4))]
     pub length_m: f64,
     /// Draught \[m\].
+    #[schemars(range(min = 1e-3, max = 1e3))]
     pub draught_m: f64,
     /// Speed that terms in the prime system are scaled by, and that `du` counts from \[m/s\].
+    #[schemars(range(min = 1e-3, max = 1e3))]
     pub speed_m_s: f64,
     /// Area of the prime system: `Ld` unless given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -375,6 +388,7 @@ pub struct CrossflowSpec {
     pub drag: Number,
     /// Number of strips, from bow to stern; 21 unless given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 2, max = 1000))]
     pub strips: Option<u32>,
 }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use refusal::{Invalid, check_name, check_ranges, foreign};
+use refusal::{Invalid, check_name, foreign};
 
 use crate::forces::mass::Prime;
 use crate::forces::numbers::{ANGLES, At, Builder, Driven, Measured, SPEEDS, driven};
@@ -310,7 +310,6 @@ impl Crossflow {
         let name = spec.name.as_str();
         check_name("`name` of a cross-flow", name)?;
         let strips = spec.strips.unwrap_or(21);
-        check_ranges([("strips", f64::from(strips), 2.0..=1000.0, "strips")])?;
         let metres = Measured::si("m").or_prime(prime.draught);
         let draught = builder.number(name, "draught_m", Some(&spec.draught_m), 0.0, metres)?;
         let drag = builder.number(name, "drag", Some(&spec.drag), 0.0, Measured::pure())?;

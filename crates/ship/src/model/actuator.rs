@@ -1,6 +1,6 @@
 //! The range, lag, rate, dead band and hold of an actuator.
 
-use refusal::{Invalid, check_numbers};
+use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -19,16 +19,12 @@ pub struct Actuator {
     pub hold_s: f64,
 }
 
-/// The longest lag and hold \[s\]: a slower actuator cannot steer.
-const LONGEST_S: f64 = 1e4;
-
 impl Actuator {
     /// Of an input as written.
     pub(crate) fn new(input_spec: &InputSpec) -> Result<Self, Invalid> {
         let InputSpec { name, range, lag_s, rate_per_s, dead_band, hold_s, .. } = input_spec;
-        let thing = |key: &str| format!("{key}` of input `{name}");
         if let Some([low, high]) = *range
-            && !(low.is_finite() && high.is_finite() && low < high)
+            && low >= high
         {
             return Err(Invalid::new(
                 format!("input `{name}`"),
@@ -37,20 +33,13 @@ impl Actuator {
                 "swap or correct them",
             ));
         }
-        let expected = format!("0 to {LONGEST_S} s");
-        let lag = lag_s.map(|lag| (thing("lag_s"), lag));
-        check_numbers(lag, &expected, |lag| (0.0..=LONGEST_S).contains(&lag))?;
-        let rate = rate_per_s.map(|rate| (thing("rate_per_s"), rate));
-        check_numbers(rate, "a finite rate above 0", |rate| rate > 0.0 && rate.is_finite())?;
-        let band = dead_band.map(|band| (thing("dead_band"), band));
-        let width = range.map_or(f64::INFINITY, |[low, high]| high - low);
-        let expected = range.map_or("0 or more, finite".to_owned(), |[low, high]| {
-            format!("0 or more, and less than {}, the width of its `range` [{low}, {high}]", high - low)
-        });
-        check_numbers(band, &expected, |band| band >= 0.0 && band < width)?;
-        let hold = hold_s.map(|hold| (thing("hold_s"), hold));
-        let expected = format!("more than 0 s, at most {LONGEST_S} s");
-        check_numbers(hold, &expected, |hold| hold > 0.0 && hold <= LONGEST_S)?;
+        if let (Some(band), Some([low, high])) = (*dead_band, *range)
+            && band >= high - low
+        {
+            let expected = format!("less than {}, the width of its `range` [{low}, {high}]", high - low);
+            let thing = format!("`dead_band` of input `{name}`");
+            return Err(Invalid::new(thing, band.to_string(), expected, "correct it"));
+        }
         let or_none = |number: Option<f64>| number.unwrap_or(0.0);
         Ok(Self {
             range: *range,
@@ -232,14 +221,18 @@ pub struct InputSpec {
     pub range: Option<[f64; 2]>,
     /// Time constant with which the actuator follows a command \[s\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0, max = 1e4))]
     pub lag_s: Option<f64>,
     /// How much it changes in a second at most.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "in its unit per second"))]
     pub rate_per_s: Option<f64>,
     /// How far a command has to be from the setting to move the actuator.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0))]
     pub dead_band: Option<f64>,
     /// How long the actuator follows a command before it takes the next one \[s\].
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(max = 1e4), extend("exclusiveMinimum" = 0.0))]
     pub hold_s: Option<f64>,
 }

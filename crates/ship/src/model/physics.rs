@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use refusal::{Invalid, check_ranges, choices};
+use refusal::{Invalid, check_ranges, choices, strictly};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -215,24 +215,31 @@ pub struct VesselFile {
     #[serde(skip)]
     pub fitted: bool,
     /// The sampling rate that the parameters hold for \[Hz\]; forces hold for any.
+    #[schemars(range(min = 1e-6, max = 1e6))]
     pub sample_rate_hz: Option<f64>,
     /// Inputs, in order.
     #[serde(default)]
+    #[schemars(length(max = 200))]
     pub input: Vec<InputSpec>,
     /// Measured disturbances, in order.
     #[serde(default)]
+    #[schemars(length(max = 200))]
     pub measured: Vec<MeasuredSpec>,
     /// Channels that are computed from inputs, measured disturbances and each other.
     #[serde(default)]
+    #[schemars(length(max = 200))]
     pub derived: Vec<DerivedSpec>,
     /// Terms of the surge equation.
     #[serde(default)]
+    #[schemars(length(max = 2000))]
     pub surge: Vec<TermSpec>,
     /// Terms of the sway equation.
     #[serde(default)]
+    #[schemars(length(max = 2000))]
     pub sway: Vec<TermSpec>,
     /// Terms of the yaw equation.
     #[serde(default)]
+    #[schemars(length(max = 2000))]
     pub yaw: Vec<TermSpec>,
     /// True values that replace those of the terms, by parameter.
     #[serde(default)]
@@ -242,27 +249,35 @@ pub struct VesselFile {
     pub nominal: BTreeMap<String, f64>,
     /// Known increments of u, v \[m/s\] and r \[rad/s\] per sample that do not depend on the vessel.
     #[serde(default)]
+    #[schemars(inner(range(min = -10.0, max = 10.0)))]
     pub constant: [f64; 3],
     /// Of `model = "forces"`: density of the water \[kg/m³\].
+    #[schemars(range(min = 100.0, max = 1e4))]
     pub density_kg_m3: Option<f64>,
     /// Longest step of the integration of forces \[s\]; one step per sample without it.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub step_s: Option<f64>,
     /// Size and mass of a ship with forces.
     pub ship: Option<ShipSpec>,
     /// Propellers of a ship with forces.
     #[serde(default)]
+    #[schemars(length(max = 2000))]
     pub propeller: Vec<PropellerSpec>,
     /// Rudders of a ship with forces.
     #[serde(default)]
+    #[schemars(length(max = 2000))]
     pub rudder: Vec<RudderSpec>,
     /// Thrusters of a ship with forces.
     #[serde(default)]
+    #[schemars(length(max = 2000))]
     pub thruster: Vec<ThrusterSpec>,
     /// Wind on a ship with forces.
     #[serde(default)]
+    #[schemars(length(max = 2000))]
     pub wind: Vec<WindSpec>,
     /// Cross-flow drag of a ship with forces.
     #[serde(default)]
+    #[schemars(length(max = 2000))]
     pub crossflow: Vec<CrossflowSpec>,
 }
 
@@ -271,7 +286,7 @@ impl FromStr for VesselFile {
     type Err = toml::de::Error;
 
     fn from_str(text: &str) -> Result<Self, toml::de::Error> {
-        toml::from_str(text)
+        strictly(toml::Deserializer::parse(text)?)
     }
 }
 

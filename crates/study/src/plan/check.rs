@@ -1,133 +1,38 @@
 //! Checks of numbers and names of `plan.toml` that are well-formed but invalid.
 
-use std::ops::Bound::{self, Excluded, Included};
-use std::ops::RangeBounds;
-
 use chart::ring::{RingFault, ring_fault};
 use plan::voyage::{AT_REST, Area};
 use plan::{Mode, Tolerance};
 use refusal::{Invalid, check_name};
-use ship::engine::MOST_CURRENT_M_S;
 
 use super::file::{AreaSpec, PlanFile};
-
-/// The valid range of a number.
-type Range = (Bound<f64>, Bound<f64>);
-/// A number: its key, value, range and unit.
-type Number = (&'static str, f64, Range, &'static str);
 
 /// Least tolerance in standard deviations of a sensor: 95 of 100 measurements are closer.
 const SEEN: f64 = 2.0;
 
-/// Above 0 up to `most`.
-fn above_0_to(most: f64) -> Range {
-    (Excluded(0.0), Included(most))
-}
-
-/// From 0 up to `most`.
-fn from_0_to(most: f64) -> Range {
-    (Included(0.0), Included(most))
-}
-
-/// Refuses a number outside of its range.
-fn check(thing: String, value: f64, range: Range, unit: &str) -> Result<(), Invalid> {
-    if value.is_finite() && range.contains(&value) {
-        return Ok(());
-    }
-    let expected = match range {
-        (Excluded(least), Included(most)) => format!("a number above {least} to {most} {unit}"),
-        (Included(least), Included(most)) => format!("from {least} to {most} {unit}"),
-        _ => "another number".to_owned(),
-    };
-    Err(Invalid::new(thing, value.to_string(), expected, "correct it"))
-}
-
 impl PlanFile {
     /// Refuses invalid numbers, and speed modes that cannot be distinguished.
     pub(super) fn check(&self) -> Result<(), Invalid> {
-        for (key, value, range, unit) in self.numbers() {
-            check(format!("`{key}`"), value, range, unit)?;
+        let reference_m = self.hull.reference_m;
+        if reference_m.abs() > self.hull.length_m / 2.0 {
+            let half = self.hull.length_m / 2.0;
+            let expected = format!("-{half} to {half} m, a point of the hull");
+            return Err(Invalid::new("`hull.reference_m`", reference_m.to_string(), expected, "correct it"));
         }
-        self.changes().check()?;
-        self.check_measurement()?;
+        let stds =
+            self.measurement.map(|m| [("u_m", m.std_u_m_s), ("v_m", m.std_v_m_s), ("r_rad", m.std_r_rad_s)]);
+        if let Some((key, _)) = stds.iter().flatten().find(|(_, std)| *std == 0.0) {
+            let thing = format!("`measurement.std_{key}_s`");
+            return Err(Invalid::new(thing, "0", "a sensor with noise, above 0", "correct it"));
+        }
         self.name.iter().try_for_each(|name| check_name("`name` of the trial", name))?;
         self.check_choices()?;
-        for (name, piece_s) in self.maneuver.iter().filter_map(|m| Some((&m.name, m.piece_s?))) {
-            check(format!("`piece_s` of maneuver `{name}`"), piece_s, above_0_to(1e7), "s")?;
-        }
-        for chart in &self.chart {
-            let radii = [("radius_m", chart.radius_m), ("doubtful_radius_m", chart.doubtful_radius_m)];
-            for (key, radius_m) in radii.iter().filter_map(|(key, value)| Some((key, (*value)?))) {
-                let thing = format!("`{key}` of chart `{}`", chart.file.display());
-                check(thing, radius_m, above_0_to(1e4), "m")?;
-            }
-        }
         for (limit, number) in self.speed_limit.iter().zip(1..) {
             limit.name.iter().try_for_each(|name| check_name("`name` of a speed limit", name))?;
             let name = limit.name.as_ref().map_or_else(|| number.to_string(), |name| format!("`{name}`"));
             check_corners(&format!("`corners` of speed limit {name}"), &limit.corners)?;
-            let thing = format!("`max_speed_m_s` of speed limit {name}");
-            check(thing, limit.max_speed_m_s, above_0_to(1000.0), "m/s")?;
-        }
-        let draughts = [("air_draught_m", self.hull.air_draught_m), ("draught_m", self.hull.draught_m)];
-        for (key, draught_m) in draughts.into_iter().filter_map(|(key, value)| Some((key, value?))) {
-            check(format!("`hull.{key}`"), draught_m, above_0_to(200.0), "m")?;
         }
         (0..self.speed_mode.len()).try_for_each(|index| self.check_mode(index))
-    }
-
-    fn check_measurement(&self) -> Result<(), Invalid> {
-        let Some(measurement) = self.measurement else { return Ok(()) };
-        let all = [
-            ("std_u_m_s", measurement.std_u_m_s, "m/s"),
-            ("std_v_m_s", measurement.std_v_m_s, "m/s"),
-            ("std_r_rad_s", measurement.std_r_rad_s, "rad/s"),
-        ];
-        all.into_iter().try_for_each(|(key, value, unit)| {
-            check(format!("`measurement.{key}`"), value, above_0_to(100.0), unit)
-        })
-    }
-
-    fn numbers(&self) -> [Number; 24] {
-        let (hull, safety, approach, sensors) = (self.hull, self.safety, self.approach, self.sensors);
-        let [speed, towards] = self.known_current.map_or([0.0; 2], |c| [c.speed_m_s, c.towards_deg]);
-        let within = |most: f64| (Included(-most), Included(most));
-        [
-            ("cell_m", self.cell_m, above_0_to(1e6), "m"),
-            ("hull.length_m", hull.length_m, above_0_to(1000.0), "m"),
-            ("hull.beam_m", hull.beam_m, above_0_to(1000.0), "m"),
-            ("hull.reference_m", hull.reference_m, within(hull.length_m / 2.0), "m, a point of the hull"),
-            ("safety.margin_m", safety.margin_m, from_0_to(1e5), "m"),
-            ("safety.transit_depth_m", safety.transit_depth_m, from_0_to(12_000.0), "m"),
-            ("safety.trial_depth_m", safety.trial_depth_m, from_0_to(12_000.0), "m"),
-            ("safety.unknown_current_m_s", safety.unknown_current_m_s, from_0_to(MOST_CURRENT_M_S), "m/s"),
-            ("safety.parameter_error", safety.parameter_error, from_0_to(0.99), "(1 is 100 %)"),
-            (
-                "safety.standard_errors",
-                safety.standard_errors.unwrap_or(1.0),
-                above_0_to(10.0),
-                "standard errors",
-            ),
-            ("safety.runs", f64::from(safety.runs.unwrap_or(1)), (Included(1.0), Included(1e6)), "runs"),
-            (
-                "safety.aground_probability",
-                safety.aground_probability.unwrap_or(0.5),
-                (Included(1e-5), Included(0.5)),
-                "",
-            ),
-            ("approach.run_in_s", approach.run_in_s, from_0_to(1e4), "s"),
-            ("approach.tolerance_cells", approach.tolerance_cells, above_0_to(1e3), "cells"),
-            ("approach.tolerance_deg", approach.tolerance_deg, above_0_to(360.0), "degrees"),
-            ("approach.tolerance_m_s", approach.tolerance_m_s.unwrap_or(1.0), above_0_to(100.0), "m/s"),
-            ("approach.tolerance_rad_s", approach.tolerance_rad_s.unwrap_or(1.0), above_0_to(10.0), "rad/s"),
-            ("sensors.position_m", sensors.position_m, from_0_to(1e6), "m"),
-            ("sensors.heading_deg", sensors.heading_deg, from_0_to(360.0), "degrees"),
-            ("sensors.speed_m_s", sensors.speed_m_s, from_0_to(100.0), "m/s"),
-            ("sensors.yaw_rate_rad_s", sensors.yaw_rate_rad_s, from_0_to(10.0), "rad/s"),
-            ("known_current.speed_m_s", speed, from_0_to(MOST_CURRENT_M_S), "m/s"),
-            ("known_current.towards_deg", towards, within(360.0), "degrees"),
-            ("informative_s", self.informative_s.unwrap_or(1.0), above_0_to(1e9), "s"),
-        ]
     }
 
     /// Refuses tolerances that the ship's sensors cannot verify, such as one that follows from the handling.
@@ -195,7 +100,7 @@ impl PlanFile {
         };
         let Mode { name, speed_m_s } = mode;
         check_name("`name` of a speed mode", name)?;
-        if !(speed_m_s.is_finite() && *speed_m_s > 0.0) {
+        if *speed_m_s <= 0.0 {
             let remedy = "being at rest is always there where the vessel can hold it: leave it out";
             return refuse(format!("{speed_m_s} m/s"), "a speed above 0 m/s", remedy);
         }

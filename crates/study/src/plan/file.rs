@@ -18,6 +18,7 @@ pub struct PlanFile {
     /// Name of the trial in routes; without it, that of the folder.
     pub name: Option<String>,
     /// Distance of neighbouring nodes of the lattice \[m\].
+    #[schemars(range(max = 1e6), extend("exclusiveMinimum" = 0.0))]
     pub cell_m: f64,
     /// Heading levels: 4, 8 or 16.
     pub headings: usize,
@@ -61,6 +62,7 @@ pub struct PlanFile {
     #[serde(default)]
     pub maneuver: Vec<ManeuverUse>,
     /// Time in informative maneuvers, for counts that follow from the design's shares \[s\].
+    #[schemars(range(max = 1e9), extend("exclusiveMinimum" = 0.0))]
     pub informative_s: Option<f64>,
     /// When the trial begins, as `2026-06-01T08:00:00Z` or with an offset; without it nothing has times of day.
     pub departure: Option<String>,
@@ -120,8 +122,10 @@ pub struct ChartSpec {
     /// Property with the least depth of an area (`DRVAL1`), or with the depth over a danger (`VALSOU`).
     pub least: Option<String>,
     /// The radius of danger at its points and lines \[m\]; 50 without it.
+    #[schemars(range(max = 1e4), extend("exclusiveMinimum" = 0.0))]
     pub radius_m: Option<f64>,
     /// The same for objects with a doubtful position \[m\]; 500 without it.
+    #[schemars(range(max = 1e4), extend("exclusiveMinimum" = 0.0))]
     pub doubtful_radius_m: Option<f64>,
     /// Classes of an electronic chart with other than the default rules.
     #[serde(default)]
@@ -180,8 +184,10 @@ pub struct SlotSpec {
 #[serde(deny_unknown_fields)]
 pub struct KnownCurrent {
     /// Speed \[m/s\].
+    #[schemars(range(min = 0.0, max = 15.0))]
     pub speed_m_s: f64,
     /// Compass direction that it sets towards.
+    #[schemars(range(min = -360.0, max = 360.0))]
     pub towards_deg: f64,
 }
 
@@ -190,14 +196,19 @@ pub struct KnownCurrent {
 #[serde(deny_unknown_fields, default)]
 pub struct ApproachSpec {
     /// Steady approach \[s\].
+    #[schemars(range(min = 0.0, max = 1e4))]
     pub run_in_s: f64,
     /// Largest distance from the node at the end of a leg, as a fraction of the cell.
+    #[schemars(range(max = 1e3), extend("exclusiveMinimum" = 0.0, "x-unit" = "cells"))]
     pub tolerance_cells: f64,
     /// Largest difference of heading at the end of a leg.
+    #[schemars(range(max = 360.0), extend("exclusiveMinimum" = 0.0))]
     pub tolerance_deg: f64,
     /// Largest difference of speed at the end of a leg, and in sway besides the currents \[m/s\]; 0.1 without it.
+    #[schemars(range(max = 100.0), extend("exclusiveMinimum" = 0.0))]
     pub tolerance_m_s: Option<f64>,
     /// Largest yaw rate at the end of a leg \[rad/s\]; 15 % of the turn rate without it.
+    #[schemars(range(max = 10.0), extend("exclusiveMinimum" = 0.0, "x-unit" = "rad/s"))]
     pub tolerance_rad_s: Option<f64>,
 }
 
@@ -218,12 +229,16 @@ impl Default for ApproachSpec {
 #[serde(deny_unknown_fields, default)]
 pub struct SensorSpec {
     /// Position, north and east each \[m\].
+    #[schemars(range(min = 0.0, max = 1e6))]
     pub position_m: f64,
     /// Heading \[degrees\].
+    #[schemars(range(min = 0.0, max = 360.0))]
     pub heading_deg: f64,
     /// Speeds u and v \[m/s\].
+    #[schemars(range(min = 0.0, max = 100.0))]
     pub speed_m_s: f64,
     /// Yaw rate \[rad/s\].
+    #[schemars(range(min = 0.0, max = 10.0))]
     pub yaw_rate_rad_s: f64,
 }
 

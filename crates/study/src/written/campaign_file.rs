@@ -2,7 +2,7 @@
 
 use estimation::predictor::{Flow, ForceNoise, NoiseModel};
 use maneuver::{DictionaryFile, ManeuverSpec};
-use refusal::{Invalid, check_numbers, check_ranges};
+use refusal::Invalid;
 use regression::{InstrumentKind, Noise};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -18,8 +18,10 @@ pub struct CampaignFile {
     /// Seed of every random number of the study.
     pub seed: u64,
     /// Runs per design.
+    #[schemars(range(min = 1))]
     pub realizations: u32,
     /// Duration of a run \[s\].
+    #[schemars(range(min = 1e-6, max = 1e9))]
     pub duration_s: f64,
     /// The current.
     pub current: Current,
@@ -38,6 +40,7 @@ pub struct CampaignFile {
 #[serde(deny_unknown_fields)]
 pub struct RandomSpec {
     /// Number of equally long segments.
+    #[schemars(range(min = 1))]
     pub segments: u32,
 }
 
@@ -46,8 +49,10 @@ pub struct RandomSpec {
 #[serde(deny_unknown_fields)]
 pub struct ValidationSpec {
     /// Bound on the parameter error.
+    #[schemars(range(min = 1e-9, max = 1e9))]
     pub parameter_error_bound: f64,
     /// Bound on the simulation error.
+    #[schemars(range(min = 1e-9, max = 1e9))]
     pub simulation_error_bound: f64,
     /// Which parameters turn the maneuvers into inputs.
     #[serde(default)]
@@ -57,28 +62,6 @@ pub struct ValidationSpec {
 }
 
 impl CampaignFile {
-    /// Refuses invalid numbers.
-    ///
-    /// # Errors
-    /// Names the key.
-    pub fn check(&self) -> Result<(), Invalid> {
-        self.disturbances().check()?;
-        self.wind.map_or(Ok(()), |wind| wind.check())?;
-        let positive = [
-            ("realizations", f64::from(self.realizations)),
-            ("duration_s", self.duration_s),
-            ("random.segments", self.random.map_or(1.0, |r| f64::from(r.segments))),
-            ("validation.parameter_error_bound", self.validation.parameter_error_bound),
-            ("validation.simulation_error_bound", self.validation.simulation_error_bound),
-        ];
-        check_numbers(positive, "more than zero", |value| value > 0.0)?;
-        check_ranges([
-            ("duration_s", self.duration_s, 1e-6..=1e9, "s"),
-            ("validation.parameter_error_bound", self.validation.parameter_error_bound, 1e-9..=1e9, ""),
-            ("validation.simulation_error_bound", self.validation.simulation_error_bound, 1e-9..=1e9, ""),
-        ])
-    }
-
     /// Current and measurement noise.
     pub fn disturbances(&self) -> Disturbances {
         Disturbances { current: self.current, measurement: self.measurement }

@@ -6,11 +6,12 @@ use std::path::Path;
 use design::Stock;
 use files::{Digest, Error, Provenance, STUDY_ROLES, read_document, read_json};
 use maneuver::InputLimit;
-use refusal::{Invalid, check_numbers};
+use refusal::Invalid;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use ship::model::Source;
 use trial::moments::Moments;
-use trial::refining::{STATES, StatedLimits};
+use trial::refining::StatedLimits;
 
 use crate::documents::{DesignDocument, IngestDocument, ModelDocument, MomentsDocument};
 use crate::figure_goals::FigureGoals;
@@ -114,21 +115,24 @@ fn check_stock(stock: &Stock, maneuvers: &[String]) -> Result<(), Invalid> {
         let given = "a limit in `seconds` and one in `segments`";
         return Err(Invalid::new(thing, given, "one limit", "remove one"));
     }
-    let seconds = stock.seconds.iter().map(|(name, seconds)| (name, *seconds));
-    check_numbers(seconds, "a time of 0 s or more", |seconds| seconds >= 0.0)
+    Ok(())
 }
 
 /// `limits.toml` as written: largest moduli; of inputs also the lowest and the highest value.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct LimitsFile {
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     u_m_s: Option<f64>,
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     v_m_s: Option<f64>,
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     r_rad_s: Option<f64>,
     #[serde(default)]
     inputs: BTreeMap<String, InputLimit>,
     /// Of the inputs' rates, per second.
     #[serde(default)]
+    #[schemars(extend("additionalProperties" = {"type": "number", "exclusiveMinimum": 0}))]
     rates: BTreeMap<String, f64>,
 }
 
@@ -153,10 +157,5 @@ fn check_limits(limits: &StatedLimits, inputs: &[&str]) -> Result<(), Invalid> {
         }
     }
     let mut ranges = limits.inputs.iter();
-    ranges.try_for_each(|(name, range)| range.check(format!("`inputs.{name}`")))?;
-    let states = STATES.iter().zip(limits.states);
-    let states = states.filter_map(|(key, limit)| Some(((*key).to_owned(), limit?)));
-    let rates = limits.rates.iter().map(|(key, limit)| (format!("rates.{key}"), *limit));
-    let all = states.chain(rates);
-    check_numbers(all, "a number above 0", |limit| limit > 0.0)
+    ranges.try_for_each(|(name, range)| range.check(format!("`inputs.{name}`")))
 }

@@ -196,7 +196,6 @@ pub fn read_dictionary(
 /// Reads `campaign.toml` and notes its digest.
 pub fn read_campaign(path: &Path, provenance: &mut Provenance) -> Result<CampaignFile, Error> {
     let file: CampaignFile = provenance.read_toml("campaign", "campaign", path)?;
-    file.check().map_err(|e| crate::invalid(path, &e))?;
     Ok(file)
 }
 
@@ -210,7 +209,6 @@ pub fn read_ingest(path: &Path, provenance: &mut Provenance) -> Result<IngestFil
 /// Reads `reference.toml` and notes its digest as the input `role`.
 pub fn read_reference(path: &Path, role: &str, provenance: &mut Provenance) -> Result<Reference, Error> {
     let file: Reference = provenance.read_toml(role, "reference", path)?;
-    file.check().map_err(|e| crate::invalid(path, &e))?;
     Ok(file)
 }
 
@@ -222,7 +220,6 @@ pub fn read_plan(path: &Path, provenance: &mut Provenance) -> Result<PlanFile, E
 /// Reads `sequential.toml` and notes its digest.
 pub fn read_sequential(path: &Path, provenance: &mut Provenance) -> Result<SequentialFile, Error> {
     let file: SequentialFile = provenance.read_toml("config", "sequential", path)?;
-    file.check().map_err(|e| crate::invalid(path, &e))?;
     Ok(file)
 }
 

@@ -3,7 +3,6 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use refusal::{Invalid, check_numbers};
 use validation::selection::PublishedLimits;
 
 /// `reference.toml` of a study: results published elsewhere, for comparison. They change no result: the limits of a
@@ -17,6 +16,7 @@ pub struct Reference {
     pub used: Option<String>,
     /// Published shares of the optimized design, by maneuver.
     #[serde(default)]
+    #[schemars(extend("additionalProperties" = {"type": "number", "minimum": 0, "maximum": 1, "x-expected": "a share from 0 to 1"}))]
     pub shares: BTreeMap<String, f64>,
     /// Published shares of runs under the bounds, by design.
     #[serde(default)]
@@ -29,61 +29,21 @@ pub struct Reference {
     pub derivatives: BTreeMap<String, f64>,
 }
 
-impl Reference {
-    /// Refuses invalid numbers.
-    ///
-    /// # Errors
-    /// Names the key.
-    pub fn check(&self) -> Result<(), Invalid> {
-        let limits = self.selection.iter().flat_map(|s| {
-            [
-                ("limit_u", s.limit_u),
-                ("limit_v", s.limit_v),
-                ("limit_r", s.limit_r),
-                ("limit_norm", s.limit_norm),
-            ]
-        });
-        let limits = limits.map(|(key, value)| (format!("selection.{key}"), value));
-        check_numbers(limits, "more than zero", |value| value > 0.0)?;
-        let maneuvers = self.shares.iter().map(|(name, share)| (format!("shares.{name}"), *share));
-        let degenerate =
-            self.selection.iter().flat_map(|s| [("optimized", &s.optimized), ("random", &s.random)]);
-        let degenerate = degenerate.filter_map(|(name, picks)| {
-            Some((format!("selection.{name}.degenerate_share"), picks.degenerate_share?))
-        });
-        let designs = self.designs.iter().flat_map(|(name, published)| {
-            let keys = ["parameter_error_share", "simulation_error_share"]
-                .map(|key| format!("designs.{name}.{key}"));
-            let shares = [published.parameter_error_share, published.simulation_error_share];
-            keys.into_iter().zip(shares.map(PublishedShare::printed))
-        });
-        let derivatives =
-            self.derivatives.iter().map(|(name, value)| (format!("derivatives.{name}"), *value));
-        check_numbers(derivatives, "a finite number", f64::is_finite)?;
-        let shares = maneuvers.chain(degenerate).chain(designs);
-        check_numbers(shares, "a share from 0 to 1", |value| (0.0..=1.0).contains(&value))
-    }
-}
-
-impl PublishedShare {
-    fn printed(self) -> f64 {
-        match self {
-            Self::Value(share) | Self::Above { above: share } => share,
-        }
-    }
-}
-
 /// A published selection study: the limits of its figures, and its statements.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PublishedSelection {
     /// RMSE in surge from which values are truncated \[m/s\].
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m/s"))]
     pub limit_u: f64,
     /// In sway \[m/s\].
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "m/s"))]
     pub limit_v: f64,
     /// In yaw rate \[rad/s\].
+    #[schemars(extend("exclusiveMinimum" = 0.0, "x-unit" = "rad/s"))]
     pub limit_r: f64,
     /// The norm of the three.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub limit_norm: f64,
     /// Statements about the result.
     #[serde(default)]
@@ -112,6 +72,7 @@ impl From<&PublishedSelection> for PublishedLimits {
 #[serde(deny_unknown_fields)]
 pub struct PublishedPicks {
     /// Share of degenerate realizations.
+    #[schemars(range(min = 0.0, max = 1.0), extend("x-expected" = "a share from 0 to 1"))]
     pub degenerate_share: Option<f64>,
     /// The best case, shown next to the other's.
     pub best: Option<String>,
@@ -134,10 +95,11 @@ pub struct Published {
 #[serde(untagged)]
 pub enum PublishedShare {
     /// As printed.
-    Value(f64),
+    Value(#[schemars(range(min = 0.0, max = 1.0), extend("x-expected" = "a share from 0 to 1"))] f64),
     /// Printed as "more than".
     Above {
         /// The printed bound.
+        #[schemars(range(min = 0.0, max = 1.0), extend("x-expected" = "a share from 0 to 1"))]
         above: f64,
     },
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use files::{Columns, Error, TableReader};
-use refusal::{Invalid, check_numbers, check_ranges};
+use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use ship::model::{Source, Vessel};
@@ -141,46 +141,33 @@ fn ended(found: &Stopping, realizations: u32) -> String {
 #[serde(deny_unknown_fields)]
 pub struct SequentialFile {
     /// Realizations of every arm.
+    #[schemars(range(min = 1))]
     pub realizations: u32,
     /// Total sea time \[s\].
+    #[schemars(range(min = 1e-6, max = 1e9))]
     pub duration_s: f64,
     /// Number of rounds of equal length.
+    #[schemars(range(min = 1))]
     pub rounds: u32,
     /// Spread of the crude model before the trial: its parameters are the central ones times e^(this times a standard
     /// normal number), drawn for every realization.
+    #[schemars(range(min = 0.0, max = 2.0))]
     pub nominal_spread: f64,
     /// The central parameters of crude models; nominal parameters that are zero stay zero and need a floor.
     #[serde(default)]
     pub crude_about: Source,
     /// The trial may stop when the predicted error falls to this: 2-norm over the parameters of standard error over
     /// parameter.
+    #[schemars(range(min = 1e-12, max = 1e9))]
     pub accuracy: f64,
     /// Smallest moduli of parameters by name, in their units: errors of a smaller parameter are relative to this, and
     /// the crude model's uncertainty is at least this.
     #[serde(default)]
+    #[schemars(extend("additionalProperties" = {"type": "number", "minimum": 1e-12, "maximum": 1e9}))]
     pub floor: BTreeMap<String, f64>,
 }
 
 impl SequentialFile {
-    /// Refuses invalid numbers.
-    ///
-    /// # Errors
-    /// Names the key.
-    pub fn check(&self) -> Result<(), Invalid> {
-        let keys = [
-            ("realizations", f64::from(self.realizations)),
-            ("duration_s", self.duration_s),
-            ("rounds", f64::from(self.rounds)),
-            ("accuracy", self.accuracy),
-        ];
-        let floors = self.floor.iter().map(|(name, value)| (format!("floor.{name}"), *value));
-        let positive = keys.into_iter().map(|(key, value)| (key.to_owned(), value)).chain(floors);
-        check_numbers(positive.clone(), "more than zero", |value| value > 0.0)?;
-        check_ranges(positive.map(|(key, value)| (key, value, 1e-12..=1e9, "")))?;
-        let spread = [("nominal_spread", self.nominal_spread)];
-        check_numbers(spread, "a number from 0 to 2", |value| (0.0..=2.0).contains(&value))
-    }
-
     /// The knowledge of the parameters before a trial; `seed`: of the crude models.
     ///
     /// # Errors

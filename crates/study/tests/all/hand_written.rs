@@ -51,8 +51,8 @@ fn wrong(root: &Value, schema: &Value, value: &Value, at: &str) -> Option<String
     if schema["enum"].as_array().is_some_and(|all| !all.contains(value)) {
         return refuse(format!("found {value}, expected one of {}", schema["enum"]));
     }
-    if schema["minimum"].as_f64().is_some_and(|least| value.as_f64().is_some_and(|own| own < least)) {
-        return refuse(format!("found {value}, expected at least {}", schema["minimum"]));
+    if value.is_number() && !within(schema, value.as_f64().unwrap()) {
+        return refuse(format!("found {value}, beyond the bounds"));
     }
     if let Some(all) = value.as_array() {
         let ends = ["minItems", "maxItems"].map(|key| schema[key].as_u64());
@@ -78,6 +78,15 @@ fn wrong(root: &Value, schema: &Value, value: &Value, at: &str) -> Option<String
             _ => None,
         }
     })
+}
+
+fn within(schema: &Value, number: f64) -> bool {
+    let bound =
+        |key: &str, fits: fn(f64, f64) -> bool| schema[key].as_f64().is_none_or(|end| fits(number, end));
+    bound("minimum", |a, b| a >= b)
+        && bound("maximum", |a, b| a <= b)
+        && bound("exclusiveMinimum", |a, b| a > b)
+        && bound("exclusiveMaximum", |a, b| a < b)
 }
 
 fn schema_of(kind: &str) -> Value {
@@ -173,4 +182,75 @@ fn wrong_keys_types_and_values_are_not_as_the_schemas_say() {
         let why = wrong_in(kind, &right.replacen(from, to, 1)).unwrap_or_else(|| panic!("{path}: {to}"));
         assert!(why.starts_with(place), "{why}");
     }
+}
+
+/// All schemas of a key.
+fn of_key<'a>(schema: &'a Value, key: &str, found: &mut Vec<&'a Value>) {
+    match schema {
+        Value::Object(parts) => {
+            found.extend(parts.get("properties").and_then(|all| all.get(key)));
+            parts.values().for_each(|part| of_key(part, key, found));
+        }
+        Value::Array(parts) => parts.iter().for_each(|part| of_key(part, key, found)),
+        _ => {}
+    }
+}
+
+/// The refusal of a file's text, by the reader of its kind.
+fn refused(kind: &str, text: &str) -> Option<String> {
+    fn read<T: serde::de::DeserializeOwned + schemars::JsonSchema>(text: &str) -> Option<String> {
+        files::parse_toml::<T>(text, "file.toml").err().map(|e| e.to_string())
+    }
+    match kind {
+        "vessel" => read::<ship::model::VesselFile>(text),
+        "dictionary" => read::<maneuver::DictionaryFile>(text),
+        "campaign" => read::<study::campaign_file::CampaignFile>(text),
+        "plan" => read::<study::plan::PlanFile>(text),
+        "sequential" => read::<study::sequential::SequentialFile>(text),
+        "logs" => read::<study::logs_file::LogsFile>(text),
+        "reference" => read::<study::documents::Reference>(text),
+        "ingest" => read::<study::ingest_file::IngestFile>(text),
+        _ => None,
+    }
+}
+
+/// Every number of the studies' files that has a bound is put just beyond it: the reader names the key, the number and the line.
+#[test]
+fn law_a_number_beyond_its_bound_is_refused_with_its_line() {
+    let (mut files, mut stepped) = (Vec::new(), BTreeSet::new());
+    toml_files(&repository().join("pipelines"), &mut files);
+    for path in &files {
+        let kind = kind_of(&path.file_name().unwrap().to_string_lossy()).unwrap();
+        let (text, schema) = (std::fs::read_to_string(path).unwrap(), schema_of(kind));
+        let right = refused(kind, &text);
+        assert_eq!(right, None, "{}", path.display());
+        for (place, line) in text.lines().enumerate() {
+            let Some((key, value)) = line.split_once(" = ") else { continue };
+            let value = value.split(" #").next().unwrap().trim();
+            let Ok(number) = value.parse::<f64>() else { continue };
+            let mut all = Vec::new();
+            of_key(&schema, key, &mut all);
+            let ends = ["minimum", "exclusiveMinimum", "maximum", "exclusiveMaximum"];
+            let ends = all.iter().flat_map(|one| ends.iter().filter_map(|end| one[*end].as_f64()));
+            let beyond = ends.flat_map(|end| [end, end - 1.0, end + 1.0, end - end.abs(), 2.0 * end]);
+            let wrong = beyond.filter(|beyond| all.iter().all(|one| !within(one, *beyond)));
+            // A number that is to be whole and is not has another refusal.
+            let wrong = wrong.filter(|beyond| number.fract() != 0.0 || beyond.fract() == 0.0);
+            for beyond in wrong.collect::<Vec<_>>() {
+                let written =
+                    if value.contains(['.', 'e']) { format!("{beyond:?}") } else { beyond.to_string() };
+                let changed: Vec<String> = text
+                    .lines()
+                    .enumerate()
+                    .map(|(i, own)| if i == place { format!("{key} = {written}") } else { own.to_owned() })
+                    .collect();
+                let said =
+                    refused(kind, &changed.join("\n")).unwrap_or_else(|| panic!("{kind}: {key} = {written}"));
+                let line = format!("(line {}, column 1), expected ", place + 1);
+                assert!(said.contains(&line) && said.contains(key), "{key} = {written}: {said}");
+                stepped.insert((kind, key.to_owned()));
+            }
+        }
+    }
+    assert!(stepped.len() > 40, "{} {stepped:?}", stepped.len());
 }

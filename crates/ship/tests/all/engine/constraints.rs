@@ -14,7 +14,8 @@ fn written(sway: &str) -> String {
 }
 
 fn vessel(sway: &str) -> Result<Vessel, String> {
-    Vessel::from_file(written(sway).parse().unwrap()).map_err(|e| e.to_string())
+    let file = written(sway).parse().map_err(|e: toml::de::Error| e.message().to_owned())?;
+    Vessel::from_file(file).map_err(|e| e.to_string())
 }
 
 const FREE: &str = "{ parameter = \"p\", term = \"v |v| d\", nominal = -0.2 }, \

@@ -1,6 +1,6 @@
 //! The response of actuators to commands.
 
-use ship::model::{Actuator, ActuatorState, SampleCommand, Vessel};
+use ship::model::{Actuator, ActuatorState, SampleCommand, VesselFile};
 
 const RUDDER: Actuator =
     Actuator { range: Some([-0.6, 0.6]), lag_s: 2.0, rate_per_s: Some(0.05), dead_band: 0.0, hold_s: 0.0 };
@@ -59,7 +59,7 @@ fn actuators_that_make_no_sense_are_refused() {
         ("hold_s", "nan"),
     ] {
         let own = text.replacen("unit = \"rad\"", &format!("unit = \"rad\"\n{key} = {value}"), 1);
-        let refused = Vessel::from_file(own.parse().unwrap()).unwrap_err().to_string();
+        let refused = own.parse::<VesselFile>().unwrap_err().to_string();
         assert!(refused.contains(&format!("`{key}` of input `delta`")), "{refused}");
     }
 }

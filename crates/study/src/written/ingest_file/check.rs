@@ -1,11 +1,9 @@
 //! Refuses an invalid `ingest.toml` before any log is read.
 
-use std::fmt::Display;
-
 use logs::{Accepted, ChannelSpec, Checksums, FileSpec, Format, Interval, LOG_TIME, PUBLISH_TIME, TimeUnit};
-use refusal::{Invalid, check_name, check_numbers, check_ranges, foreign};
+use refusal::{Invalid, check_name, foreign};
 
-use super::{IngestFile, ThrusterSpec};
+use super::IngestFile;
 
 impl IngestFile {
     /// Refuses invalid numbers and keys that exclude each other.
@@ -13,7 +11,7 @@ impl IngestFile {
     /// # Errors
     /// Names the key.
     pub fn check(&self) -> Result<(), Invalid> {
-        self.check_numbers()?;
+        self.check_windows()?;
         self.check_names()?;
         self.check_channels()?;
         self.check_segments()?;
@@ -24,21 +22,9 @@ impl IngestFile {
         self.file.iter().try_for_each(check_file)
     }
 
-    fn check_numbers(&self) -> Result<(), Invalid> {
-        let numbers = [
-            ("sample_rate_hz", Some(self.sample_rate_hz)),
-            ("max_gap_s", Some(self.max_gap_s)),
-            ("max_speed_m_s", Some(self.max_speed_m_s)),
-            ("average_s", self.average_s),
-            ("velocities.window_s", Some(self.velocities.window_s)),
-            ("window_s", self.window_s),
-            ("tail_s", self.tail_s),
-            ("min_s", self.min_s),
-        ];
-        check_positive(numbers.into_iter().filter_map(|(key, value)| Some((key, value?))))?;
-        self.check_ranges()?;
+    fn check_windows(&self) -> Result<(), Invalid> {
         let rising = self.speed_classes_m_s.windows(2).all(|pair| pair[0] < pair[1]);
-        if !rising || self.speed_classes_m_s.iter().any(|bound| !(bound.is_finite() && *bound > 0.0)) {
+        if !rising {
             let given = format!("{:?}", self.speed_classes_m_s);
             let expected = "speeds above 0 m/s that increase";
             return Err(Invalid::new("`speed_classes_m_s`", given, expected, "put them in order"));
@@ -52,30 +38,6 @@ impl IngestFile {
             return Err(Invalid::new("`tail_s`", given, expected, "correct it or remove it"));
         }
         self.check_speed_names()
-    }
-
-    /// Refuses unreasonably large numbers.
-    fn check_ranges(&self) -> Result<(), Invalid> {
-        // About a second if a number is not stated.
-        let or_one = |value: Option<f64>| value.unwrap_or(1.0);
-        let (seconds, metres) = (1e-9..=1e9, -1e4..=1e4);
-        check_ranges([
-            ("sample_rate_hz", self.sample_rate_hz, 1e-6..=1e6, "Hz"),
-            ("max_gap_s", self.max_gap_s, seconds.clone(), "s"),
-            ("max_speed_m_s", self.max_speed_m_s, 1e-6..=1e4, "m/s"),
-            ("average_s", or_one(self.average_s), 1e-9..=1e5, "s"),
-            ("velocities.window_s", self.velocities.window_s, 1e-6..=1e5, "s"),
-            ("window_s", or_one(self.window_s), 1e-6..=1e7, "s"),
-            ("tail_s", or_one(self.tail_s), 1e-9..=1e7, "s"),
-            ("min_s", or_one(self.min_s), seconds.clone(), "s"),
-        ])?;
-        check_ranges(self.antenna_m.map(|place| ("antenna_m", place, metres.clone(), "m")))?;
-        let classes = self.speed_classes_m_s.iter();
-        check_ranges(classes.map(|bound| ("speed_classes_m_s", *bound, 0.0..=1000.0, "m/s")))?;
-        let times =
-            self.segment.iter().flat_map(|s| [("segment.from_s", s.from_s), ("segment.to_s", s.to_s)]);
-        check_ranges(times.map(|(key, time)| (key, time, -1e9..=1e9, "s")))?;
-        self.thruster.iter().try_for_each(check_thruster)
     }
 
     /// Refuses names that figures and pages cannot show.
@@ -126,45 +88,17 @@ impl IngestFile {
             ));
         }
         for channel in self.file.iter().flat_map(|file| &file.channel) {
-            let numbers = [channel.scale, channel.offset, channel.delay_s];
-            let gap = channel.max_gap_s.unwrap_or(1.0);
-            if channel.sign.abs() != 1.0 || numbers.iter().any(|n| !n.is_finite()) || channel.scale == 0.0 {
+            if channel.sign.abs() != 1.0 || channel.scale == 0.0 {
                 return Err(Invalid::new(
                     format!("channel `{}`", channel.channel),
-                    format!(
-                        "sign {}, scale {}, offset {}, delay_s {}",
-                        channel.sign, numbers[0], numbers[1], numbers[2]
-                    ),
-                    "sign 1 or -1, a scale other than 0, finite numbers",
+                    format!("sign {}, scale {}", channel.sign, channel.scale),
+                    "sign 1 or -1, a scale other than 0",
                     "correct it",
                 ));
             }
-            check_positive([(format!("max_gap_s` of channel `{}", channel.channel), gap)])?;
-            let key_of = |key: &str| format!("{key}` of channel `{}", channel.channel);
-            check_ranges([
-                (key_of("scale"), channel.scale, -1e15..=1e15, ""),
-                (key_of("offset"), channel.offset, -1e15..=1e15, ""),
-                (key_of("delay_s"), channel.delay_s, -1e9..=1e9, "s"),
-                (key_of("max_gap_s"), gap, 1e-9..=1e9, "s"),
-            ])?;
             check_gate(channel)?;
         }
-        let attitudes = self.file.iter().flat_map(|file| &file.quaternion);
-        for quaternion in attitudes {
-            let gap = quaternion.max_gap_s.unwrap_or(1.0);
-            check_positive([("tolerance", quaternion.tolerance), ("max_gap_s", gap)])?;
-            check_ranges([
-                ("tolerance", quaternion.tolerance, 1e-12..=1e3, ""),
-                ("max_gap_s", gap, 1e-9..=1e9, "s"),
-                ("delay_s", quaternion.delay_s, -1e9..=1e9, "s"),
-            ])?;
-        }
-        let columns = self.file.iter().filter_map(|file| file.columns);
-        check_ranges(columns.map(|count| ("columns", count as f64, 0.0..=1e5, "columns")))?;
-        let clocks = self.file.iter().map(|file| ("offset_s", file.time.offset_s));
-        check_ranges(clocks.clone().map(|(key, offset)| (key, offset, -1e12..=1e12, "s")))?;
-        let antenna = self.antenna_m.map(|place| ("antenna_m", place));
-        check_numbers(clocks.chain(antenna), "a finite number", |_| true)
+        Ok(())
     }
 
     fn check_segments(&self) -> Result<(), Invalid> {
@@ -179,7 +113,7 @@ impl IngestFile {
             let given = "`maneuver_from_file` beside it";
             return Err(Invalid::new("`maneuver`", given, "one of the two", "remove one"));
         }
-        let wrong = |s: &&Interval| !(s.from_s.is_finite() && s.to_s.is_finite() && s.from_s < s.to_s);
+        let wrong = |s: &&Interval| s.from_s >= s.to_s;
         match self.segment.iter().find(wrong) {
             Some(segment) => Err(Invalid::new(
                 format!("[[segment]] of run `{}`", segment.run),
@@ -192,24 +126,11 @@ impl IngestFile {
     }
 }
 
-fn check_thruster(thruster: &ThrusterSpec) -> Result<(), Invalid> {
-    let (ThrusterSpec::Azimuth { coefficient, position_m, .. }
-    | ThrusterSpec::Tunnel { coefficient, position_m, .. }) = thruster;
-    check_ranges([("thruster.coefficient", coefficient.unwrap_or(1.0), -1e12..=1e12, "")])?;
-    check_ranges(position_m.map(|place| ("thruster.position_m", place, -1e4..=1e4, "m")))
-}
-
 /// Refuses a channel whose values could not be distinguished from missing ones.
 fn check_gate(channel: &ChannelSpec) -> Result<(), Invalid> {
-    let key = |key: &str| format!("{key}` of channel `{}", channel.channel);
-    let missing = channel.missing.iter().flatten().map(|number| (key("missing"), *number));
-    check_numbers(missing, "finite numbers", |_| true)?;
-    check_numbers([(key("max_omitted"), channel.max_omitted)], "a share from 0 to 1", |share| {
-        (0.0..=1.0).contains(&share)
-    })?;
     match channel.valid {
-        Some([low, high]) if !(low < high && (high - low).is_finite()) => Err(Invalid::new(
-            format!("`{}`", key("valid")),
+        Some([low, high]) if low >= high => Err(Invalid::new(
+            format!("`valid` of channel `{}`", channel.channel),
             format!("[{low}, {high}]"),
             "the least and the greatest value",
             "correct it",
@@ -241,8 +162,6 @@ fn check_file(file: &FileSpec) -> Result<(), Invalid> {
             return Err(Invalid::new("`header`", "files without header or `columns`", expected, "add it"));
         }
     }
-    let share = file.max_wrong_checksums;
-    check_numbers([("max_wrong_checksums", share)], "a share from 0 to 1", |s| (0.0..=1.0).contains(&s))?;
     check_talkers(file)?;
     check_kinds(file)?;
     check_time(file)
@@ -358,8 +277,4 @@ fn check_time(file: &FileSpec) -> Result<(), Invalid> {
         return Err(Invalid::new("`time`", given, "whole seconds in `column`", "set `unit = \"s\"`"));
     }
     Ok(())
-}
-
-fn check_positive<K: Display>(numbers: impl IntoIterator<Item = (K, f64)>) -> Result<(), Invalid> {
-    check_numbers(numbers, "a number above zero", |value| value > 0.0)
 }

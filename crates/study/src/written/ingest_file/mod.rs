@@ -29,16 +29,20 @@ pub struct IngestFile {
     #[serde(default = "measured")]
     pub design: String,
     /// The common rate \[Hz\].
+    #[schemars(range(min = 1e-6, max = 1e6))]
     pub sample_rate_hz: f64,
     /// Channels are not interpolated over longer gaps: the recording is split there \[s\].
+    #[schemars(range(min = 1e-9, max = 1e9))]
     pub max_gap_s: f64,
     /// Every channel is averaged over this long before it is resampled \[s\].
+    #[schemars(range(min = 1e-9, max = 1e5))]
     pub average_s: Option<f64>,
     /// What to do where time goes backwards.
     #[serde(default)]
     pub non_monotonic: NonMonotonic,
     /// The speed that the ship does not exceed \[m/s\]: faster ones, and places that it would not get to, are left out.
     #[serde(default = "thirty")]
+    #[schemars(range(min = 1e-6, max = 1e4))]
     pub max_speed_m_s: f64,
     /// Axes of `x` and `y`.
     #[serde(default)]
@@ -51,6 +55,7 @@ pub struct IngestFile {
     /// The antenna, or whatever positions and velocities were measured at, from the reference point: forward, to starboard
     /// \[m\].
     #[serde(default)]
+    #[schemars(inner(range(min = -1e4, max = 1e4)))]
     pub antenna_m: [f64; 2],
     /// What the trajectories' positions and velocities are those of, in words.
     pub reference_point: Option<String>,
@@ -70,12 +75,15 @@ pub struct IngestFile {
     /// Template that finds `{kind}` in a file's name, or in its path where the template has a `/`.
     pub maneuver_from_file: Option<String>,
     /// Sub-experiments are windows of this length \[s\] …
+    #[schemars(range(min = 1e-6, max = 1e7))]
     pub window_s: Option<f64>,
     /// … what is left at the end of a stretch being a last, shorter one if it is this long \[s\], a quarter of `window_s` if
     /// that is not said …
+    #[schemars(range(min = 1e-9, max = 1e7))]
     pub tail_s: Option<f64>,
     /// … named by kind and class of mean speed, with these bounds \[m/s\].
     #[serde(default)]
+    #[schemars(inner(range(min = 1e-6, max = 1e3)))]
     pub speed_classes_m_s: Vec<f64>,
     /// Names of the speed classes, one more than bounds.
     pub speed_class_names: Option<Vec<String>>,
@@ -83,6 +91,7 @@ pub struct IngestFile {
     #[serde(default)]
     pub segment: Vec<Interval>,
     /// Shorter sub-experiments are left out \[s\].
+    #[schemars(range(min = 1e-9, max = 1e9))]
     pub min_s: Option<f64>,
     /// Whether every sub-experiment becomes a run of its own.
     #[serde(default)]
@@ -116,6 +125,7 @@ pub struct VelocitySpec {
     /// Explicit Euler differences, or slopes of local parabolas.
     pub method: Method,
     /// Length of the parabolas \[s\]; also of those that measured velocities are compared with.
+    #[schemars(range(min = 1e-6, max = 1e5))]
     pub window_s: f64,
 }
 
@@ -138,6 +148,7 @@ pub enum ThrusterSpec {
         /// Channel of its pitch, for a table over pitches.
         pitch: Option<String>,
         /// Force per speed squared, or per speed \[N\].
+        #[schemars(range(min = -1e12, max = 1e12))]
         coefficient: Option<f64>,
         /// Force from speed.
         #[serde(default)]
@@ -145,6 +156,7 @@ pub enum ThrusterSpec {
         /// Force from speed, and pitch.
         table: Option<TableSpec>,
         /// Forward and to starboard of the reference point \[m\].
+        #[schemars(inner(range(min = -1e4, max = 1e4)))]
         position_m: [f64; 2],
     },
     /// Pushes to starboard for positive speed.
@@ -154,6 +166,7 @@ pub enum ThrusterSpec {
         /// Channel of its pitch, for a table over pitches.
         pitch: Option<String>,
         /// Force per speed squared, or per speed \[N\].
+        #[schemars(range(min = -1e12, max = 1e12))]
         coefficient: Option<f64>,
         /// Force from speed.
         #[serde(default)]
@@ -161,6 +174,7 @@ pub enum ThrusterSpec {
         /// Force from speed, and pitch.
         table: Option<TableSpec>,
         /// Forward and to starboard of the reference point \[m\].
+        #[schemars(inner(range(min = -1e4, max = 1e4)))]
         position_m: [f64; 2],
     },
 }
