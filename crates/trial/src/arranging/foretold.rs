@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use design::Candidates;
 use estimation::pooled::{Covariance, Uncertain};
-use estimation::{output_information, parameter_error};
+use estimation::{OutputInformation, Simulated, output_informations, parameter_error};
 use numerics::lanes::interleave;
 use numerics::statistics::median;
 use numerics::{LANES, scaled_inverse, times};
@@ -34,19 +34,18 @@ pub struct Foretold {
 const DRAWS: (u32, u64) = (4000, 1);
 
 impl Arranging<'_> {
-    /// Of an output-error estimate of the experiment from `initial` under `exogenous`; `None` of other estimates, or where its
-    /// information is singular.
-    pub(super) fn foretold(&self, initial: [f64; 3], exogenous: &[f64]) -> Option<Foretold> {
+    /// Of an output-error estimate of the experiment `run`; `None` of other estimates, or where its information is singular.
+    pub(super) fn foretold(&self, run: Run) -> Option<Foretold> {
         let Estimated::OutputError { current } = self.estimated else { return None };
         // Not of what is left out of the information.
         self.moments.disturbances.as_ref().filter(|expected| !expected.lasting_current_left_out)?;
         let model = self.moments.output_error.as_ref()?;
         let (g, rows, n) = (model.g.as_deref().unwrap_or_default(), &model.rows, model.rows.len());
-        let samples = exogenous.len() / self.vessel.model.exogenous().max(1);
+        let samples = run.1.len() / self.vessel.model.exogenous().max(1);
         let theta = self.ordered(&model.parameters)?;
         let place = |name: &String| self.vessel.model.parameter_names().position(|other| other == name);
         let places: Vec<Option<usize>> = rows.iter().map(place).collect();
-        let Information { information, mut meat } = self.informed(initial, exogenous, current)?;
+        let Information { information, mut meat } = self.informed(&[run], current)?.pop()??;
         let inverse = scaled_inverse(n, &information)?;
         let mut center = theta.clone();
         if let Some(prior) = self.moments.prior.as_ref().filter(|_| model.simulated_with == Source::Value) {
@@ -82,6 +81,9 @@ impl Arranging<'_> {
     }
 }
 
+/// Where a run begins, and its rows.
+type Run = ([f64; 3], Vec<f64>);
+
 /// F and the meat of an estimate's covariance, n × n, per sample, with what is known before.
 pub(super) struct Information {
     pub information: Vec<f64>,
@@ -93,20 +95,18 @@ const PENALTY: f64 = 20.0;
 
 impl Arranging<'_> {
     /// Values of up to [`LANES`] runs of equal length.
-    pub(super) fn group(&self, runs: &[([f64; 3], Vec<f64>)]) -> Vec<f64> {
+    pub(super) fn group(&self, runs: &[Run]) -> Vec<f64> {
         let model = &self.vessel.model;
-        let exogenous: Vec<Vec<f64>> = runs.iter().map(|(_, inputs)| model.undisturbed(inputs)).collect();
+        let undisturbed: Vec<Run> = runs.iter().map(|run| (run.0, model.undisturbed(&run.1))).collect();
         let penalty = |i: usize| {
             let Some(limits) = generated_limits(self.generator) else { return 0.0 };
-            let states = simulate_one(model, self.generator.parameters(), runs[i].0, &exogenous[i]);
+            let states = simulate_one(model, self.generator.parameters(), runs[i].0, &undisturbed[i].1);
             let exceeded = limits.exceeded(model, &states, &runs[i].1, self.vessel.sample_rate_hz);
             exceeded.map_or(0.0, |e| PENALTY * (e.found / e.allowed - 1.0))
         };
         let values = match self.estimated {
-            Estimated::Iv(removal) => self.instrumental(runs, &exogenous, removal),
-            Estimated::OutputError { current } => {
-                (0..runs.len()).map(|i| self.output_error(runs[i].0, &exogenous[i], current)).collect()
-            }
+            Estimated::Iv(removal) => self.instrumental(&undisturbed, removal),
+            Estimated::OutputError { current } => self.output_error(&undisturbed, current),
         };
         let judged = |(i, value): (usize, Option<f64>)| value.map_or(f64::NEG_INFINITY, |v| v - penalty(i));
         values.into_iter().enumerate().map(judged).collect()
@@ -121,41 +121,41 @@ impl Arranging<'_> {
         self.vessel.model.parameter_names().map(|name| by_name.get(name).copied()).collect()
     }
 
-    fn output_error(&self, initial: [f64; 3], exogenous: &[f64], current: bool) -> Option<f64> {
-        let Information { information, meat } = self.informed(initial, exogenous, current)?;
-        self.judge(vec![information.len().isqrt()], &information, Some(&meat))
+    fn output_error(&self, runs: &[Run], current: bool) -> Vec<Option<f64>> {
+        let Some(known) = self.informed(runs, current) else { return vec![None; runs.len()] };
+        let judge = |Information { information: f, meat }| self.judge(vec![f.len().isqrt()], &f, Some(&meat));
+        known.into_iter().map(|known| known.and_then(judge)).collect()
     }
 
-    /// What an output-error estimate of the experiment knows, per sample.
-    fn informed(&self, initial: [f64; 3], exogenous: &[f64], current: bool) -> Option<Information> {
-        let noise = self.noise()?;
-        let theta = self.ordered(&self.moments.output_error.as_ref()?.parameters)?;
+    /// What output-error estimates of experiments of equal length know, per sample.
+    fn informed(&self, runs: &[Run], current: bool) -> Option<Vec<Option<Information>>> {
+        let (noise, expected) = (self.noise()?, self.moments.output_error.as_ref()?);
+        let (model, theta) = (&self.vessel.model, self.ordered(&expected.parameters)?);
         let noise = if current { noise } else { Noise { current: 0.0, ..noise } };
-        let samples = exogenous.len() / self.vessel.model.exogenous().max(1);
-        let mut sums = if self.vessel.model.forces.is_some() {
+        let mut all: Vec<Option<Information>> = if model.forces.is_some() {
             let prediction = ForcesPrediction::with(self.vessel, theta, noise).ok()?;
-            let OutputErrorMoments { f, p, .. } = prediction.of_experiment(initial, exogenous)?;
-            let meat = p.map_or_else(|| f.clone(), |p| f.iter().zip(&p).map(|(f, p)| f + p).collect());
-            Information { information: f, meat }
+            let of = |(initial, exogenous): &Run| {
+                let OutputErrorMoments { f, p, .. } = prediction.of_experiment(*initial, exogenous)?;
+                let meat = p.map_or_else(|| f.clone(), |p| f.iter().zip(&p).map(|(f, p)| f + p).collect());
+                Some(Information { information: f, meat })
+            };
+            runs.iter().map(of).collect()
         } else {
-            let predicted = output_information(&self.vessel.model, &theta, initial, exogenous, &noise)?;
-            Information { meat: predicted.middle(), information: predicted.information }
+            let all = runs.iter().map(|run| Simulated { theta: &theta, initial: run.0, exogenous: &run.1 });
+            let predicted = output_informations(model, &all.collect::<Vec<_>>(), &noise);
+            let of = |p: OutputInformation| Information { meat: p.middle(), information: p.information };
+            predicted.into_iter().map(|predicted| predicted.map(of)).collect()
         };
-        if let Some(prior) = &self.moments.prior {
-            // Priors count once for the experiment.
-            let rows = &self.moments.output_error.as_ref()?.rows;
-            prior.add_to(&mut sums.information, rows, samples as f64);
-            prior.add_to(&mut sums.meat, rows, samples as f64);
+        // Priors count once for the experiment.
+        for (sums, prior) in all.iter_mut().flatten().zip(self.moments.prior.iter().cycle()) {
+            let samples = (runs[0].1.len() / model.exogenous().max(1)) as f64;
+            prior.add_to(&mut sums.information, &expected.rows, samples);
+            prior.add_to(&mut sums.meat, &expected.rows, samples);
         }
-        Some(sums)
+        Some(all)
     }
 
-    fn instrumental(
-        &self,
-        runs: &[([f64; 3], Vec<f64>)],
-        exogenous: &[Vec<f64>],
-        removal: MeanRemoval,
-    ) -> Vec<Option<f64>> {
+    fn instrumental(&self, runs: &[Run], removal: MeanRemoval) -> Vec<Option<f64>> {
         let model = &self.vessel.model;
         let theta = match &self.moments.disturbances {
             Some(expected) => self.ordered(&expected.parameters),
@@ -163,12 +163,12 @@ impl Arranging<'_> {
         };
         let Some(theta) = theta else { return vec![None; runs.len()] };
         let simulated = |theta: &[f64]| -> Vec<Vec<f64>> {
-            let run = |i: usize| simulate_one(model, theta, runs[i].0, &exogenous[i]);
-            (0..runs.len()).map(run).collect()
+            runs.iter().map(|(initial, rows)| simulate_one(model, theta, *initial, rows)).collect()
         };
         let (truth, nominal) = (simulated(&theta), simulated(&self.vessel.nominal));
-        let lanes = |rows: &[Vec<f64>]| interleave(&rows.iter().map(Vec::as_slice).collect::<Vec<_>>());
-        let (measured, instrument_states, inputs) = (lanes(&truth), lanes(&nominal), lanes(exogenous));
+        let lanes = |all: &[Vec<f64>]| interleave(&all.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        let rows: Vec<&[f64]> = runs.iter().map(|run| &run.1[..]).collect();
+        let (measured, instrument_states, inputs) = (lanes(&truth), lanes(&nominal), interleave(&rows));
         let batch = Batch {
             model,
             measured: &measured,

@@ -125,7 +125,7 @@ impl Arranging<'_> {
         }
         let gain = libm::exp((value - start) / self.criterion.degree()) - 1.0;
         let (initial, inputs) = parts.joined(&now);
-        let foretold = self.foretold(initial, &self.vessel.model.undisturbed(&inputs));
+        let foretold = self.foretold((initial, self.vessel.model.undisturbed(&inputs)));
         let limits = self.kept(&(initial, inputs));
         let name = |(q, n): &(usize, usize)| (self.generator.maneuvers()[*q].name.clone(), *n);
         Ok(Arranged { parts: now.iter().map(name).collect(), value, gain, tried, limits, foretold })
