@@ -50,6 +50,8 @@ fn logs_come_to_their_page_by_two_commands() {
     assert!(page.contains("The next trial") && page.contains("Predicted, this trial"));
     let whole = bytes(&folder, "mine/next/campaign.toml");
     edit(&folder, "mine/next/campaign.toml", "std_u_m_s = ", "std_u_m_s = -");
+    // Few maneuvers are enough from here on.
+    edit(&folder, "mine/next/dictionary.toml", "candidates = 200", "candidates = 60");
     let without = run(&folder, "run mine --out out --quiet").succeeds();
     assert!(without.stdout.contains("without next-moments, next-design"), "{without}");
     assert!(

@@ -32,13 +32,19 @@ fn charted() -> TempDir {
         .unwrap();
     }
     edit(&folder, "campaign.toml", "realizations = 200", "realizations = 2");
+    // A short trial: most of the time would go to the search for its order.
+    edit(&folder, "campaign.toml", "duration_s = 1902.0", "duration_s = 450.0");
     folder
 }
 
-/// A study `mine` of the logs in the folder `logs`, and how it is run to its first stage.
+/// A study `mine` of the logs in the folder `logs`, whose next trial is designed of few maneuvers, and how it is run to its first
+/// stage.
 fn of_logs() -> TempDir {
     let folder = logged("heading", "heading");
     run(&folder, "new mine --vessel model-ship --logs logs").succeeds();
+    edit(&folder, "mine/next/dictionary.toml", "candidates = 200", "candidates = 60");
+    let text = String::from_utf8(bytes(&folder, "mine/study.mk")).unwrap();
+    put(&folder, "mine/study.mk", &format!("{text}NEXT_FLAGS = --starts 0\n"));
     folder
 }
 

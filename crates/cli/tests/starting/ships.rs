@@ -211,7 +211,8 @@ fn a_guess_comes_to_its_page_by_two_commands() {
     let number = |name: &str, key: &str| number(&folder, name, key);
     assert_eq!(number("mine/dictionary.toml", "speed_m_s"), number("guessed.toml", "speed_m_s"));
     assert_eq!(number("mine/vessel.toml", "\"X_0\""), -number("mine/vessel.toml", "\"X_0\"").abs());
-    let ran = run(&folder, "run mine --quiet --set campaign.realizations=1").succeeds();
+    let short = "--set campaign.realizations=1 --set campaign.duration_s=150";
+    let ran = run(&folder, &format!("run mine --quiet {short}")).succeeds();
     assert!(ran.stdout.starts_with("out/mine/report.html: "), "{ran}");
     let merit = json(&folder, "out/mine/merit.json");
     assert!(merit["data"]["maneuvers"].as_array().unwrap().len() >= 8, "{merit}");
