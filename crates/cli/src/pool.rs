@@ -9,7 +9,7 @@ use estimation::pooled::Pool;
 use files::Provenance;
 use regression::MeanRemoval;
 use regression::pooled::{NominalModel, NominalSource, PooledRuns, Recorded};
-use seatrial::{NamedRoles, core_of};
+use seatrial::{Roles, core_of};
 use serde_json::{Value, json};
 use ship::model::Vessel;
 use study::Doubtful;
@@ -166,7 +166,7 @@ impl PoolFlags {
             return Ok(vessel);
         }
         none_given([("--core", vessel.model.forces.is_some())], "a ship with forces", "terms per sample")?;
-        core_of(&vessel, &NamedRoles::default()).map_err(|e| Failure::invalid(&self.vessel, &e))
+        core_of(&vessel, &Roles::default()).map_err(|e| Failure::invalid(&self.vessel, &e))
     }
 
     /// The files that are read.

@@ -86,7 +86,7 @@ pub fn counted(
 pub struct Stock {
     /// Maneuver → maximum time \[s\].
     #[serde(default)]
-    #[schemars(extend("additionalProperties" = {"type": "number", "minimum": 0}))]
+    #[schemars(extend("additionalProperties" = {"type": "number", "minimum": 0, "x-unit": "s"}))]
     pub seconds: BTreeMap<String, f64>,
     /// Maneuver → maximum number of whole segments.
     #[serde(default)]

@@ -6,13 +6,36 @@
 //! for what is valid, `x-remedy` those for how to correct it.
 
 use schemars::{JsonSchema, schema_for};
+use serde::de::{Deserialize, DeserializeOwned, Deserializer, Error};
 use serde_json::Value;
 
+use crate::words::short;
 use crate::{Contents, Invalid, PathStep, Unreadable, foreign};
 
+/// Reads `T` from `deserializer`. A list in place of a table is refused, because its values would be
+/// identified by position alone; so are a key that occurs twice, because the first value would be lost, and
+/// surplus values of a list, and a number outside the bounds that `T` declares for it.
+///
+/// # Errors
+/// These, and those of `T`.
+pub fn strictly<'de, T: DeserializeOwned + JsonSchema, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<T, D::Error> {
+    Contents::deserialize(deserializer)?.read().map_err(D::Error::custom)
+}
+
 impl Contents {
+    /// As `T`, see [`strictly`].
+    ///
+    /// # Errors
+    /// What is wrong, and the way to it.
+    pub fn read<T: DeserializeOwned + JsonSchema>(&self) -> Result<T, Unreadable> {
+        self.check_bounds::<T>()?;
+        T::deserialize(self)
+    }
+
     /// Refuses the first number outside the bounds that `T` declares for it. What is not of `T` is left to its reader.
-    pub(crate) fn check_bounds<T: JsonSchema>(&self) -> Result<(), Unreadable> {
+    fn check_bounds<T: JsonSchema>(&self) -> Result<(), Unreadable> {
         let whole = schema_for!(T).to_value();
         let mut way = Vec::new();
         within(self, &whole, &whole, &mut way).map_err(|(found, schema)| {
@@ -38,8 +61,9 @@ impl Contents {
                 PathStep::Item(place) => {
                     let below = value.and_then(|value| value.item(*place));
                     if matches!(below, Some(Contents::Table(_))) {
-                        let name =
-                            ["name", "channel", "run"].iter().find_map(|key| below?.entry(key)?.text());
+                        let name = ["name", "channel", "run", "parameter", "file"]
+                            .iter()
+                            .find_map(|key| below?.entry(key)?.text());
                         let name = name
                             .map_or_else(|| (place + 1).to_string(), |name| format!("`{}`", foreign(name)));
                         (list, item) = (keys.last().copied().unwrap_or("item"), Some(name));
@@ -50,7 +74,10 @@ impl Contents {
             };
         }
         let keys = keys.join(".");
-        item.map_or_else(|| format!("`{keys}`"), |item| format!("`{keys}` of {list} {item}"))
+        item.map_or_else(
+            || format!("`{keys}`"),
+            |item| format!("`{keys}` of {} {item}", list.replace('_', " ")),
+        )
     }
 
     fn entry(&self, key: &str) -> Option<&Self> {
@@ -224,10 +251,4 @@ fn unit_of(way: &[PathStep]) -> Option<&'static str> {
     let key =
         way.iter().rev().find_map(|step| if let PathStep::Key(key) = step { Some(key) } else { None })?;
     UNITS.iter().find(|(end, _)| key.ends_with(end)).map(|(_, unit)| *unit)
-}
-
-/// A number without long runs of zeros.
-pub(crate) fn short(number: f64) -> String {
-    let plain = number == 0.0 || !number.is_finite() || (1e-3..1e7).contains(&number.abs());
-    if plain { number.to_string() } else { format!("{number:e}") }
 }

@@ -7,10 +7,9 @@ use std::collections::BTreeSet;
 use std::convert::Infallible;
 use std::fmt::{self, Display};
 
-use schemars::JsonSchema;
 use serde::de::{
-    Deserialize, DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, Error, Expected,
-    IntoDeserializer, MapAccess, SeqAccess, Unexpected, VariantAccess, Visitor,
+    Deserialize, DeserializeSeed, Deserializer, EnumAccess, Error, Expected, IntoDeserializer, MapAccess,
+    SeqAccess, Unexpected, VariantAccess, Visitor,
 };
 
 use crate::Invalid;
@@ -83,29 +82,6 @@ impl Error for Unreadable {
             Unexpected::Unit => Self::custom(format_args!("invalid type: null, expected {expected}")),
             found => Self::custom(format_args!("invalid type: {found}, expected {expected}")),
         }
-    }
-}
-
-/// Reads `T` from `deserializer`. A list in place of a table is refused, because its values would be
-/// identified by position alone; so are a key that occurs twice, because the first value would be lost, and
-/// surplus values of a list, and a number outside the bounds that `T` declares for it.
-///
-/// # Errors
-/// These, and those of `T`.
-pub fn strictly<'de, T: DeserializeOwned + JsonSchema, D: Deserializer<'de>>(
-    deserializer: D,
-) -> Result<T, D::Error> {
-    Contents::deserialize(deserializer)?.read().map_err(D::Error::custom)
-}
-
-impl Contents {
-    /// As `T`, see [`strictly`].
-    ///
-    /// # Errors
-    /// What is wrong, and the way to it.
-    pub fn read<T: DeserializeOwned + JsonSchema>(&self) -> Result<T, Unreadable> {
-        self.check_bounds::<T>()?;
-        T::deserialize(self)
     }
 }
 

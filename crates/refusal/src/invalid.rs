@@ -1,8 +1,7 @@
 use std::fmt::{self, Display};
 use std::ops::RangeInclusive;
 
-use crate::bounds::short;
-use crate::words::fitted;
+use crate::words::{fitted, short};
 use crate::{foreign, one_line, suggestion};
 
 /// Most characters of the four parts of a message together: with a file's name they stay below 500.

@@ -9,7 +9,8 @@ mod contents;
 mod invalid;
 mod words;
 
-pub use contents::{Contents, PathStep, Unreadable, strictly};
+pub use bounds::strictly;
+pub use contents::{Contents, PathStep, Unreadable};
 pub use invalid::{Invalid, check_name, check_numbers, check_ranges};
 pub use words::{
     fitted, foreign, gone, listed, names_in, nearest, one_line, shortened, some_of, suggestion, with_remedy,

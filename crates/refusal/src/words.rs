@@ -45,6 +45,12 @@ fn is_unseen(c: char) -> bool {
     )
 }
 
+/// A number without long runs of zeros.
+pub(crate) fn short(number: f64) -> String {
+    let plain = number == 0.0 || !number.is_finite() || (1e-3..1e7).contains(&number.abs());
+    if plain { number.to_string() } else { format!("{number:e}") }
+}
+
 /// Longer words are not compared.
 const COMPARED: usize = 200;
 

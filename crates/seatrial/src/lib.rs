@@ -54,7 +54,7 @@ pub use design::{
 pub use estimation::fitting::{Settings, Starts, Unfit};
 pub use estimation::pooled::{Covariance, Grown, Judgement, Pool, PoolError, Resampling};
 pub use estimation::runs::{RunError, RunEstimators};
-pub use estimation::search::{NamedRoles, SearchError, SearchOptions};
+pub use estimation::search::{Roles, SearchError, SearchOptions};
 pub use estimation::{Estimator, RunEstimate, RunScore, ValidationRuns};
 pub use files::{Budget, Error, Provenance};
 pub use logs::{Plan as LogsPlan, Source as LogsSource, Totals};

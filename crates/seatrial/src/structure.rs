@@ -4,8 +4,8 @@ use estimation::against_nominal;
 use estimation::fitting::{Settings, Starts};
 use estimation::pooled::{FreeRunErrors, Score};
 use estimation::search::{
-    Alone, Dealt, FittedShip, Kind, NamedRoles, NestedScore, Recording, Roles, SearchError, SearchOptions,
-    Searched, ShipsWithoutFold, averaged, core, fits, folds, judged_ships, library, search, with_channels,
+    Alone, Dealt, FittedShip, Kind, NestedScore, Recording, Roles, SearchError, SearchOptions, Searched,
+    ShipsWithoutFold, averaged, core, fits, folds, judged_ships, library, search, with_channels,
 };
 use numerics::statistics::mean;
 use rayon::prelude::*;
@@ -46,7 +46,7 @@ impl StructureSearch {
     ///
     /// # Errors
     /// Roles of channels that do not exist.
-    pub fn by_roles(vessel: Vessel, roles: &NamedRoles) -> Result<Self, Invalid> {
+    pub fn by_roles(vessel: Vessel, roles: &Roles<String>) -> Result<Self, Invalid> {
         Self::check(&vessel)?;
         let roles = Roles::new(&vessel.model, roles)?;
         let (model, roles) = with_channels(&vessel.model, &roles)?;
@@ -58,7 +58,7 @@ impl StructureSearch {
     ///
     /// # Errors
     /// As [`Self::by_roles`].
-    pub fn by_core(vessel: &Vessel, roles: &NamedRoles) -> Result<Self, Invalid> {
+    pub fn by_core(vessel: &Vessel, roles: &Roles<String>) -> Result<Self, Invalid> {
         let (vessel, roles) = with_core(vessel, roles)?;
         let library = library(&vessel.model, &roles);
         Ok(Self { vessel, library })
@@ -122,11 +122,11 @@ impl StructureSearch {
 ///
 /// # Errors
 /// Roles of channels that do not exist.
-pub fn core_of(vessel: &Vessel, roles: &NamedRoles) -> Result<Vessel, Invalid> {
+pub fn core_of(vessel: &Vessel, roles: &Roles<String>) -> Result<Vessel, Invalid> {
     with_core(vessel, roles).map(|(vessel, _)| vessel)
 }
 
-fn with_core(vessel: &Vessel, roles: &NamedRoles) -> Result<(Vessel, Roles), Invalid> {
+fn with_core(vessel: &Vessel, roles: &Roles<String>) -> Result<(Vessel, Roles), Invalid> {
     let roles = Roles::new(&vessel.model, roles)?;
     let astern = |actuator: &Actuator| actuator.range.is_some_and(|[low, _]| low < 0.0);
     let reversing: Vec<usize> =

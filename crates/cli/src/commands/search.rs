@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser};
-use estimation::search::{AverageOptions, BootstrapOptions, Cut, NamedRoles, SearchError, SearchOptions};
+use estimation::search::{AverageOptions, BootstrapOptions, Cut, Roles, SearchError, SearchOptions};
 use files::{Provenance, commit, commit_with_document, stage_document, stage_set_document};
+use refusal::Invalid;
 use seatrial::{AveragedSearch, ForceSearch, ForceSearchError, FoundStructure, PooledRuns, StructureSearch};
 use serde_json::json;
 use ship::model::Vessel;
@@ -308,10 +309,10 @@ impl SearchArguments {
     /// The start of the search, and its candidate terms.
     fn begun(&self, vessel: Vessel, provenance: &mut Provenance) -> Result<StructureSearch, Failure> {
         let Some(path) = &self.terms else {
-            let begun = match self.core {
-                true => StructureSearch::by_core(&vessel, &self.roles.named()),
-                false => StructureSearch::by_roles(vessel, &self.roles.named()),
-            };
+            let begun = self.roles.named().and_then(|roles| match self.core {
+                true => StructureSearch::by_core(&vessel, &roles),
+                false => StructureSearch::by_roles(vessel, &roles),
+            });
             return begun.map_err(|e| Failure::invalid(&self.vessel, &e));
         };
         let terms: TermLists = inputs::toml(path, "terms", provenance)?;
@@ -337,21 +338,27 @@ impl RoleFlags {
         ]
     }
 
-    fn named(&self) -> NamedRoles {
+    fn named(&self) -> Result<Roles<String>, Invalid> {
         let flags = self.clone();
-        NamedRoles {
+        if flags.port.len() != flags.starboard.len() {
+            let counts =
+                format!("{} of --port and {} of --starboard", flags.port.len(), flags.starboard.len());
+            let expected = "as many on either side";
+            return Err(Invalid::new("thrusters", counts, expected, "name them in pairs, in the same order"));
+        }
+        Ok(Roles {
             rudders: flags.rudder,
             propellers: flags.propeller,
             ahead: flags.ahead,
             astern: flags.astern,
             thrusts: flags.thrust,
-            ports: flags.port,
-            starboards: flags.starboard,
+            pairs: flags.port.into_iter().zip(flags.starboard).map(<[String; 2]>::from).collect(),
+            differences: Vec::new(),
             wind: flags.wind,
             wind_from: flags.wind_from,
             even: flags.even,
             odd: flags.odd,
-        }
+        })
     }
 }
 

@@ -44,7 +44,7 @@ fn charts_by_a_name_that_no_file_has_are_refused() {
 #[test]
 fn cells_without_size_are_refused() {
     for cell in ["0.0", "-120.0", "nan", "inf"] {
-        edited("cell_m = 120.0", &format!("cell_m = {cell}"), &["`cell_m`", "a number above 0"]);
+        edited("cell_m = 120.0", &format!("cell_m = {cell}"), &["`cell_m`", "above 0 m"]);
     }
     edited("cell_m = 120.0", "cell_m = 1e-9", &["`cell_m`"]);
     edited("cell_m = 120.0", "cell_m = 1e9", &["`cell_m`"]);
@@ -140,7 +140,7 @@ fn changes_of_current_and_wind_without_meaning_are_refused() {
         &current("std_m_s = 0.1\ntime_constant_s = 0.0"),
         &["changing_current.time_constant_s"],
     );
-    edited("[start]", &wind(-1.0), &["wind.std_surge_m_s2", "from 0 to 100"]);
+    edited("[start]", &wind(-1.0), &["wind.std_surge_m_s2", "0 to 100 m/s²"]);
 }
 
 #[test]

@@ -59,7 +59,7 @@ fn a_limit_below_all_speeds_closes_its_polygon() {
 fn limits_without_meaning_are_refused() {
     for number in ["0.0", "-1.0", "nan", "inf"] {
         let folder = small_with(&[("[start]", &limit(EAST, number))]);
-        refused(&folder, 3, PLAN, &["plan.toml", "`max_speed_m_s` of speed limit 1", "a number above 0"]);
+        refused(&folder, 3, PLAN, &["plan.toml", "`max_speed_m_s` of speed limit 1", "above 0 m/s"]);
     }
     let named = limit("[24.98, 60.0], [25.0, 60.0]", "1.0\nname = \"harbour\"");
     let pieces = ["plan.toml", "`corners` of speed limit `harbour`", "2 corners", "at least three"];

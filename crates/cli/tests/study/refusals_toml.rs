@@ -53,7 +53,7 @@ fn numbers_that_are_not_finite_are_refused() {
                 "vessel.toml",
                 &format!("preset = \"ljungberg-model-ship\"\n[{table}]\nX_u = {number}\n"),
             );
-            refused(&folder, 3, DICTIONARY, &["vessel.toml", "`X_u`", found, "a finite number"]);
+            refused(&folder, 3, DICTIONARY, &["vessel.toml", "X_u`", found, "a finite number"]);
         }
         let (from, to) = ("speed_m_s = 0.35", format!("speed_m_s = {number}"));
         edited("dictionary.toml", from, &to, DICTIONARY, &["`zig-zag-slow-flat`", "`speed_m_s`"]);
@@ -217,7 +217,7 @@ fn a_true_model_that_diverges_is_refused_with_maneuver_and_sample() {
 fn a_current_of_no_sea_is_refused_and_not_put_down_to_the_vessel() {
     let folder = with(&["design.json"]);
     edit(&folder, "campaign.toml", "std_m_s = ", "std_m_s = 1e12 # ");
-    refused(&folder, 3, CAMPAIGN, &["campaign.toml", "`current.std_m_s`", "at most 15 m/s"]);
+    refused(&folder, 3, CAMPAIGN, &["campaign.toml", "`current.std_m_s`", "0 to 15 m/s"]);
     edit(&folder, "campaign.toml", "std_m_s = 1e12", "std_m_s = 15");
     let pieces = ["campaign.toml", "`current.std_m_s`", "run 0, which diverges in it", "in still water"];
     refused(&folder, 3, &format!("{CAMPAIGN} --allow-mixed"), &pieces);

@@ -164,7 +164,7 @@ fn configurations_without_meaning_are_refused() {
     let folder = folder(CONFIG);
     let nominal = "accuracy = 0.5\ncrude_about = \"nominal\"";
     for (from, to, pieces) in [
-        ("rounds = 3", "rounds = 0", vec!["`rounds`", "found 0", "more than zero"]),
+        ("rounds = 3", "rounds = 0", vec!["`rounds`", "found 0", "a whole number from 1"]),
         ("rounds = 3", "rounds = 50", vec!["`rounds`", "50 rounds of 720 samples", "26 samples per round"]),
         ("rounds = 3", "rouns = 3", vec!["`rouns`", "did you mean `rounds`?"]),
         ("accuracy = 0.5", "accuracy = nan", vec!["`accuracy`", "NaN"]),

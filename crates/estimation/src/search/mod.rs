@@ -36,7 +36,7 @@ pub use judged::{
 };
 pub use library::{core, library, with_channels};
 pub use nested::Candidate;
-pub use roles::{NamedRoles, Roles};
+pub use roles::Roles;
 pub use searched::{SearchError, SearchOptions, Searched, averaged, fits, left_out, search};
 
 /// How recordings are cut.

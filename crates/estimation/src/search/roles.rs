@@ -1,58 +1,31 @@
 use refusal::Invalid;
 use ship::model::Model;
 
-/// The roles of a model's channels in the library: indices of its variables.
+/// The roles of a model's channels in the library: indices of its variables, or as a user names them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Roles {
+pub struct Roles<C = usize> {
     /// Rudders, or channels that steer like one.
-    pub rudders: Vec<usize>,
+    pub rudders: Vec<C>,
     /// Propeller speeds with their signs.
-    pub propellers: Vec<usize>,
+    pub propellers: Vec<C>,
     /// Propeller speeds when ahead, else 0.
-    pub ahead: Vec<usize>,
+    pub ahead: Vec<C>,
     /// Propeller speeds when astern, else 0.
-    pub astern: Vec<usize>,
+    pub astern: Vec<C>,
     /// Thrusts, if no propeller speed is known.
-    pub thrusts: Vec<usize>,
+    pub thrusts: Vec<C>,
     /// Thrusters on either side, port and starboard: propeller speeds or thrusts.
-    pub pairs: Vec<[usize; 2]>,
+    pub pairs: Vec<[C; 2]>,
     /// Differences of thrusters: port less starboard.
-    pub differences: Vec<usize>,
+    pub differences: Vec<C>,
     /// Speed of the relative wind.
-    pub wind: Option<usize>,
+    pub wind: Option<C>,
     /// Direction that the relative wind comes from, from the bow to starboard.
-    pub wind_from: Option<usize>,
+    pub wind_from: Option<C>,
     /// Disturbances that a reflection does not change.
-    pub even: Vec<usize>,
+    pub even: Vec<C>,
     /// Disturbances whose sign a reflection changes.
-    pub odd: Vec<usize>,
-}
-
-/// Roles as named by the user: names of channels. Empty ones are inferred from unit and name.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct NamedRoles {
-    /// See [`Roles::rudders`].
-    pub rudders: Vec<String>,
-    /// See [`Roles::propellers`].
-    pub propellers: Vec<String>,
-    /// See [`Roles::ahead`].
-    pub ahead: Vec<String>,
-    /// See [`Roles::astern`].
-    pub astern: Vec<String>,
-    /// See [`Roles::thrusts`].
-    pub thrusts: Vec<String>,
-    /// See [`Roles::pairs`].
-    pub ports: Vec<String>,
-    /// The same number on the other side, in the same order.
-    pub starboards: Vec<String>,
-    /// See [`Roles::wind`].
-    pub wind: Option<String>,
-    /// See [`Roles::wind_from`].
-    pub wind_from: Option<String>,
-    /// See [`Roles::even`].
-    pub even: Vec<String>,
-    /// See [`Roles::odd`].
-    pub odd: Vec<String>,
+    pub odd: Vec<C>,
 }
 
 /// The parts of names that distinguish channels of port and starboard.
@@ -68,9 +41,8 @@ impl Roles {
     /// units; of others `…_x` is even, the rest odd. Other inputs may act on all degrees of freedom.
     ///
     /// # Errors
-    /// A name that no channel has; unequal numbers of ports and starboards; a wind with only its speed or only its
-    /// angle named, if the other is not found.
-    pub fn new(model: &Model, named: &NamedRoles) -> Result<Self, Invalid> {
+    /// A name that no channel has; a wind with only its speed or only its angle named, if the other is not found.
+    pub fn new(model: &Model, named: &Roles<String>) -> Result<Self, Invalid> {
         let names = || model.variables.iter().skip(3).map(|v| v.name.as_str());
         let place = |name: &String| {
             let unknown = || Invalid::unknown(format!("channel `{name}`"), name, names());
@@ -78,19 +50,14 @@ impl Roles {
         };
         let all = |list: &[String]| list.iter().map(place).collect::<Result<Vec<_>, _>>();
         let one = |name: &Option<String>| name.as_ref().map(place).transpose();
-        let (ports, starboards) = (all(&named.ports)?, all(&named.starboards)?);
-        if ports.len() != starboards.len() {
-            let counts = format!("{} of --port and {} of --starboard", ports.len(), starboards.len());
-            let expected = "as many on either side";
-            return Err(Invalid::new("thrusters", counts, expected, "name them in pairs, in the same order"));
-        }
+        let pair = |[port, starboard]: &[String; 2]| Ok([place(port)?, place(starboard)?]);
         let mut roles = Self {
             rudders: all(&named.rudders)?,
             propellers: all(&named.propellers)?,
             ahead: all(&named.ahead)?,
             astern: all(&named.astern)?,
             thrusts: all(&named.thrusts)?,
-            pairs: ports.into_iter().zip(starboards).map(<[usize; 2]>::from).collect(),
+            pairs: named.pairs.iter().map(pair).collect::<Result<_, _>>()?,
             differences: Vec::new(),
             wind: one(&named.wind)?,
             wind_from: one(&named.wind_from)?,

@@ -33,7 +33,7 @@ pub struct LogsFile {
     pub course_rad: Option<f64>,
     /// Maneuver → its duration before logging begins \[s\].
     #[serde(default)]
-    #[schemars(extend("additionalProperties" = {"type": "number", "minimum": 0, "maximum": 1e5}))]
+    #[schemars(extend("additionalProperties" = {"type": "number", "minimum": 0, "maximum": 1e5, "x-unit": "s"}))]
     pub settle_s: BTreeMap<String, f64>,
     /// Position.
     pub gnss: Gnss,

@@ -35,7 +35,7 @@ const DRAWS: (u32, u64) = (4000, 1);
 
 impl Arranging<'_> {
     /// Of an output-error estimate of the experiment `run`; `None` of other estimates, or where its information is singular.
-    pub(super) fn foretold(&self, run: Run) -> Option<Foretold> {
+    pub(super) fn foretold(&self, run: PlannedRun) -> Option<Foretold> {
         let Estimated::OutputError { current } = self.estimated else { return None };
         // Not of what is left out of the information.
         self.moments.disturbances.as_ref().filter(|expected| !expected.lasting_current_left_out)?;
@@ -82,7 +82,7 @@ impl Arranging<'_> {
 }
 
 /// Where a run begins, and its rows.
-type Run = ([f64; 3], Vec<f64>);
+type PlannedRun = ([f64; 3], Vec<f64>);
 
 /// F and the meat of an estimate's covariance, n × n, per sample, with what is known before.
 pub(super) struct Information {
@@ -95,9 +95,10 @@ const PENALTY: f64 = 20.0;
 
 impl Arranging<'_> {
     /// Values of up to [`LANES`] runs of equal length.
-    pub(super) fn group(&self, runs: &[Run]) -> Vec<f64> {
+    pub(super) fn group(&self, runs: &[PlannedRun]) -> Vec<f64> {
         let model = &self.vessel.model;
-        let undisturbed: Vec<Run> = runs.iter().map(|run| (run.0, model.undisturbed(&run.1))).collect();
+        let undisturbed: Vec<PlannedRun> =
+            runs.iter().map(|run| (run.0, model.undisturbed(&run.1))).collect();
         let penalty = |i: usize| {
             let Some(limits) = generated_limits(self.generator) else { return 0.0 };
             let states = simulate_one(model, self.generator.parameters(), runs[i].0, &undisturbed[i].1);
@@ -121,20 +122,20 @@ impl Arranging<'_> {
         self.vessel.model.parameter_names().map(|name| by_name.get(name).copied()).collect()
     }
 
-    fn output_error(&self, runs: &[Run], current: bool) -> Vec<Option<f64>> {
+    fn output_error(&self, runs: &[PlannedRun], current: bool) -> Vec<Option<f64>> {
         let Some(known) = self.informed(runs, current) else { return vec![None; runs.len()] };
         let judge = |Information { information: f, meat }| self.judge(vec![f.len().isqrt()], &f, Some(&meat));
         known.into_iter().map(|known| known.and_then(judge)).collect()
     }
 
     /// What output-error estimates of experiments of equal length know, per sample.
-    fn informed(&self, runs: &[Run], current: bool) -> Option<Vec<Option<Information>>> {
+    fn informed(&self, runs: &[PlannedRun], current: bool) -> Option<Vec<Option<Information>>> {
         let (noise, expected) = (self.noise()?, self.moments.output_error.as_ref()?);
         let (model, theta) = (&self.vessel.model, self.ordered(&expected.parameters)?);
         let noise = if current { noise } else { Noise { current: 0.0, ..noise } };
         let mut all: Vec<Option<Information>> = if model.forces.is_some() {
             let prediction = ForcesPrediction::with(self.vessel, theta, noise).ok()?;
-            let of = |(initial, exogenous): &Run| {
+            let of = |(initial, exogenous): &PlannedRun| {
                 let OutputErrorMoments { f, p, .. } = prediction.of_experiment(*initial, exogenous)?;
                 let meat = p.map_or_else(|| f.clone(), |p| f.iter().zip(&p).map(|(f, p)| f + p).collect());
                 Some(Information { information: f, meat })
@@ -155,7 +156,7 @@ impl Arranging<'_> {
         Some(all)
     }
 
-    fn instrumental(&self, runs: &[Run], removal: MeanRemoval) -> Vec<Option<f64>> {
+    fn instrumental(&self, runs: &[PlannedRun], removal: MeanRemoval) -> Vec<Option<f64>> {
         let model = &self.vessel.model;
         let theta = match &self.moments.disturbances {
             Some(expected) => self.ordered(&expected.parameters),

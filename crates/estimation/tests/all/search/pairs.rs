@@ -1,6 +1,6 @@
 //! Pairs of thrusters in libraries of terms.
 
-use estimation::search::{NamedRoles, Roles, library, with_channels};
+use estimation::search::{Roles, library, with_channels};
 use ship::model::{Model, Vessel, VesselFile};
 
 /// A ship with two thrusters and a third one with the terms `further`.
@@ -24,20 +24,20 @@ fn formulas(model: &Model) -> Vec<&str> {
 #[test]
 fn thrusters_that_differ_by_their_side_are_pairs_and_none_of_several_is_the_thrust() {
     let model = ship(["main_stbd", "main_port"], "N", "");
-    let roles = Roles::new(&model, &NamedRoles::default()).unwrap();
+    let roles = Roles::new(&model, &Roles::default()).unwrap();
     assert_eq!((&roles.pairs, &roles.thrusts), (&vec![[5, 4]], &vec![3]));
     let (made, roles) = with_channels(&model, &roles).unwrap();
     assert_eq!(formulas(&made), ["main_port + main_stbd", "main_port - main_stbd"]);
     assert_eq!((roles.thrusts, roles.differences), (vec![3, 6], vec![7]));
     let others = ship(["fore", "aft"], "kN", "");
-    let roles = Roles::new(&others, &NamedRoles::default()).unwrap();
+    let roles = Roles::new(&others, &Roles::default()).unwrap();
     assert!(roles.pairs.is_empty() && roles.thrusts == [3, 4, 5], "{roles:?}");
 }
 
 #[test]
 fn law_what_a_reflection_turns_stands_in_sway_and_yaw_alone() {
     let model = ship(["n_p", "n_s"], "1/s", "");
-    let roles = Roles::new(&model, &NamedRoles::default()).unwrap();
+    let roles = Roles::new(&model, &Roles::default()).unwrap();
     let (made, roles) = with_channels(&model, &roles).unwrap();
     assert_eq!(roles.differences.len(), 1);
     // A reflection swaps the two: sums stay, the difference changes its sign.
@@ -68,12 +68,8 @@ fn pairs_are_found_where_the_model_ties_them_or_named() {
          [[yaw]]\nparameter = \"f\"\nterm = \"one\"\nnominal = 1.0\n\
          [[yaw]]\nparameter = \"g\"\nterm = \"two\"\ntied_to = \"f\"\nfactor = -1.0\n";
     let model = ship(["one", "two"], "N", tied);
-    assert_eq!(Roles::new(&model, &NamedRoles::default()).unwrap().pairs, [[4, 5]]);
+    assert_eq!(Roles::new(&model, &Roles::default()).unwrap().pairs, [[4, 5]]);
     let free = ship(["one", "two"], "N", "");
-    let list = |name: &str| vec![name.to_owned()];
-    let named = NamedRoles { ports: list("two"), starboards: list("one"), ..NamedRoles::default() };
+    let named = Roles { pairs: vec![["two".to_owned(), "one".to_owned()]], ..Roles::default() };
     assert_eq!(Roles::new(&free, &named).unwrap().pairs, [[5, 4]]);
-    let half = NamedRoles { ports: list("two"), ..NamedRoles::default() };
-    let said = Roles::new(&free, &half).unwrap_err().to_string();
-    assert!(said.contains("1 of --port and 0 of --starboard"), "{said}");
 }

@@ -1,6 +1,6 @@
 //! A measured wind in libraries of terms.
 
-use estimation::search::{NamedRoles, Roles, with_channels};
+use estimation::search::{Roles, with_channels};
 use ship::model::{Model, Vessel, VesselFile};
 
 /// A ship with one rudder in a measured wind, with further tables.
@@ -15,7 +15,7 @@ fn ship(further: &str) -> Model {
 }
 
 fn library_of(model: &Model) -> (Model, Roles) {
-    let roles = Roles::new(model, &NamedRoles::default()).unwrap();
+    let roles = Roles::new(model, &Roles::default()).unwrap();
     assert_eq!(roles.rudders, [3], "an angle of the wind steers nothing");
     with_channels(model, &roles).unwrap()
 }
@@ -63,7 +63,7 @@ fn what_the_vessel_makes_of_the_wind_is_not_made_again_and_half_a_wind_is_refuse
     assert_eq!(names, [&["push_x"], &beyond[..]].concat());
     let mut alone = ship("");
     alone.variables.truncate(5);
-    let named = NamedRoles { wind: Some("wind".to_owned()), ..NamedRoles::default() };
+    let named = Roles { wind: Some("wind".to_owned()), ..Roles::default() };
     let said = Roles::new(&alone, &named).unwrap_err().to_string();
     assert!(said.contains("`wind`") && said.contains("--wind-from"), "{said}");
 }
