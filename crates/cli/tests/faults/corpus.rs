@@ -38,7 +38,7 @@ const CORPUS: [Case; 4] = [
         from: "limit_u = 2.0",
         to: "limit_u = inf",
         code: 3,
-        says: &["reference.toml: `selection.limit_u`: found inf (line ", "), expected more than zero"],
+        says: &["reference.toml: `selection.limit_u`: found inf (line ", "), expected above 0 m/s"],
     },
     // It said: expected struct MoveFile.
     Case {
