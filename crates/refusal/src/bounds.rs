@@ -1,9 +1,7 @@
-//! The bounds of numbers are declared with their fields, and stand in the schema of a type: a value is held against them
-//! before it is read.
+//! The bounds of numbers are declared with their fields: a value is held against the schema of its type before it is read.
 //!
-//! A field has `#[schemars(range(min = 0.0, max = 1e4))]`, for a bound that is not a value itself
-//! `extend("exclusiveMinimum" = 0.0)`. Its unit is what its name ends with, or `x-unit`; `x-expected` replaces the words
-//! for what is valid, `x-remedy` those for how to correct it.
+//! A field has `#[schemars(range(min = 0.0, max = 1e4))]`, or `extend("exclusiveMinimum" = 0.0)`, `"x-infinite" = true`. Its unit
+//! is what its name ends with, or `x-unit`; `x-expected` replaces what is valid, `x-remedy` how to correct it.
 
 use schemars::{JsonSchema, schema_for};
 use serde::de::{Deserialize, DeserializeOwned, Deserializer, Error};
@@ -146,8 +144,8 @@ fn within<'a>(
         let [least, greatest] = ends(schema);
         let above = |(end, is_valid): (f64, bool)| number > end || is_valid && number == end;
         let below = |(end, is_valid): (f64, bool)| number < end || is_valid && number == end;
-        let is_finite = number.is_finite() || !is(schema, "number");
-        if !(least.is_none_or(above) && greatest.is_none_or(below) && is_finite) {
+        let is_number = number.is_finite() || schema["x-infinite"] == true && !number.is_nan();
+        if !(least.is_none_or(above) && greatest.is_none_or(below) && (is_number || !is(schema, "number"))) {
             return Err((found, schema));
         }
     }

@@ -194,6 +194,7 @@ pub struct TermSpec {
     pub factor: Option<f64>,
     /// Between which its estimates stay.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("items" = {"type": "number", "format": "double", "x-infinite": true}))]
     pub bounds: Option<[f64; 2]>,
 }
 
@@ -420,6 +421,7 @@ pub struct NumberSpec {
     pub prior: Option<f64>,
     /// Between which its estimates stay, in the same system.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("items" = {"type": "number", "format": "double", "x-infinite": true}))]
     pub bounds: Option<[f64; 2]>,
     /// Whether it is known, so that it is not estimated.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
