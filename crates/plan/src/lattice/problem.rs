@@ -136,11 +136,14 @@ impl Problem {
         plan.steps.iter().map(|step| self.units.key(step.cost)).sum()
     }
 
-    /// Every plan pays the least key of an informative action `required` times, so that the searches need not carry it.
+    /// Every plan pays each of the least costs of an informative action `required` times: the searches need not carry them.
     fn split_off_least_keys(&mut self) {
+        let radix = self.units.radix;
         for (number, slot) in self.informative.iter_mut().enumerate() {
-            let moves = || self.moves.iter().filter(|step| step.slot == Some(number as u32));
-            slot.least_key = moves().map(|step| step.key).min().unwrap_or(0);
+            let keys =
+                || self.moves.iter().filter(|step| step.slot == Some(number as u32)).map(|step| step.key);
+            let least = keys().map(|key| key / radix).min().zip(keys().map(|key| key % radix).min());
+            slot.least_key = least.map_or(0, |(primary, secondary)| primary * radix + secondary);
         }
         for step in &mut self.moves {
             if let Some(slot) = step.slot {

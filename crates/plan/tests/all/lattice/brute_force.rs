@@ -1,6 +1,6 @@
 //! The search against brute force on random small problems.
 
-use plan::lattice::{NoPlan, Options, Reason, front, plan};
+use plan::lattice::{Action, Cost, Goal, Lattice, Move, NoPlan, Options, Pose, Reason, front, plan};
 use proptest::prelude::*;
 
 use crate::lattice::random::{Costs, Small, brute_force, proved, replay, small};
@@ -43,6 +43,24 @@ fn uses(small: &Small, mut vector: usize) -> u32 {
         vector /= radix;
     }
     sum
+}
+
+/// The move that is cheaper in the first cost leads out of the lattice, the other one has the lower second cost.
+#[test]
+fn oracle_a_dearer_move_with_the_lower_secondary_cost() {
+    let step = |dj, primary, secondary| Move { from: 0, di: 0, dj, to: 0, cost: Cost { primary, secondary } };
+    let action = |name: &str, required, moves| Action { name: name.to_owned(), required, moves };
+    agrees(&Small {
+        lattice: Lattice { nx: 2, ny: 4, layers: 1 },
+        actions: vec![
+            action("a0", 1, vec![step(-1, 0.4, 0.1), step(0, 0.5, 0.0)]),
+            action("a1", 1, vec![step(0, 0.1, 0.0), step(-1, 0.0, 0.1)]),
+            action("a2", 0, vec![step(0, 0.0, 0.0), step(-2, 0.0, 0.0)]),
+        ],
+        start: Pose { i: 0, j: 0, layer: 0 },
+        goal: Goal::Any,
+        closed: vec![false],
+    });
 }
 
 proptest! {
