@@ -57,13 +57,9 @@ pub(crate) fn read_changed<T: DeserializeOwned + JsonSchema>(
     // A fault of the file itself is reported with its line.
     let of_file = |refused: Error| parse_toml::<T>(&text, path).err().unwrap_or(refused);
     let changed = changes.applied(file, &text).map_err(|e| of_file(Error::invalid(path, e)))?;
-    let parsed = parsed(&changed).map_err(|(fault, span)| {
-        let complaint = complaint(&changed, path, &fault.message, span);
-        of_file(match fault.invalid {
-            Some(invalid) => Error::Refused { file: path.into(), invalid: *invalid },
-            None => complaint.changed(&changes.in_words(file)).refusal(),
-        })
-    })?;
+    let in_words = changes.in_words(file);
+    let parsed =
+        parsed(&changed).map_err(|fault| of_file(refusal(&changed, path, fault, Some(&in_words))))?;
     Ok((parsed, Digest::of_bytes(changed.as_bytes())))
 }
 
@@ -92,15 +88,23 @@ pub(crate) fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String> {
 /// [`Error::Refused`] on a syntax error, an unknown key (with the nearest known key), a missing
 /// key, a wrong type, a list where keys belong, an unknown choice or a number out of bounds, always with the line.
 pub fn parse_toml<T: DeserializeOwned + JsonSchema>(text: &str, path: impl AsRef<Path>) -> Result<T> {
-    let path = path.as_ref();
-    parsed(text).map_err(|(fault, span)| match fault.invalid {
-        None => complaint(text, path, &fault.message, span).refusal(),
-        Some(mut invalid) => {
-            let place = span.map(|span| format!(" ({})", line_and_column(text, span.start)));
-            invalid.found += &place.unwrap_or_default();
-            Error::Refused { file: path.into(), invalid: *invalid }
-        }
-    })
+    parsed(text).map_err(|fault| refusal(text, path.as_ref(), fault, None))
+}
+
+/// A refusal of `text`, in which `changes` replaced values: it then has no lines.
+fn refusal(
+    text: &str,
+    path: &Path,
+    (fault, span): (Unreadable, Option<Range<usize>>),
+    changes: Option<&str>,
+) -> Error {
+    let Some(mut invalid) = fault.invalid else {
+        let complaint = complaint(text, path, &fault.message, span);
+        return changes.map_or(complaint.refusal(), |changes| complaint.changed(changes).refusal());
+    };
+    let place = span.filter(|_| changes.is_none()).map(|span| line_and_column(text, span.start));
+    invalid.found += &place.map_or(String::new(), |place| format!(" ({place})"));
+    Error::Refused { file: path.into(), invalid: *invalid }
 }
 
 /// `text` as TOML; else what is wrong, and where.

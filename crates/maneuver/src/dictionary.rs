@@ -2,9 +2,9 @@ use std::collections::BTreeSet;
 use std::str::FromStr;
 
 use rand::Rng;
-use refusal::{Invalid, check_name, strictly};
+use refusal::{Invalid, check_bounds, check_name, strictly};
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use ship::engine::Streams;
 use ship::model::Source;
 
@@ -52,6 +52,7 @@ impl DictionaryFile {
         let all: Vec<ManeuverSpec> =
             self.maneuvers.iter().cloned().chain(generated.into_iter().flatten()).collect();
         check_all(&all, self.duration_s)?;
+        check_bounds(&self.tolerance)?;
         Ok(all)
     }
 
@@ -83,7 +84,7 @@ fn check_all(maneuvers: &[ManeuverSpec], default_s: Option<f64>) -> Result<(), I
 }
 
 /// `[generate]` as written.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GenerateSpec {
     /// Number of draws. Those beyond the limits are left out.
@@ -106,7 +107,7 @@ pub struct GenerateSpec {
     pub start_m_s: Vec<f64>,
     /// Periods to draw from \[s\]: shortest and longest.
     #[serde(default = "periods")]
-    #[schemars(inner(range(min = 1e-9, max = 1e9)))]
+    #[schemars(extend("items" = {"type": "number", "exclusiveMinimum": 0, "maximum": 1e9}))]
     pub period_s: [f64; 2],
     /// How they are carried out. By feedback, limits of inputs leave none out: what the nominal ship would need for a motion says
     /// little of what another one needs, and actuators stay within their ranges.
@@ -157,8 +158,8 @@ impl GenerateSpec {
         let refuse = |key: &str, given: f64, expected: &str| {
             Err(Invalid::new(format!("`generate.{key}`"), given.to_string(), expected, "correct it"))
         };
-        let limits = &self.limits;
-        let mut inputs = limits.inputs.iter();
+        check_bounds(self)?;
+        let mut inputs = self.limits.inputs.iter();
         inputs.try_for_each(|(name, limit)| limit.check(format!("`generate.limits.inputs.{name}`")))?;
         let [shortest, longest] = self.period_s;
         if shortest > longest {

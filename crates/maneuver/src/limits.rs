@@ -6,13 +6,13 @@ use std::fmt;
 
 use refusal::Invalid;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, Serialize};
 use ship::model::Model;
 
 use crate::standard::{Standard, is_turned_away, steps};
 
 /// Largest moduli of a candidate.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
     /// Of the surge speed \[m/s\].
@@ -25,7 +25,7 @@ pub struct Limits {
     #[schemars(range(max = 10.0), extend("exclusiveMinimum" = 0.0))]
     pub r_rad_s: f64,
     /// Of inputs by name, in their units: the largest modulus, or the lowest and the highest value; others have no limit.
-    #[serde(default)]
+    #[serde(default, skip_serializing)]
     pub inputs: BTreeMap<String, InputLimit>,
     /// Of the inputs' changes by name, in their units per second; others have no limit.
     #[serde(default)]
@@ -241,7 +241,7 @@ fn key(state: usize, unit: &str) -> String {
 }
 
 /// By how much a motion may differ from what it is called.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Tolerance {
     /// By how much the mean speed over its second half may be beyond all wanted ones, as a fraction of the greatest.

@@ -1,8 +1,8 @@
 use std::borrow::Cow;
 
-use refusal::{Invalid, strictly};
+use refusal::{Contents, Invalid};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde::de::Error as _;
+use serde::de::{DeserializeOwned, Error as _};
 use serde::{Deserialize, Deserializer};
 
 use super::kind::ManeuverKind;
@@ -72,14 +72,19 @@ impl<'de> Deserialize<'de> for ManeuverSpec {
                 D::Error::custom(format!("{} (maneuver `{name}`, `{key}`)", e.message()))
             }
         };
-        let keeps = keeps.map(strictly).transpose().map_err(within("keeps"))?.unwrap_or_default();
+        let keeps = keeps.map(typed).transpose().map_err(within("keeps"))?.unwrap_or_default();
         let named = |e: toml::de::Error| D::Error::custom(in_item(&e, Some(&name), wrong_key(&table, &e)));
-        let kind: ManeuverKind = strictly(table.clone()).map_err(named)?;
+        let kind: ManeuverKind = typed(table.clone().into()).map_err(named)?;
         let executed = executed.unwrap_or(Executed::Inputs);
-        let feedback = feedback.map(strictly).transpose().map_err(within("feedback"))?;
-        let approach = approach.map(strictly).transpose().map_err(within("approach"))?;
+        let feedback = feedback.map(typed).transpose().map_err(within("feedback"))?;
+        let approach = approach.map(typed).transpose().map_err(within("approach"))?;
         Ok(Self { name, description, duration_s, keeps, executed, feedback, approach, kind })
     }
+}
+
+/// As [`refusal::strictly`], without the bounds: what is read of the whole file has them.
+fn typed<T: DeserializeOwned>(value: toml::Value) -> Result<T, toml::de::Error> {
+    T::deserialize(&Contents::deserialize(value)?).map_err(toml::de::Error::custom)
 }
 
 /// The name in a table, if it has one.
@@ -106,7 +111,7 @@ fn wrong_key<'a>(table: &'a toml::Table, error: &toml::de::Error) -> Option<&'a 
             .filter(|(other, _)| other != key)
             .map(|(other, value)| (other.clone(), value.clone()))
             .collect();
-        strictly::<ManeuverKind, _>(rest).err().is_none_or(|other| other.message() != error.message())
+        typed::<ManeuverKind>(rest.into()).err().is_none_or(|other| other.message() != error.message())
     };
     let of_value = error.message().starts_with("invalid") || error.message().starts_with("unknown variant");
     // Without its kind every table is refused otherwise.

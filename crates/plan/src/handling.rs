@@ -1,8 +1,7 @@
 use std::f64::consts::TAU;
-use std::ops::RangeInclusive;
 
 use maneuver::{Motion, Steady};
-use refusal::{Invalid, check_numbers};
+use refusal::{Invalid, check_bounds};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::engine::Compiled;
@@ -16,14 +15,19 @@ use crate::{Grid, Leg, Mode, Phase, Purpose};
 #[serde(deny_unknown_fields)]
 pub struct Handling {
     /// Largest yaw rate under autopilot \[rad/s\].
+    #[schemars(range(min = 1e-4, max = 10.0))]
     pub turn_rate_rad_s: f64,
     /// Speed of repositioning at rest, in surge and sway \[m/s\].
+    #[schemars(range(min = 1e-3, max = 20.0))]
     pub crawl_m_s: f64,
     /// Acceleration along a leg that changes speed \[m/s²\].
+    #[schemars(range(min = 1e-5, max = 100.0))]
     pub acceleration_m_s2: f64,
     /// Time constant of keeping position, speed and heading \[s\].
+    #[schemars(range(min = 1e-3, max = 3600.0))]
     pub response_s: f64,
     /// Distance ahead at which a line is aimed at \[m\].
+    #[schemars(range(min = 1e-3, max = 1e5))]
     pub lookahead_m: f64,
 }
 
@@ -98,30 +102,6 @@ const FASTEST_TURN_RAD_S: f64 = 2.0;
 /// Bisections for the largest yaw rate.
 const HALVINGS: usize = 24;
 
-impl Handling {
-    /// Each number with its key and range.
-    fn numbers(&self) -> [(&'static str, f64, RangeInclusive<f64>); 5] {
-        [
-            ("turn_rate_rad_s", self.turn_rate_rad_s, 1e-4..=10.0),
-            ("crawl_m_s", self.crawl_m_s, 1e-3..=20.0),
-            ("acceleration_m_s2", self.acceleration_m_s2, 1e-5..=100.0),
-            ("response_s", self.response_s, 1e-3..=3600.0),
-            ("lookahead_m", self.lookahead_m, 1e-3..=1e5),
-        ]
-    }
-
-    /// Refuses meaningless numbers, and those that would make a leg last for days: every leg is simulated to its end.
-    ///
-    /// # Errors
-    /// Names the key.
-    pub fn check(&self) -> Result<(), Invalid> {
-        self.numbers().into_iter().try_for_each(|(key, value, range)| {
-            let expected = format!("a number from {} to {}", range.start(), range.end());
-            check_numbers([(format!("handling.{key}"), value)], &expected, |value| range.contains(&value))
-        })
-    }
-}
-
 impl StatedHandling {
     /// Completes the stated values from `derived`, and checks them against the vessel's ability.
     ///
@@ -136,7 +116,9 @@ impl StatedHandling {
             response_s: self.response_s.unwrap_or(usual.response_s),
             lookahead_m: self.lookahead_m.unwrap_or(usual.lookahead_m),
         };
-        handling.check()?;
+        // Also what follows from the vessel: a leg must not last for days, since every leg is simulated to its end.
+        check_bounds(&handling)
+            .map_err(|e| Invalid { thing: e.thing.replacen('`', "`handling.", 1), ..e })?;
         let Ability { turn_rate_rad_s, acceleration_m_s2, braking_m_s2, .. } = derived.ability;
         let most = [acceleration_m_s2, braking_m_s2].into_iter().flatten().reduce(f64::min);
         beyond("turn_rate_rad_s", "rad/s", handling.turn_rate_rad_s, turn_rate_rad_s)?;

@@ -4,6 +4,7 @@
 //! is what its name ends with, or `x-unit`; `x-expected` replaces what is valid, `x-remedy` how to correct it.
 
 use schemars::{JsonSchema, schema_for};
+use serde::Serialize;
 use serde::de::{Deserialize, DeserializeOwned, Deserializer, Error};
 use serde_json::Value;
 
@@ -22,6 +23,19 @@ pub fn strictly<'de, T: DeserializeOwned + JsonSchema, D: Deserializer<'de>>(
     Contents::deserialize(deserializer)?.read().map_err(D::Error::custom)
 }
 
+/// Refuses the first number of `value`, however it came about, outside the bounds that its type declares.
+///
+/// # Errors
+/// Names the number; a value that TOML cannot state.
+pub fn check_bounds<T: Serialize + JsonSchema>(value: &T) -> Result<(), Invalid> {
+    let unstated =
+        |e: String| Invalid::new("file", e, "values that TOML can state", "report this as a defect");
+    let written = toml::Value::try_from(value).map_err(|e| unstated(e.to_string()))?;
+    let contents = Contents::deserialize(written).map_err(|e| unstated(e.to_string()))?;
+    let outside = contents.check_bounds::<T>();
+    outside.map_err(|fault| fault.invalid.map_or_else(|| unstated(fault.message), |invalid| *invalid))
+}
+
 impl Contents {
     /// As `T`, see [`strictly`].
     ///
@@ -37,10 +51,10 @@ impl Contents {
         let whole = schema_for!(T).to_value();
         let mut way = Vec::new();
         within(self, &whole, &whole, &mut way).map_err(|(found, schema)| {
-            let expected = match schema["x-expected"].as_str() {
-                Some(words) => words.to_owned(),
-                None => in_words(schema, schema["x-unit"].as_str().or_else(|| unit_of(&way)).unwrap_or("")),
-            };
+            let key_of =
+                |step: &PathStep| if let PathStep::Key(key) = step { Some(key.clone()) } else { None };
+            let key = way.iter().rev().find_map(key_of).unwrap_or_default();
+            let expected = bounds(&key, schema).unwrap_or("a finite number".to_owned());
             let remedy = schema["x-remedy"].as_str().unwrap_or("correct it");
             let invalid = Invalid::new(self.named(&way), found, expected, remedy);
             Unreadable { message: invalid.to_string(), way, is_key: true, invalid: Some(Box::new(invalid)) }
@@ -57,7 +71,7 @@ impl Contents {
                     value.and_then(|value| value.entry(key))
                 }
                 PathStep::Item(place) => {
-                    let below = value.and_then(|value| value.item(*place));
+                    let below = if let Some(Self::List(items)) = value { items.get(*place) } else { None };
                     if matches!(below, Some(Contents::Table(_))) {
                         let name = ["name", "channel", "run", "parameter", "file"]
                             .iter()
@@ -81,10 +95,6 @@ impl Contents {
     fn entry(&self, key: &str) -> Option<&Self> {
         let Self::Table(entries) = self else { return None };
         entries.iter().find(|(name, _)| name == key).map(|(_, value)| value)
-    }
-
-    fn item(&self, place: usize) -> Option<&Self> {
-        if let Self::List(items) = self { items.get(place) } else { None }
     }
 
     fn text(&self) -> Option<&str> {
@@ -120,7 +130,7 @@ impl Contents {
         (schema["type"].is_null() || kinds.iter().any(|kind| is(schema, kind)))
             && fits(schema, self)
             && properties.all(|(key, value)| self.entry(key).is_none_or(|part| fits(value, part)))
-            && required.all(|key| self.text().is_some() || self.entry(key).is_some())
+            && required.all(|key| self.entry(key).is_some())
     }
 }
 
@@ -205,10 +215,16 @@ fn ends(schema: &Value) -> [Option<(f64, bool)>; 2] {
     })
 }
 
-fn in_words(schema: &Value, unit: &str) -> String {
-    if let Some(most) = most_items(schema) {
-        return format!("at most {most} of them");
+/// What `schema`, that of the value of `key`, allows, in words with its unit; `None` where it has no bounds.
+pub fn bounds(key: &str, schema: &Value) -> Option<String> {
+    if let Some(words) = schema["x-expected"].as_str() {
+        return Some(words.to_owned());
     }
+    if let Some(most) = most_items(schema) {
+        return Some(format!("at most {most} of them"));
+    }
+    let of_name = || UNITS.iter().find(|(end, _)| key.ends_with(end)).map(|(_, unit)| *unit);
+    let unit = schema["x-unit"].as_str().or_else(of_name).unwrap_or_default();
     let whole = if is(schema, "integer") { "a whole number from " } else { "" };
     let number = |end: f64| format!("{} {unit}", short(end)).trim_end().to_owned();
     let from = |(end, is_valid)| match is_valid {
@@ -216,7 +232,7 @@ fn in_words(schema: &Value, unit: &str) -> String {
         false => format!("above {}", number(end)),
     };
     let to = |(end, is_valid)| format!("{} {}", if is_valid { "at most" } else { "below" }, number(end));
-    match ends(schema) {
+    Some(match ends(schema) {
         [Some((least, true)), None] if !whole.is_empty() => format!("{whole}{least}"),
         [Some((least, true)), Some((greatest, true))] => {
             format!("{whole}{} to {}", short(least), number(greatest))
@@ -224,29 +240,19 @@ fn in_words(schema: &Value, unit: &str) -> String {
         [Some(least), Some(greatest)] => format!("{}, {}", from(least), to(greatest)),
         [Some(least), None] => from(least),
         [None, Some(greatest)] => to(greatest),
-        [None, None] => "a finite number".to_owned(),
-    }
+        [None, None] => return None,
+    })
 }
 
 /// Ends of names, and the units that they mean: the longer ones first.
-const UNITS: [(&str, &str); 12] = [
+const UNITS: [(&str, &str); 9] = [
     ("_m_s2", "m/s²"),
     ("_rad_s", "rad/s"),
-    ("_deg_s", "°/s"),
     ("_kg_m3", "kg/m³"),
     ("_m_s", "m/s"),
-    ("_per_s", "per second"),
     ("_deg", "°"),
     ("_rad", "rad"),
-    ("_kg", "kg"),
     ("_hz", "Hz"),
     ("_m", "m"),
     ("_s", "s"),
 ];
-
-/// The unit that the last key of `way` ends with.
-fn unit_of(way: &[PathStep]) -> Option<&'static str> {
-    let key =
-        way.iter().rev().find_map(|step| if let PathStep::Key(key) = step { Some(key) } else { None })?;
-    UNITS.iter().find(|(end, _)| key.ends_with(end)).map(|(_, unit)| *unit)
-}

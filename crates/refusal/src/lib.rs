@@ -9,7 +9,7 @@ mod contents;
 mod invalid;
 mod words;
 
-pub use bounds::strictly;
+pub use bounds::{bounds, check_bounds, strictly};
 pub use contents::{Contents, PathStep, Unreadable};
 pub use invalid::{Invalid, check_name, check_numbers, check_ranges};
 pub use words::{

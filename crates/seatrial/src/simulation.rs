@@ -10,7 +10,7 @@ use maneuver::{DictionaryFile, Generator};
 use numerics::{GROUPS, LANES};
 use plan::voyage::Shares;
 use rayon::prelude::*;
-use refusal::Invalid;
+use refusal::{Invalid, check_bounds};
 use regression::runs::{Doing, NominalDiverged, RunInstruments, SharedInputs};
 use regression::{InstrumentKind, MeanRemoval, Outcome};
 use ship::engine::Run;
@@ -73,6 +73,7 @@ impl Study {
         dictionary: &DictionaryFile,
         campaign: CampaignFile,
     ) -> Result<Self, StudyError> {
+        check_bounds(&campaign)?;
         let generator = Generator::without_tables(&vessel, dictionary)?;
         Ok(Self { vessel, generator, campaign })
     }

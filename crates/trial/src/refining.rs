@@ -104,9 +104,6 @@ pub struct Limits {
     pub signal: SignalLimits,
 }
 
-/// The states' keys.
-pub const STATES: [&str; 3] = ["u_m_s", "v_m_s", "r_rad_s"];
-
 impl Limits {
     /// Limits, and the start that keeps them: inputs of `start` that jump follow it as fast as they may, less what the search
     /// needs.
@@ -147,7 +144,7 @@ impl Limits {
         let states = [0, 1, 2].map(state);
         let ranges: Vec<InputLimit> = inputs.iter().enumerate().map(input).collect();
         let under = |table: &'static str| inputs.iter().map(move |name| format!("{table}.{name}"));
-        let of_states = STATES.map(str::to_owned).into_iter();
+        let of_states = ["u_m_s", "v_m_s", "r_rad_s"].map(str::to_owned).into_iter();
         let limits = Self {
             names: of_states.chain(under("inputs")).chain(under("rates")).collect(),
             allowed: states.into_iter().chain(ranges.iter().map(InputLimit::modulus)).chain(rates).collect(),

@@ -53,7 +53,12 @@ fn numbers_that_are_not_finite_are_refused() {
                 "vessel.toml",
                 &format!("preset = \"ljungberg-model-ship\"\n[{table}]\nX_u = {number}\n"),
             );
-            refused(&folder, 3, DICTIONARY, &["vessel.toml", "X_u`", found, "a finite number"]);
+            refused(
+                &folder,
+                3,
+                DICTIONARY,
+                &["vessel.toml", &format!("`{table}.X_u`"), found, "a finite number"],
+            );
         }
         let (from, to) = ("speed_m_s = 0.35", format!("speed_m_s = {number}"));
         edited("dictionary.toml", from, &to, DICTIONARY, &["`zig-zag-slow-flat`", "`speed_m_s`"]);

@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use ship::engine::Streams;
+use ship::engine::{MOST_CURRENT_M_S, Streams};
 
 use crate::{Law, Setting, Thruster};
 
@@ -163,15 +163,15 @@ pub struct Weather {
 pub struct Drift {
     /// Towards north \[m/s\].
     #[serde(default)]
-    #[schemars(range(min = -15.0, max = 15.0))]
+    #[schemars(range(min = -MOST_CURRENT_M_S, max = MOST_CURRENT_M_S))]
     pub north_m_s: f64,
     /// Towards east \[m/s\].
     #[serde(default)]
-    #[schemars(range(min = -15.0, max = 15.0))]
+    #[schemars(range(min = -MOST_CURRENT_M_S, max = MOST_CURRENT_M_S))]
     pub east_m_s: f64,
     /// Standard deviation of the varying part \[m/s\].
     #[serde(default)]
-    #[schemars(range(min = 0.0, max = 15.0))]
+    #[schemars(range(min = 0.0, max = MOST_CURRENT_M_S))]
     pub std_m_s: f64,
     /// Its correlation time \[s\].
     #[schemars(extend("exclusiveMinimum" = 0.0))]

@@ -2,6 +2,7 @@
 
 use logs::chain::{Actuator, Hits, Logged};
 use logs::{Law, Setting};
+use refusal::strictly;
 
 const ACTUATOR: Actuator = Actuator {
     position_m: [-0.4, 0.1],
@@ -36,4 +37,19 @@ fn at_the_start_it_is_where_it_is_wanted() {
     let mut hits = Hits::default();
     let found = ACTUATOR.follow(None, Setting { n: 9.0, alpha: 3.0 }, 0.1, &mut hits);
     assert_eq!((found, hits), (Setting { n: 9.0, alpha: 3.0 }, Hits::default()));
+}
+
+#[test]
+fn numbers_without_meaning_are_refused() {
+    let read = |keys: &str| {
+        let text = format!("position_m = [0.0, 1.0]\ncoefficient = 1.0\n{keys}");
+        toml::Deserializer::parse(&text).and_then(strictly::<Actuator, _>).map_err(|e| e.to_string())
+    };
+    assert!(read("").is_ok());
+    for (keys, thing) in
+        [("speed_limit_rps = 0.0", "`speed_limit_rps`"), ("angle_std_rad = -1.0", "`angle_std_rad`")]
+    {
+        let said = read(keys).unwrap_err();
+        assert!(said.contains(thing), "{said}");
+    }
 }

@@ -222,6 +222,13 @@ fn shapes_holds_and_exact_motions_that_cannot_be_meant_are_refused() {
         combined(&signal("shape = \"flat-sine\", steepness = 0.5")),
         &["steepness`", "found 0.5", "from 1"],
     );
+    // Numbers that are none are refused where the file is read.
+    let nan = format!(
+        "[[maneuver]]\nname = \"a\"\nkind = \"combined\"\nspeed_m_s = {{ mean = 0.5 }}\n{}",
+        signal("steepness = nan")
+    );
+    let nan = nan.parse::<DictionaryFile>().unwrap_err().to_string();
+    contains(nan, &["steepness`", "found NaN", "a finite number"]);
     contains(combined(&signal("shape = \"sine\", steepness = 2.0")), &["steepness`", "found 2", "flat-sine"]);
     contains(combined(&signal("shape = \"ramp\", exponent = 0.0")), &["exponent`", "found 0", "above 0"]);
     contains(combined(&signal("shape = \"sine\", exponent = 0.5")), &["exponent`", "found 0.5", "\"ramp\""]);

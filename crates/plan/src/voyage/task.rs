@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use chart::Layer;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use ship::engine::{Changes, Helm, Measurement, Run, Streams};
+use ship::engine::{Changes, Helm, MOST_CURRENT_M_S, Measurement, Run, Streams};
 use ship::model::Vessel;
 
 use super::passage::Tide;
@@ -151,7 +151,7 @@ pub struct Slot {
 }
 
 /// A speed limit in a part of the area: faster legs are not offered where they sweep any of it.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpeedLimit {
     /// Its name in messages.
@@ -164,7 +164,7 @@ pub struct SpeedLimit {
 }
 
 /// The hull in the horizontal plane: a rectangle with a pointed bow.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Hull {
     /// Length over all \[m\].
@@ -205,7 +205,7 @@ impl Hull {
 }
 
 /// Depths and distances to keep.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Safety {
     /// Least charted depth in transit: draught and under-keel clearance \[m\].
@@ -221,7 +221,7 @@ pub struct Safety {
     pub margin_m: f64,
     /// Bound on the unknown current \[m/s\].
     #[serde(default)]
-    #[schemars(range(min = 0.0, max = 15.0))]
+    #[schemars(range(min = 0.0, max = MOST_CURRENT_M_S))]
     pub unknown_current_m_s: f64,
     /// Relative error of the nominal parameters: maneuvers have room for vessels with such errors.
     #[serde(default)]
@@ -264,7 +264,7 @@ refusal::choices! {
 }
 
 /// A maneuver to place.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ManeuverUse {
     /// Its name in the dictionary.

@@ -1,12 +1,12 @@
 use numerics::{LANES, Lane, vectorized};
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::engine::Streams;
 use crate::engine::noise::{Channels, Normals};
 
 /// A current.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Current {
     /// Still water.
@@ -41,7 +41,7 @@ pub enum Current {
 }
 
 /// Axes that a current's components belong to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Axes {
     /// The earth's: the vessel turns in the current. Every run starts at heading zero.
@@ -52,7 +52,7 @@ pub enum Axes {
 }
 
 /// A wind-like force: what it adds to the states, in body axes and independent of them.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wind {
     /// Standard deviation of the surge acceleration \[m/s²\].
@@ -71,7 +71,7 @@ pub struct Wind {
 }
 
 /// White measurement noise.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Measurement {
     /// Standard deviation of the measured surge speed \[m/s\].

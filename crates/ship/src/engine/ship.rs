@@ -1,7 +1,7 @@
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-use crate::engine::disturbance::factor;
+use crate::engine::disturbance::{MOST_CURRENT_M_S, factor};
 use crate::engine::{Ambient, Compiled, NormalRows, Pose, Streams, Wind};
 use crate::model::{Actuator, ActuatorState, SampleCommand, Vessel};
 
@@ -114,11 +114,11 @@ pub struct Changes {
 }
 
 /// Changes of a current, north and east, correlated as exp(−|t|/T).
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChangingCurrent {
     /// Standard deviation of each component \[m/s\].
-    #[schemars(range(min = 0.0, max = 15.0))]
+    #[schemars(range(min = 0.0, max = MOST_CURRENT_M_S))]
     pub std_m_s: f64,
     /// Time constant T \[s\].
     #[schemars(range(min = 1e-6, max = 1e9))]

@@ -1,4 +1,4 @@
-use refusal::Invalid;
+use refusal::{Invalid, check_bounds};
 
 use super::actuators::{Propeller, Rudder, Thruster, Wash};
 use crate::forces::mass::{Inertia, Mass, Prime};
@@ -180,6 +180,7 @@ impl Forces {
     /// The first name that is unknown or duplicate, number that is missing, not finite or contradicts another, unit that
     /// does not fit, division by what can be 0; a free mass without a prior; a ship that her nominal masses cannot be.
     pub fn new(description: &Description, channels: &[Channel]) -> Result<Self, Invalid> {
+        check_bounds(description)?;
         let prime = Prime::new(description.density_kg_m3, &description.ship)?;
         let mut builder = Builder::default();
         let reading = &mut builder;

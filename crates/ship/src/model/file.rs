@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use refusal::{Invalid, check_name, foreign};
+use refusal::{Invalid, check_bounds, check_name, foreign};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -77,6 +77,7 @@ impl Vessel {
             Some(_) => preset(file)?,
             None => file,
         };
+        check_bounds(&file)?;
         let rate = file.sample_rate_hz.ok_or_else(|| missing("sample_rate_hz"))?;
         let variables = variables(&file)?;
         let couplings = couplings(&file.input)?;

@@ -199,7 +199,7 @@ choices! {
 }
 
 /// `vessel.toml` as written.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VesselFile {
     /// A built-in vessel to start from; it replaces everything below but `name`, `value` and `nominal`, and the sampling
@@ -261,23 +261,18 @@ pub struct VesselFile {
     pub ship: Option<ShipSpec>,
     /// Propellers of a ship with forces.
     #[serde(default)]
-    #[schemars(length(max = 2000))]
     pub propeller: Vec<PropellerSpec>,
     /// Rudders of a ship with forces.
     #[serde(default)]
-    #[schemars(length(max = 2000))]
     pub rudder: Vec<RudderSpec>,
     /// Thrusters of a ship with forces.
     #[serde(default)]
-    #[schemars(length(max = 2000))]
     pub thruster: Vec<ThrusterSpec>,
     /// Wind on a ship with forces.
     #[serde(default)]
-    #[schemars(length(max = 2000))]
     pub wind: Vec<WindSpec>,
     /// Cross-flow drag of a ship with forces.
     #[serde(default)]
-    #[schemars(length(max = 2000))]
     pub crossflow: Vec<CrossflowSpec>,
 }
 

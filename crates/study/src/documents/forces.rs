@@ -1,7 +1,7 @@
 //! Forces that were fitted, criticised and searched for, within `model.json` and `search.json`.
 
 use estimation::pooled::Covariance;
-use refusal::Invalid;
+use refusal::{Invalid, strictly};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::forces::Description;
@@ -153,7 +153,8 @@ impl FittedForces {
     /// # Errors
     /// A text that is none.
     pub fn description(&self) -> Result<Description, Invalid> {
-        toml::from_str(&self.description).map_err(|e| {
+        let read = toml::Deserializer::parse(&self.description).and_then(strictly);
+        read.map_err(|e: toml::de::Error| {
             let given = e.message().to_owned();
             Invalid::new("data.forces.description", given, "a ship with forces", "estimate the model again")
         })

@@ -6,7 +6,6 @@ use design::{AccuracyOf, CriterionName};
 use estimation::Estimator;
 use estimation::refine::Forward;
 use files::{Document, Units};
-use refusal::{Invalid, check_numbers};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::model::{Source, Vessel};
@@ -265,6 +264,7 @@ pub struct DesignUpdateDocument {
     /// Samples of the trial.
     pub samples: u64,
     /// Its duration \[s\]. All promises are for this length.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub duration_s: f64,
     /// Every parameter, in order.
     pub parameters: Vec<UpdatedParameter>,
@@ -379,8 +379,4 @@ impl Document for DesignUpdateDocument {
         ("s", "duration_s needed_s remaining_s"),
         ("the unit of what it belongs to", "estimate scale promised now"),
     ];
-
-    fn check(&self) -> Result<(), Invalid> {
-        check_numbers([("data.duration_s", self.duration_s)], "a time above 0 s", |time| time > 0.0)
-    }
 }

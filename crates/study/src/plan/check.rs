@@ -3,7 +3,7 @@
 use chart::ring::{RingFault, ring_fault};
 use plan::voyage::{AT_REST, Area};
 use plan::{Mode, Tolerance};
-use refusal::{Invalid, check_name};
+use refusal::{Invalid, check_bounds, check_name};
 
 use super::file::{AreaSpec, PlanFile};
 
@@ -13,16 +13,15 @@ const SEEN: f64 = 2.0;
 impl PlanFile {
     /// Refuses invalid numbers, and speed modes that cannot be distinguished.
     pub(super) fn check(&self) -> Result<(), Invalid> {
-        let reference_m = self.hull.reference_m;
-        if reference_m.abs() > self.hull.length_m / 2.0 {
-            let half = self.hull.length_m / 2.0;
+        check_bounds(self)?;
+        let (reference_m, half) = (self.hull.reference_m, self.hull.length_m / 2.0);
+        if reference_m.abs() > half {
             let expected = format!("-{half} to {half} m, a point of the hull");
             return Err(Invalid::new("`hull.reference_m`", reference_m.to_string(), expected, "correct it"));
         }
-        let stds =
-            self.measurement.map(|m| [("u_m", m.std_u_m_s), ("v_m", m.std_v_m_s), ("r_rad", m.std_r_rad_s)]);
-        if let Some((key, _)) = stds.iter().flatten().find(|(_, std)| *std == 0.0) {
-            let thing = format!("`measurement.std_{key}_s`");
+        let stds = self.measurement.map_or([1.0; 3], |m| [m.std_u_m_s, m.std_v_m_s, m.std_r_rad_s]);
+        if let Some(exact) = stds.iter().position(|std| *std == 0.0) {
+            let thing = format!("`measurement.std_{}_s`", ["u_m", "v_m", "r_rad"][exact]);
             return Err(Invalid::new(thing, "0", "a sensor with noise, above 0", "correct it"));
         }
         self.name.iter().try_for_each(|name| check_name("`name` of the trial", name))?;

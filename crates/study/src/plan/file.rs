@@ -8,11 +8,11 @@ use files::Error;
 use plan::voyage::{CostRule, Goal, Hull, ManeuverUse, Place, Safety, SpeedLimit};
 use plan::{Mode, Sensors, StatedHandling};
 use schemars::JsonSchema;
-use serde::Deserialize;
-use ship::engine::{Changes, ChangingCurrent, Measurement, Wind};
+use serde::{Deserialize, Serialize};
+use ship::engine::{Changes, ChangingCurrent, MOST_CURRENT_M_S, Measurement, Wind};
 
 /// `plan.toml` as written.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlanFile {
     /// Name of the trial in routes; without it, that of the folder.
@@ -26,10 +26,12 @@ pub struct PlanFile {
     #[serde(default = "raster_per_cell")]
     pub raster_per_cell: usize,
     /// The area that the ship may use; the lattice covers it.
+    #[serde(skip_serializing)]
     pub area: AreaSpec,
     /// Charts, all of them at once.
     pub chart: Vec<ChartSpec>,
     /// How uncharted positions count: as obstacles if a chart has depths, else as water.
+    #[serde(skip_serializing)]
     pub uncharted: Option<chart::Uncharted>,
     /// The hull.
     pub hull: Hull,
@@ -38,7 +40,7 @@ pub struct PlanFile {
     /// The known current.
     pub known_current: Option<KnownCurrent>,
     /// The handling of the vessel between maneuvers, unless it follows from the vessel.
-    #[serde(default)]
+    #[serde(default, skip_serializing)]
     pub handling: StatedHandling,
     /// The approach before and the tolerances after a maneuver.
     #[serde(default)]
@@ -53,7 +55,7 @@ pub struct PlanFile {
     /// Gusts.
     pub wind: Option<Wind>,
     /// Speeds of the vessel at a node, besides rest.
-    #[serde(default)]
+    #[serde(default, skip_serializing)]
     pub speed_mode: Vec<Mode>,
     /// Speed limits in parts of the area.
     #[serde(default)]
@@ -65,17 +67,22 @@ pub struct PlanFile {
     #[schemars(range(max = 1e9), extend("exclusiveMinimum" = 0.0))]
     pub informative_s: Option<f64>,
     /// When the trial begins, as `2026-06-01T08:00:00Z` or with an offset; without it nothing has times of day.
+    #[serde(skip_serializing)]
     pub departure: Option<String>,
     /// When the trial may take place.
+    #[serde(skip_serializing)]
     pub slot: Option<SlotSpec>,
     /// Level and stream of the water over time.
+    #[serde(skip_serializing)]
     pub tide: Option<TideSpec>,
     /// The start of the trial.
+    #[serde(skip_serializing)]
     pub start: Place,
     /// Its possible ends.
+    #[serde(skip_serializing)]
     pub goal: Goal,
     /// The cost that is minimised.
-    #[serde(default)]
+    #[serde(default, skip_serializing)]
     pub cost: CostRule,
 }
 
@@ -107,17 +114,19 @@ pub struct AreaSpec {
 }
 
 /// One chart.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChartSpec {
     /// GeoJSON (`.geojson`, `.json`), grid (`.asc`, GeoTIFF `.tif`) or cell of an electronic chart (`.000`), or the folder or `CATALOG.031` of several, relative to this file.
     pub file: PathBuf,
     /// Its contents; a cell has objects of many classes.
+    #[serde(skip_serializing)]
     pub kind: Option<ChartKind>,
     /// Its coordinates, if not in the file; GeoJSON is always in WGS84.
     pub crs: Option<String>,
     /// The unit of its depths, elevations or depths over dangers, if not in the file: m, dm, cm, mm, km, ft, us-ft or
     /// fathom; metres without it.
+    #[serde(skip_serializing)]
     pub depth_unit: Option<chart::DepthUnit>,
     /// Property with the least depth of an area (`DRVAL1`), or with the depth over a danger (`VALSOU`).
     pub least: Option<String>,
@@ -128,9 +137,10 @@ pub struct ChartSpec {
     #[schemars(range(max = 1e4), extend("exclusiveMinimum" = 0.0))]
     pub doubtful_radius_m: Option<f64>,
     /// Classes of an electronic chart with other than the default rules.
-    #[serde(default)]
+    #[serde(default, skip_serializing)]
     pub rules: BTreeMap<String, chart::Treatment>,
     /// Only these features.
+    #[serde(skip_serializing)]
     pub only: Option<chart::Filter>,
     /// A grid of open sea, without land or missing cells; or a chart of land without land nearby.
     #[serde(default)]
@@ -180,11 +190,11 @@ pub struct SlotSpec {
 }
 
 /// A current, by its set.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct KnownCurrent {
     /// Speed \[m/s\].
-    #[schemars(range(min = 0.0, max = 15.0))]
+    #[schemars(range(min = 0.0, max = MOST_CURRENT_M_S))]
     pub speed_m_s: f64,
     /// Compass direction that it sets towards.
     #[schemars(range(min = -360.0, max = 360.0))]
@@ -192,7 +202,7 @@ pub struct KnownCurrent {
 }
 
 /// The approach before and the tolerances after a maneuver.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ApproachSpec {
     /// Steady approach \[s\].
@@ -225,7 +235,7 @@ impl Default for ApproachSpec {
 }
 
 /// Standard deviations of the ship's measurements; 0 if exact.
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorSpec {
     /// Position, north and east each \[m\].

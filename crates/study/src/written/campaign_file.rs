@@ -5,14 +5,14 @@ use maneuver::{DictionaryFile, ManeuverSpec};
 use refusal::Invalid;
 use regression::{InstrumentKind, Noise};
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use ship::engine::{Axes, Current, Disturbances, Measurement, Wind};
 use ship::model::{Source, Vessel};
 use trial::campaign::{Sea, Settings};
 use validation::tally::Bounds;
 
 /// `campaign.toml` as written.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CampaignFile {
     /// Seed of every random number of the study.
@@ -36,7 +36,7 @@ pub struct CampaignFile {
 }
 
 /// Experiments of maneuvers drawn at random.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RandomSpec {
     /// Number of equally long segments.
@@ -45,7 +45,7 @@ pub struct RandomSpec {
 }
 
 /// The validation maneuvers, and the bounds of good estimates.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ValidationSpec {
     /// Bound on the parameter error.
@@ -58,6 +58,7 @@ pub struct ValidationSpec {
     #[serde(default)]
     pub inputs_from: Source,
     /// The maneuvers, each a separate run.
+    #[serde(skip_serializing)]
     pub maneuver: Vec<ManeuverSpec>,
 }
 

@@ -27,13 +27,13 @@ pub struct LogsFile {
     pub alternate_sides: bool,
     /// Relative scatter of a repeat's forces.
     #[serde(default)]
-    #[schemars(range(min = 0.0, max = 1e5))]
+    #[schemars(range(min = 0.0), extend("exclusiveMaximum" = 1e5))]
     pub scatter_std: f64,
     /// Heading at the start of every recording \[rad\]; without it each starts on a different course.
     pub course_rad: Option<f64>,
     /// Maneuver → its duration before logging begins \[s\].
     #[serde(default)]
-    #[schemars(extend("additionalProperties" = {"type": "number", "minimum": 0, "maximum": 1e5, "x-unit": "s"}))]
+    #[schemars(extend("additionalProperties" = {"type": "number", "minimum": 0, "exclusiveMaximum": 1e5, "x-unit": "s"}))]
     pub settle_s: BTreeMap<String, f64>,
     /// Position.
     pub gnss: Gnss,

@@ -141,13 +141,13 @@ fn ended(found: &Stopping, realizations: u32) -> String {
 #[serde(deny_unknown_fields)]
 pub struct SequentialFile {
     /// Realizations of every arm.
-    #[schemars(range(min = 1))]
+    #[schemars(range(min = 1, max = 1_000_000_000))]
     pub realizations: u32,
     /// Total sea time \[s\].
-    #[schemars(range(min = 1e-6, max = 1e9))]
+    #[schemars(range(min = 1e-12, max = 1e9))]
     pub duration_s: f64,
     /// Number of rounds of equal length.
-    #[schemars(range(min = 1))]
+    #[schemars(range(min = 1, max = 1_000_000_000))]
     pub rounds: u32,
     /// Spread of the crude model before the trial: its parameters are the central ones times e^(this times a standard
     /// normal number), drawn for every realization.

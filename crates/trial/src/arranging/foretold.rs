@@ -147,11 +147,13 @@ impl Arranging<'_> {
             let of = |p: OutputInformation| Information { meat: p.middle(), information: p.information };
             predicted.into_iter().map(|predicted| predicted.map(of)).collect()
         };
-        // Priors count once for the experiment.
-        for (sums, prior) in all.iter_mut().flatten().zip(self.moments.prior.iter().cycle()) {
-            let samples = (runs[0].1.len() / model.exogenous().max(1)) as f64;
-            prior.add_to(&mut sums.information, &expected.rows, samples);
-            prior.add_to(&mut sums.meat, &expected.rows, samples);
+        if let (Some(prior), Some(run)) = (&self.moments.prior, runs.first()) {
+            // Priors count once for the experiment.
+            let samples = (run.1.len() / model.exogenous().max(1)) as f64;
+            for sums in all.iter_mut().flatten() {
+                prior.add_to(&mut sums.information, &expected.rows, samples);
+                prior.add_to(&mut sums.meat, &expected.rows, samples);
+            }
         }
         Some(all)
     }

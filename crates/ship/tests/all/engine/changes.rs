@@ -1,5 +1,6 @@
 //! Currents and gusts that change while a ship sails.
 
+use refusal::check_bounds;
 use ship::engine::{Changes, Changing, ChangingCurrent, Pose, Ship, Streams, Wind};
 use ship::model::{Source, Vessel};
 
@@ -75,4 +76,22 @@ fn oracle_a_ship_in_changes_is_stepped_by_hand() {
         }
         assert!((ship.pose.x - by_hand.pose.x).hypot(ship.pose.y - by_hand.pose.y) < 1e-12);
     }
+}
+
+#[test]
+fn changes_without_meaning_are_refused_by_their_key() {
+    let current = |std_m_s: f64, time_constant_s: f64| {
+        check_bounds(&ChangingCurrent { std_m_s, time_constant_s }).map_err(|e| e.to_string())
+    };
+    let wind = |gust_s| check_bounds(&changes(gust_s).wind.unwrap()).map_err(|e| e.to_string());
+    for (refused, key) in [
+        (current(20.0, 5.0), "`std_m_s`"),
+        (current(f64::NAN, 5.0), "`std_m_s`"),
+        (current(0.1, 0.0), "`time_constant_s`"),
+        (wind(Some(-1.0)), "`time_constant_s`"),
+    ] {
+        let said = refused.unwrap_err();
+        assert!(said.contains(key), "{said}");
+    }
+    assert_eq!((current(0.1, 20.0), wind(None)), (Ok(()), Ok(())));
 }

@@ -39,6 +39,7 @@ fn a_description_that_contradicts_itself_is_refused_with_the_reason() {
         (KVLCC2, "\"X_vv\"", "\"X_0\"", ["`X_0`", "the same name twice"]),
         (KVLCC2, "prior = 0.02", "prior = 0.02, bounds = [0.0, 1.0]", ["`X_0`", "beyond its `bounds`"]),
         (KVLCC2, "prior = 0.02", "prior = 0.02, fixed = true", ["`X_0`", "remove the others"]),
+        (KVLCC2, "length_m = 7.0", "length_m = 0.0", ["length_m", "0.01 to 10000 m"]),
         (KVLCC2, "gyration_m = 1.75", "", ["[ship]", "neither"]),
         (KVLCC2, "yaw = 0.011", "yaw = -1.0", ["[ship]", "backwards"]),
         (
@@ -63,6 +64,7 @@ fn a_description_that_contradicts_itself_is_refused_with_the_reason() {
             "lag_s = -0.1\ncurve = \"square\"",
             ["`port.lag_s`", "from 0 to 10000 s"],
         ),
+        (OTTER, "strips = 21", "strips = 1", ["strips", "2 to 1000"]),
     ];
     for (text, old, new, words) in cases {
         assert!(text.contains(old), "{old}");

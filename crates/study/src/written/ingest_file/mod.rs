@@ -83,7 +83,7 @@ pub struct IngestFile {
     pub tail_s: Option<f64>,
     /// … named by kind and class of mean speed, with these bounds \[m/s\].
     #[serde(default)]
-    #[schemars(inner(range(min = 1e-6, max = 1e3)))]
+    #[schemars(extend("items" = {"type": "number", "exclusiveMinimum": 0, "maximum": 1e3}))]
     pub speed_classes_m_s: Vec<f64>,
     /// Names of the speed classes, one more than bounds.
     pub speed_class_names: Option<Vec<String>>,
@@ -429,7 +429,8 @@ fn keys(page: &mut String, table: &Value, schema: &Value) {
             (false, Value::Object(_)) => "as its keys say".to_owned(),
             (false, default) => format!("`{default}`"),
         };
-        let _ = writeln!(page, "| `{key}` | {} | {without} | {} |", takes(property, schema), text(property));
+        let _ =
+            writeln!(page, "| `{key}` | {} | {without} | {} |", takes(key, property, schema), text(property));
     }
 }
 
@@ -438,14 +439,14 @@ fn text(of: &Value) -> String {
     of["description"].as_str().unwrap_or_default().replace('\n', " ").replace('|', "\\|")
 }
 
-/// The values of a key, in words.
-fn takes(property: &Value, schema: &Value) -> String {
+/// The values of `key`, in words.
+fn takes(key: &str, property: &Value, schema: &Value) -> String {
     let name = |of: &Value| of["$ref"].as_str().and_then(|path| path.rsplit('/').next()).map(str::to_owned);
     if let Some(choices) = property["anyOf"].as_array() {
         return choices
             .iter()
             .find(|choice| choice["type"] != "null")
-            .map_or(String::new(), |choice| takes(choice, schema));
+            .map_or(String::new(), |choice| takes(key, choice, schema));
     }
     if let Some(name) = name(property) {
         let heading =
@@ -460,13 +461,13 @@ fn takes(property: &Value, schema: &Value) -> String {
         "string" if property["maxLength"] == 1 => "a character".to_owned(),
         "string" if property["const"].is_string() => format!("`{}`", property["const"]),
         "string" => "text".to_owned(),
-        "number" => "a number".to_owned(),
-        "integer" => "a whole number".to_owned(),
+        "number" => refusal::bounds(key, property).unwrap_or("a number".to_owned()),
+        "integer" => refusal::bounds(key, property).unwrap_or("a whole number".to_owned()),
         "boolean" => "`true` or `false`".to_owned(),
         "array" => match (property["minItems"].as_u64(), name(&property["items"])) {
-            (_, Some(_)) => takes(&property["items"], schema),
+            (_, Some(_)) => takes(key, &property["items"], schema),
             (Some(count), _) => format!("a list of {count} numbers"),
-            _ => format!("a list: {}", takes(&property["items"], schema)),
+            _ => format!("a list: {}", takes(key, &property["items"], schema)),
         },
         _ => String::new(),
     }
