@@ -120,7 +120,7 @@ fn a_plan_of_the_otter_keeps_its_margin_and_says_what_its_errors_are() {
 #[test]
 fn law_the_promised_information_is_that_of_moments() {
     let folder = otter();
-    // As tables, all maneuvers have the inputs of the dictionary; by 4 headings they come to no plan.
+    // As tables, all maneuvers have the inputs of the dictionary; by 4 headings legs would end too far off.
     edit(&folder, "mine/plan.toml", "headings = 4", "headings = 8");
     edit(&folder, "mine/plan.toml", "circle-port", "accelerate");
     edit(&folder, "mine/plan.toml", "standard_errors = 1.2 ", "standard_errors = 0.5 ");
