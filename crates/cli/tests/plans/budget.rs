@@ -136,14 +136,14 @@ fn areas_that_no_plane_holds_are_refused() {
 
 #[test]
 fn handling_that_makes_legs_endless_is_refused() {
-    for (key, from, to) in [
-        ("response_s", "30.0", "1e9"),
-        ("turn_rate_rad_s", "0.05", "1e-9"),
-        ("acceleration_m_s2", "0.05", "1e-12"),
-        ("lookahead_m", "60.0", "1e12"),
+    for (key, from, to, bounds) in [
+        ("response_s", "30.0", "1e9", "0.001 to 3600 s"),
+        ("turn_rate_rad_s", "0.05", "1e-9", "1e-4 to 10 rad/s"),
+        ("acceleration_m_s2", "0.05", "1e-12", "1e-5 to 100 m/s²"),
+        ("lookahead_m", "60.0", "1e12", "0.001 to 100000 m"),
     ] {
         let folder = small_with(&[(&format!("{key} = {from}"), &format!("{key} = {to}"))]);
-        refused(&folder, 3, PLAN, &["plan.toml", &format!("`handling.{key}`"), "expected a number from"]);
+        refused(&folder, 3, PLAN, &["plan.toml", &format!("`handling.{key}`"), bounds]);
     }
 }
 

@@ -51,18 +51,6 @@ fn cells_without_size_are_refused() {
 }
 
 #[test]
-fn handling_with_which_a_leg_would_last_for_days_is_refused() {
-    for (key, found) in [("turn_rate_rad_s", "1e-9"), ("acceleration_m_s2", "1e-12"), ("response_s", "1e9")] {
-        let written = match key {
-            "response_s" => "30.0",
-            _ => "0.05",
-        };
-        let thing = format!("`handling.{key}`");
-        edited(&format!("{key} = {written}"), &format!("{key} = {found}"), &[&thing, "a number from "]);
-    }
-}
-
-#[test]
 fn numbers_that_are_not_finite_are_refused_wherever_they_stand() {
     for (from, key) in [
         ("west_deg = 24.98", "area"),
