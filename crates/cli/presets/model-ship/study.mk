@@ -1,1 +1,0 @@
-# Flags of the stages, where they are to differ from the usual ones.

@@ -1,3 +1,0 @@
-//! `export`: a model for other tools.
-
-cli::program!(cli::commands::EXPORT.main());

@@ -1,3 +1,0 @@
-//! `ingest`: measured logs to trajectories.
-
-cli::program!(cli::commands::INGEST.main());

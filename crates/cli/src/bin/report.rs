@@ -1,3 +1,0 @@
-//! `report`: a study on one page.
-
-cli::program!(cli::commands::REPORT.main());

@@ -1,3 +1,0 @@
-//! `sequential`: trials designed in rounds.
-
-cli::program!(cli::commands::SEQUENTIAL.main());

@@ -1,2 +1,0 @@
-# Figures of merit need the length between perpendiculars [m].
-LENGTH_M = 100
