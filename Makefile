@@ -32,18 +32,21 @@ FLAGS   ?=
 # The stage that a study ends with, after those that it needs; none: its report
 STAGE   ?=
 
-STAGES  := ingest simulate moments design estimate validate monte-carlo plan sequential export report
+STAGES  := simulate moments design estimate validate plan
 BINARIES := $(addprefix $(BIN)/,$(STAGES) seatrial)
 
 # A target is written whole or not at all by its stage, so an interrupted make resumes with the next stage.
 .DELETE_ON_ERROR:
 .SUFFIXES:
 
-# All stages of a study that are not up to date. `seatrial run` knows them; settings of its study.mk may be given to make, too.
-SETTINGS := DICTIONARY MOMENTS_FLAGS DESIGN_FLAGS ESTIMATE_FLAGS PLAN_FLAGS MONTE_CARLO LENGTH_M POOL_FLAGS ESTIMATOR BOOTSTRAP \
-  CROSS_FLAGS TEST TEST_FLAGS SELECTION_FLAGS SELECTED NEXT SEARCH_FLAGS NEXT_FLAGS
-GIVEN   = $(foreach name,$(SETTINGS),$(if $(filter command,$(origin $(name))),--setting '$(name)=$($(name))'))
-RUN     = $(strip $(BIN)/seatrial run $(STUDY) $(if $(LOGS),--logs $(LOGS)) $(GIVEN) $(FLAGS) $(if $(STAGE),--stage $(STAGE)))
+# What was set for a stage before study.toml
+GONE := MOMENTS_FLAGS DESIGN_FLAGS ESTIMATE_FLAGS PLAN_FLAGS MONTE_CARLO LENGTH_M POOL_FLAGS ESTIMATOR BOOTSTRAP CROSS_FLAGS TEST \
+  TEST_FLAGS SELECTION_FLAGS SELECTED NEXT SEARCH_FLAGS NEXT_FLAGS
+$(foreach name,$(GONE),$(if $(filter command,$(origin $(name))),$(error $(name): found it on the command line of make, expected keys of \
+  study.toml; write FLAGS="--set study.design.segments=5" for `segments = 5` in its table [design])))
+
+# All stages of a study that are not up to date. `seatrial run` knows them.
+RUN     = $(strip $(BIN)/seatrial run $(STUDY) $(if $(LOGS),--logs $(LOGS)) $(FLAGS) $(if $(STAGE),--stage $(STAGE)))
 RESULTS = $(OUT)$(if $(wildcard $(STUDY)/ingest.toml),/measured)
 
 # Said before anything is built
@@ -98,6 +101,11 @@ $(BIN)/.built: $(SOURCES)
 
 $(BINARIES): $(BIN)/.built ;
 
+# What writes tables and pictures of this repository's studies
+$(BIN)/examples/pages: $(BIN)/.built
+	$(CARGO) build --locked --workspace --example pages $(if $(filter target/release,$(BIN)),--release)
+	@touch $@
+
 # --- studies
 
 .PHONY: helsinki
@@ -122,7 +130,7 @@ scenarios: build
 	@for name in $(SCENARIOS); do \
 	  $(MAKE) --no-print-directory STUDY=$(SCENARIO_STUDIES)/$$name OUT=$(SCENARIO_OUT)/$$name study || exit 1; done
 	@$(MAKE) --no-print-directory unknown
-	$(BIN)/report --study $(SCENARIO_STUDIES)/white --dictionary pipelines/scenarios/dictionary.toml \
+	$(BIN)/seatrial report --study $(SCENARIO_STUDIES)/white --dictionary pipelines/scenarios/dictionary.toml \
 	  --results $(SCENARIO_OUT)/white --scenarios $(SCENARIOS:%=$(SCENARIO_OUT)/%) $(FLAGS) --out $(SCENARIO_OUT)/report.html
 	@echo
 	@echo "Report: $(SCENARIO_OUT)/report.html"
@@ -140,11 +148,11 @@ unknown: $(UNKNOWN:%=%/scores.parquet)
 
 # Of the stem white/unknown/current, the first word is the scenario's name and the last the way's
 .SECONDEXPANSION:
-$(UNKNOWN:%=%/scores.parquet): $(SCENARIO_OUT)/%/scores.parquet: $(SCENARIO_OUT)/$$(*D:/unknown=)/campaign.parquet $(BIN)/estimate $(BIN)/validate
+$(UNKNOWN:%=%/scores.parquet): $(SCENARIO_OUT)/%/scores.parquet: $(SCENARIO_OUT)/$$(*D:/unknown=)/campaign.parquet $(BIN)/seatrial
 	@mkdir -p $(@D)
-	$(BIN)/estimate --vessel $(SCENARIO_STUDIES)/$(*D:/unknown=)/vessel.toml --trajectories $< $(WAY_$(*F)) $(FLAGS) \
+	$(BIN)/seatrial estimate --vessel $(SCENARIO_STUDIES)/$(*D:/unknown=)/vessel.toml --trajectories $< $(WAY_$(*F)) $(FLAGS) \
 	  --out $(@D)/estimates.parquet
-	$(BIN)/validate --vessel $(SCENARIO_STUDIES)/$(*D:/unknown=)/vessel.toml --campaign $(SCENARIO_STUDIES)/$(*D:/unknown=)/campaign.toml \
+	$(BIN)/seatrial validate --vessel $(SCENARIO_STUDIES)/$(*D:/unknown=)/vessel.toml --campaign $(SCENARIO_STUDIES)/$(*D:/unknown=)/campaign.toml \
 	  --estimates $(@D)/estimates.parquet --validation $(<D)/validation.parquet $(FLAGS) --out $@
 
 # Trials designed in rounds against trials designed once: of the study that is named, or else of pipelines/sequential.
@@ -152,7 +160,7 @@ IS_NAMED          := $(filter command environment,$(origin STUDY))
 ROUNDS            := $(if $(IS_NAMED),$(STUDY),pipelines/sequential)
 ROUNDS_DICTIONARY ?= $(or $(DICTIONARY),$(ROUNDS)/dictionary.toml)
 ROUNDS_OUT        ?= $(if $(IS_NAMED),$(OUT)/sequential,out/sequential)
-# Such as ROUNDS_FLAGS="--set sequential.realizations=10000", which docs/results.md tells of
+# Such as ROUNDS_FLAGS="--set campaign.rounds.realizations=10000", which docs/results.md tells of
 ROUNDS_FLAGS      ?=
 
 .PHONY: sequential
@@ -160,13 +168,13 @@ sequential: $(ROUNDS_OUT)/report.html
 	@echo
 	@echo "Report: $(ROUNDS_OUT)/report.html"
 
-$(ROUNDS_OUT)/sequential.parquet: $(ROUNDS)/vessel.toml $(ROUNDS_DICTIONARY) $(ROUNDS)/campaign.toml $(ROUNDS)/sequential.toml $(BIN)/sequential
+$(ROUNDS_OUT)/sequential.parquet: $(ROUNDS)/vessel.toml $(ROUNDS_DICTIONARY) $(ROUNDS)/campaign.toml $(BIN)/seatrial
 	@mkdir -p $(@D)
-	$(BIN)/sequential --vessel $(ROUNDS)/vessel.toml --dictionary $(ROUNDS_DICTIONARY) \
-	  --campaign $(ROUNDS)/campaign.toml --config $(ROUNDS)/sequential.toml $(ROUNDS_FLAGS) $(FLAGS) --out $@
+	$(BIN)/seatrial monte-carlo --vessel $(ROUNDS)/vessel.toml --dictionary $(ROUNDS_DICTIONARY) \
+	  --campaign $(ROUNDS)/campaign.toml $(ROUNDS_FLAGS) $(FLAGS) --out $@
 
-$(ROUNDS_OUT)/report.html: $(ROUNDS_OUT)/sequential.parquet $(BIN)/report
-	$(BIN)/report --study $(ROUNDS) --dictionary $(ROUNDS_DICTIONARY) --results $(ROUNDS_OUT) $(FLAGS) --out $@
+$(ROUNDS_OUT)/report.html: $(ROUNDS_OUT)/sequential.parquet $(BIN)/seatrial
+	$(BIN)/seatrial report --study $(ROUNDS) --dictionary $(ROUNDS_DICTIONARY) --results $(ROUNDS_OUT) $(FLAGS) --out $@
 
 # A study over a grid of its values, on Snakemake: on this machine, or on a cluster with PROFILE=slurm. What is there already is
 # not made again.
@@ -191,11 +199,12 @@ ELEVEN           := out/sequential-eleven
 results: build
 	$(MAKE) study
 	$(MAKE) helsinki
-	$(MAKE) STUDY=pipelines/helsinki OUT=out/trials/helsinki STAGE=monte-carlo MONTE_CARLO=yes ESTIMATE_FLAGS="--realizations 10000" study
+	$(MAKE) STUDY=pipelines/helsinki OUT=out/trials/helsinki STAGE=monte-carlo \
+	  FLAGS="--set study.monte_carlo.realizations=10000 --set study.monte_carlo.estimator=iv" study
 	$(MAKE) STUDY=pipelines/generated study
 	$(MAKE) scenarios
-	$(MAKE) ROUNDS_FLAGS="--set sequential.realizations=10000" sequential
-	$(MAKE) ROUNDS_FLAGS="--set sequential.realizations=10000" ROUNDS_DICTIONARY=pipelines/scenarios/dictionary.toml \
+	$(MAKE) ROUNDS_FLAGS="--set campaign.rounds.realizations=10000" sequential
+	$(MAKE) ROUNDS_FLAGS="--set campaign.rounds.realizations=10000" ROUNDS_DICTIONARY=pipelines/scenarios/dictionary.toml \
 	  ROUNDS_OUT=$(ELEVEN) sequential
 	for name in $(SELECTED_STUDIES); do $(MAKE) STUDY=pipelines/$$name OUT=out/$$name seeds || exit 1; done
 	for name in $(LOGGED_STUDIES); do \
@@ -204,16 +213,16 @@ results: build
 	$(MAKE) docs
 
 .PHONY: docs
-docs: $(BIN)/report
-	$(BIN)/report results --written pipelines --studies out/paper out/generated out/trials/helsinki out/helsinki/planned \
+docs: $(BIN)/examples/pages
+	$(BIN)/examples/pages results --written pipelines --studies out/paper out/generated out/trials/helsinki out/helsinki/planned \
 	  --scenarios $(SCENARIOS:%=$(SCENARIO_OUT)/%) --unknown $(UNKNOWN) --rounds out/sequential $(ELEVEN) \
 	  --selections $(foreach name,$(SELECTED_STUDIES),$(foreach seed,1 2 3 4 5 6 7 8 9 10,out/$(name)/seeds/$(seed)/measured)) \
 	  --logs out/esso-osaka/measured out/kvlcc2/measured --out docs/results.md
 	sh scripts/front-table.sh docs/results.md README.md
 	sh scripts/results-check.sh $(BIN) --write
-	$(BIN)/report picture --plan out/helsinki --study out/paper --out docs/trial.svg
+	$(BIN)/examples/pages picture --plan out/helsinki --study out/paper --out docs/trial.svg
 	$(MAKE) --no-print-directory STUDY=pipelines/coaster OUT=out/coaster study
-	$(BIN)/report picture --merit out/coaster/merit.json --out docs/trials.svg
+	$(BIN)/examples/pages tracks --merit out/coaster/merit.json --out docs/trials.svg
 
 .PHONY: smoke
 smoke:
@@ -240,7 +249,7 @@ unit:
 	$(CARGO) test --workspace --locked --doc
 
 .PHONY: readme-check
-readme-check: build
+readme-check: build $(BIN)/examples/pages
 	sh scripts/readme-check.sh $(BIN)
 
 # The tutorial's commands, in a folder without this repository, and the numbers that it states
@@ -250,7 +259,7 @@ book-check: build
 
 # Would today's programs write other rows into docs/results.md? Few realizations of each study say it.
 .PHONY: results-check
-results-check: build
+results-check: build $(BIN)/examples/pages
 	sh scripts/results-check.sh $(BIN)
 
 # Is there more to know than before? Commands and flags are those of the programs that are built.
@@ -332,7 +341,7 @@ oracle:
 
 .PHONY: schemas
 schemas:
-	$(CARGO) run --locked -p study --example write_schemas -- schemas
+	$(CARGO) run --locked -p cli --example write_schemas -- schemas
 	@if command -v $(PYTHON) > /dev/null; then $(PYTHON) scripts/python_documents.py; \
 	else echo "no $(PYTHON): python/src/seatrial/documents.py is not written again"; fi
 

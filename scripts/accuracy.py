@@ -4,7 +4,7 @@
         --estimator iv --accuracies 1,2,3,4,6 --trials 2000 [--program target/release/seatrial]
 
 For every accuracy: `design --accuracy` says how long the trial has to be and from which length on that holds, `monte-carlo` simulates
-trials of that length. Prints rows for docs/design.md: asked, length, whether the prediction holds there, and the median and the root
+trials of that length. Prints rows: asked, length, whether the prediction holds there, and the median and the root
 mean square of the parameter error. Needs pyarrow; computes nothing but the last two.
 """
 
@@ -49,7 +49,7 @@ def measure(a: argparse.Namespace, out: Path) -> None:
         found = json.loads(design.read_text())["data"]["accuracy"]
         length = ("--set", f"campaign.duration_s={found['duration_s']}", "--set", f"campaign.realizations={a.trials}")
         trials = (*vessel, "--dictionary", a.dictionary, *campaign, "--design", design, "--estimator", a.estimator)
-        run(a, "monte-carlo", "--allow-mixed", *trials, *length, "--keep", "estimates", "--out", out / "tally.json")
+        run(a, "monte-carlo", "--allow=mixed", *trials, *length, "--keep", "estimates", "--out", out / "tally.json")
         errors, without = optimized(out / "estimates.parquet", parameters)
         square = math.sqrt(statistics.fmean(error**2 for error in errors))
         holds = "yes" if found["duration_s"] >= found["holds_from_s"] else f"from {found['holds_from_s']:.0f} s"

@@ -1,4 +1,4 @@
-"""How often 95 % intervals of `iv` and `output-error` hold the truth: docs/criticism.md's table of standard errors.
+"""How often 95 % intervals of `iv` and `output-error` hold the truth (docs/estimators.md has one of these shares).
 
     python scripts/coverage.py [--trials 304] [--together 8] [--program target/release/seatrial]
 
@@ -55,8 +55,8 @@ def main() -> None:
         for kind, text in campaigns(a.trials).items():
             (folder / "campaign.toml").write_text(text)
             files = ("--campaign", folder / "campaign.toml", "--design", folder / "design.json", "--seed", "1")
-            run("simulate", "campaign", *sailed, *files, "--allow-mixed", out="campaign.parquet")
-            sailed_so = ("--vessel", VESSEL, "--trajectories", folder / "campaign.parquet", "--allow-mixed")
+            run("simulate", "campaign", *sailed, *files, "--allow=mixed", out="campaign.parquet")
+            sailed_so = ("--vessel", VESSEL, "--trajectories", folder / "campaign.parquet", "--allow=mixed")
             cells = []
             for estimator in ("iv", "output-error"):
                 stated = () if estimator == "iv" else ("--campaign", folder / "campaign.toml")

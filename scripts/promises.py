@@ -88,7 +88,7 @@ def ratios(a: argparse.Namespace, folder: Path, seed: int) -> dict[str, list[flo
     for trial in range(AFTER):
         sail(run, ("--set", "campaign.realizations=1", "--seed", str(100_000 + 10 * seed + trial)))
         files = ("--design", "design.json", "--moments", "moments.json", "--model", "model.json")
-        run("design", "update", "--allow-mixed", *files, "--out", "design-update.json")
+        run("design", "update", "--allow=mixed", *files, "--out", "design-update.json")
         error = json.loads((folder / "design-update.json").read_text())["data"]["parameter_error"]
         promised = error["promised"]
         after.append(error["now"] / fixed)
@@ -102,9 +102,9 @@ def square(found: dict[str, float]) -> float:
 
 def sail(run, size: tuple[str, ...]) -> None:
     files = ("--vessel", "true.toml", "--dictionary", "dictionary.toml", "--campaign", "campaign.toml", "--design", "design.json")
-    run("simulate", "campaign", "--allow-mixed", *files, *size, "--out", "campaign.parquet")
+    run("simulate", "campaign", "--allow=mixed", *files, *size, "--out", "campaign.parquet")
     estimate = ("--vessel", "true.toml", "--trajectories", "campaign.parquet", *DESIGNED)
-    run("estimate", "--allow-mixed", *estimate, "--out", "estimates.parquet")
+    run("estimate", "--allow=mixed", *estimate, "--out", "estimates.parquet")
 
 
 if __name__ == "__main__":

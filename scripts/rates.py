@@ -5,15 +5,16 @@
 The paper's ship, its parameters known. Of each seed candidates are drawn twice: within limits of motion and inputs, and within
 `rates` besides, by which an input goes through its whole range in 2 s, with thrust ahead alone. More are drawn there, so that about
 500 keep the limits of either. Each set makes a design of 125 s for an output-error estimate (a-relative). In the limited one inputs
-still jump from one maneuver to the next, so `design refine` slows the whole trial, in one iteration, and then improves it in more.
-It may go a tenth beyond the limits of motion there, since the state is carried over. `monte-carlo` estimates so many trials by
-`output-error`. Prints the median parameter error of the free trial, and those of the limited one as designed, slowed and refined,
-with their ratios to the free one. Needs nothing besides Python.
+still jump from one maneuver to the next, so `design refine` slows the whole trial and improves it, again from its own result until it
+settles. It may go a tenth beyond the limits of motion there, since the state is carried over. `monte-carlo` estimates so many trials
+by `output-error`. Prints the median parameter error of the free trial, and those of the limited one as designed and refined, with
+their ratios to the free one. Needs nothing besides Python.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import re
 import statistics
 import tempfile
@@ -27,8 +28,8 @@ FULL_RANGE_S = 2.0
 AHEAD = 5978.1
 # Drawn candidates of which about 500 are within the limits.
 FREE, LIMITED = 600, 870
-# One iteration leaves the inputs almost as they begin.
-ITERATIONS = {"slowed": 1, "refined": 12_000}
+# Most searches, one after another.
+SEARCHES = 4
 LIMITS = "u_m_s = 1.43\nv_m_s = 0.33\nr_rad_s = 0.55\n"
 
 
@@ -38,11 +39,11 @@ def main() -> None:
     parser.add_argument("--trials", type=int, default=400)
     parser.add_argument("--program", type=Path, default=Path("target/release/seatrial"))
     a = parser.parse_args()
-    ratios: dict[str, list[float]] = {stage: [] for stage in ("designed", *ITERATIONS)}
+    ratios: dict[str, list[float]] = {"designed": [], "refined": []}
     for seed in a.seeds:
-        free = medians(a, seed, FREE, of_inputs(), {})["designed"]
+        free = medians(a, seed, FREE, of_inputs())["designed"]
         print(f"seed {seed}: free {free:.3f}", flush=True)
-        for stage, limited in medians(a, seed, LIMITED, with_rates(), ITERATIONS).items():
+        for stage, limited in medians(a, seed, LIMITED, with_rates(), refines=True).items():
             ratios[stage].append(limited / free)
             print(f"seed {seed}, {stage}: {limited:.3f}, ratio {limited / free:.3f}", flush=True)
     print("mean ratios:", *(f"{stage} {statistics.mean(own):.3f}" for stage, own in ratios.items()))
@@ -62,10 +63,8 @@ def with_rates() -> str:
     return f"inputs = {{ {bounds} }}\nrates = {{ {rates} }}\n"
 
 
-def medians(
-    a: argparse.Namespace, seed: int, candidates: int, limits: str, iterations: dict[str, int]
-) -> dict[str, float]:
-    """The median parameter error of the designed trial, and after so many iterations of `design refine`."""
+def medians(a: argparse.Namespace, seed: int, candidates: int, limits: str, refines: bool = False) -> dict[str, float]:
+    """The median parameter error of the designed trial, and that of the refined one."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         ship(folder)
@@ -75,7 +74,7 @@ def medians(
         wrong_nominal.campaign(folder / "campaign.toml", seed, a.trials, wrong_nominal.FULL_STD)
         wrong_nominal.design(a, folder, "a-relative")
         errors = {"designed": wrong_nominal.found(a, folder)}
-        return errors | {stage: refined(a, folder, most) for stage, most in iterations.items()}
+        return errors | {"refined": refined(a, folder)} if refines else errors
 
 
 def ship(folder: Path) -> None:
@@ -85,16 +84,20 @@ def ship(folder: Path) -> None:
     (folder / "nominal.toml").write_text(re.sub(r"value = \S+\n", "", text))
 
 
-def refined(a: argparse.Namespace, folder: Path, iterations: int) -> float:
-    """The median parameter error of the design's trial after so many iterations of `design refine`."""
-    own = folder / f"refined-{iterations}"
-    own.mkdir()
-    search = ("--limits", "limits.toml", "--iterations", str(iterations), "--out", f"{own.name}/")
-    wrong_nominal.run(a, folder, "design", "refine", *wrong_nominal.sailed("campaign.toml"), *search)
-    for file in ("campaign.toml", "true.toml"):
-        (own / file).write_text((folder / file).read_text())
-    (own / "refined-dictionary.toml").rename(own / "dictionary.toml")
-    return wrong_nominal.found(a, own)
+def refined(a: argparse.Namespace, folder: Path) -> float:
+    """The median parameter error of the design's trial after `design refine`."""
+    for search in range(SEARCHES):
+        own = folder / f"refined-{search}"
+        own.mkdir()
+        limits = ("--limits", "limits.toml", "--out", f"{own.name}/")
+        wrong_nominal.run(a, folder, "design", "refine", *wrong_nominal.sailed("campaign.toml"), *limits)
+        for file in ("campaign.toml", "limits.toml", "true.toml"):
+            (own / file).write_text((folder / file).read_text())
+        (own / "refined-dictionary.toml").rename(own / "dictionary.toml")
+        folder = own
+        if json.loads((own / "refined.json").read_text())["data"]["settled"]:
+            break
+    return wrong_nominal.found(a, folder)
 
 
 if __name__ == "__main__":

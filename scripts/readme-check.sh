@@ -15,7 +15,7 @@ done > "$commands"
 [ -s "$commands" ] || { echo "README.md: found no commands, expected sh blocks with stages" >&2; exit 1; }
 sh -eu "$commands"
 make --no-print-directory BIN="$1" study
-seatrial report results --studies out/paper --written pipelines --out out/readme/results.md
+"$1/examples/pages" results --studies out/paper --written pipelines --out out/readme/results.md
 grep '^| paper |' out/readme/results.md > out/readme/rows
 for page in README.md docs/results.md; do
   while read -r row; do

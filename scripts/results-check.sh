@@ -38,13 +38,15 @@ made() {
 
 # Trials of study $1, simulated, estimated by $2 and scored in memory.
 trials() {
-  made "pipelines/$1" monte-carlo "$1" --setting MONTE_CARLO=yes --setting "ESTIMATE_FLAGS=--estimator $2 --realizations $few"
+  made "pipelines/$1" monte-carlo "$1" --set "study.monte_carlo.estimator=$2" --set "study.monte_carlo.realizations=$few"
 }
 
 trials paper iv
 trials generated iv
 trials helsinki output-error
 scenarios="" unknown=""
+mkdir -p "$out/studies"
+cp pipelines/scenarios/dictionary.toml "$out/studies/"
 for name in white current-constant current-gauss-markov wind-bias; do
   mkdir -p "$out/studies/$name"
   cp pipelines/scenarios/$name/* "$out/studies/$name/"
@@ -60,15 +62,15 @@ done
 rounds=""
 for name in sequential scenarios; do
   mkdir -p "$out/rounds/$name"
-  seatrial sequential --vessel pipelines/sequential/vessel.toml --dictionary pipelines/$name/dictionary.toml \
-    --campaign pipelines/sequential/campaign.toml --config pipelines/sequential/sequential.toml \
-    --set sequential.realizations=$few --quiet --out "$out/rounds/$name/sequential.parquet" > /dev/null
+  seatrial monte-carlo --vessel pipelines/sequential/vessel.toml --dictionary pipelines/$name/dictionary.toml \
+    --campaign pipelines/sequential/campaign.toml \
+    --set campaign.rounds.realizations=$few --quiet --out "$out/rounds/$name/sequential.parquet" > /dev/null
   rounds="$rounds $out/rounds/$name"
 done
 selections=""
 for name in model-ship full-scale; do
   made pipelines/$name selection $name --set logs.seed=1 \
-    --setting "SELECTION_FLAGS=--estimator iv --nominal least-squares --realizations $few"
+    --set "study.selection.realizations=$few"
   selections="$selections $out/$name/measured"
 done
 logs=""
@@ -80,14 +82,17 @@ for name in esso-osaka:esso_osaka kvlcc2:kvlcc2_hsva; do
   fi
 done
 # shellcheck disable=SC2086  # Several folders each.
-seatrial report results --studies "$out/paper" "$out/generated" "$out/helsinki" --scenarios $scenarios --unknown $unknown --rounds $rounds \
-  --selections $selections ${logs:+--logs $logs} --quiet --out "$out/results.md" > /dev/null
+"$bin/examples/pages" results --studies "$out/paper" "$out/generated" "$out/helsinki" --scenarios $scenarios --unknown $unknown --rounds $rounds \
+  --selections $selections ${logs:+--logs $logs} --out "$out/results.md"
 if [ "${2:-}" = --write ]; then
   cp "$out/results.md" "$kept"
 fi
-# Rows of logs that are not here are left as they are.
+# Rows of logs that are not here are left as they are, with the blank line above them.
 page() {
-  if [ -n "$logs" ]; then cat "$1"; else awk '/^## Measured logs/ { exit } { print }' "$1"; fi
+  if [ -n "$logs" ]; then cat "$1"; else awk '
+    /^## Measured logs/ { exit }
+    /^$/ { blank++; next }
+    { for (; blank; blank--) print ""; print }' "$1"; fi
 }
 page "$kept" > "$out/kept.md"
 page "$out/results.md" > "$out/now.md"

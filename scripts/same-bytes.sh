@@ -40,15 +40,20 @@ small() {
       sed -i 's/^candidates = [0-9]*/candidates = 100/' "$3/dictionary.toml"
       sed -i 's/^realizations = .*/realizations = 8/' "$3/campaign.toml" ;;
     esso-osaka | kvlcc2)
-      sed -i -e 's/^BOOTSTRAP .*/BOOTSTRAP = 5/' -e 's/--compact/--compact --bootstrap 2/' -e 's/--duration-s 1800/--duration-s 600/' \
-        "$3/study.mk"
+      # A tree of before study.toml has study.mk
+      if [ -f "$3/study.mk" ]; then
+        sed -i -e 's/^BOOTSTRAP .*/BOOTSTRAP = 5/' -e 's/--compact/--compact --bootstrap 2/' -e 's/--duration-s 1800/--duration-s 600/' \
+          -e 's/^TEST \(.*\)= *random.*/TEST = turn_14-Sep-2020_13_51_45/' "$3/study.mk"
+      else
+        sed -i -e 's/^bootstrap = .*/bootstrap = 5/' -e 's/^compact = true/compact = true\nbootstrap = 2/' \
+          -e 's/^duration_s = 1800/duration_s = 600/' -e '/^    "[rtz]/{/turn_14-Sep/!d}' "$3/study.toml"
+      fi
       sed -i -e 's/^realizations = .*/realizations = 4/' -e 's/^duration_s = 1800.0/duration_s = 600.0/' \
         -e 's/^segments = .*/segments = 5/' "$3/next/campaign.toml"
       sed -i -e 's/^informative_s = 1800.0/informative_s = 600.0/' -e 's/^runs = .*/runs = 24/' "$3/next/plan.toml" ;;
   esac
   case $1 in
     esso-osaka)
-      sed -i 's/^TEST .*/TEST = turn_14-Sep-2020_13_51_45/' "$3/study.mk"
       sed -i 's/^candidates = [0-9]*/candidates = 40/' "$3/next/dictionary.toml" ;;
   esac
 }
@@ -87,8 +92,10 @@ study() {
     sequential)
       small sequential "$2" "$copy"
       mkdir -p "$out"
-      "$program" sequential --quiet --vessel "$copy/vessel.toml" --dictionary "$copy/dictionary.toml" \
-        --campaign "$copy/campaign.toml" --config "$copy/sequential.toml" --out "$out/sequential.parquet"
+      # A tree of before [rounds] has sequential.toml
+      if [ -f "$copy/sequential.toml" ]; then stage=sequential more="--config $copy/sequential.toml"; else stage=monte-carlo more=; fi
+      "$program" $stage --quiet --vessel "$copy/vessel.toml" --dictionary "$copy/dictionary.toml" \
+        --campaign "$copy/campaign.toml" $more --out "$out/sequential.parquet"
       "$program" report --quiet --study "$copy" --results "$out" --out "$out/report.html" ;;
     white | current-constant | current-gauss-markov | wind-bias)
       small "scenarios/$1" "$2" "$copy"
@@ -97,7 +104,9 @@ study() {
       "$program" run "$copy" --out "$out" --quiet ;;
     model-ship)
       small model-ship "$2" "$copy"
-      "$program" run "$copy" --setting BOOTSTRAP=20 --out "$out" --quiet ;;
+      few=--setting=BOOTSTRAP=20
+      [ -f "$copy/study.mk" ] || few=--set=study.pool.bootstrap=20
+      "$program" run "$copy" $few --out "$out" --quiet ;;
     esso-osaka | kvlcc2)
       small "$1" "$2" "$copy"
       few "$1" "$4" "logs/$1"
@@ -111,7 +120,7 @@ study() {
           --trajectories "$out/campaign.parquet" --runs optimized/0,optimized/1,random/2 --out "$out/$estimator/"
       done
       "$program" validate cross --quiet --vessel "$copy/vessel.toml" --trajectories "$out/campaign.parquet" \
-        --runs optimized/0,optimized/1,random/2 --estimators ls,iv,output-error --out "$out/crossval.json" ;;
+        --runs optimized/0,optimized/1,random/2 --out "$out/crossval.json" ;;
     *)
       small "$1" "$2" "$copy"
       "$program" run "$copy" --out "$out" --quiet ;;

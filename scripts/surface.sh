@@ -85,13 +85,12 @@ figure tables "$(awk '
   !tests && !/^ *\/\// && match($0, /(Columns(::<[A-Za-z]+>)?::new\(|TableSchema \{ id: )("[a-z]|[A-Z])/) {
     name = substr($0, RSTART + RLENGTH - 1); sub(/[,)}].*/, "", name); print FILENAME, name
   }' $(cat "$work/files") | sort -u | count)"
-# The kinds that have a schema, those that only a flag names, and study.mk. What may be written instead of a document, as
+# The kinds that have a schema, and those that only a flag names. What may be written instead of a document, as
 # `available.toml|ingest.json`, is not one.
 # shellcheck disable=SC2046
 figure kinds "$({
   find schemas -name '*-toml.schema.json' | sed 's#.*/\(.*\)-toml.schema.json#\1.toml#'
   awk 'match($0, /value_name = "[a-z]+\.toml"/) { split(substr($0, RSTART, RLENGTH), part, "\""); print part[2] }' $(cat "$work/files")
-  find pipelines -name study.mk | sed 's#.*/##'
 } | sort -u | count)"
 
 # Commands that can be run, by the help of each. What each command takes (--help, --version, --out and the flags of the program
@@ -126,11 +125,14 @@ else
   sort -u "$work/pairs" > "$work/flags"
   figure flags "$(count < "$work/flags")"
   figure pairs "$(count < "$work/pairs")"
-  # Flags that no Makefile, pipeline, script or page has
+  # Flags that no Makefile, pipeline, script or page has; keys of study.toml are flags, too
   { echo Makefile README.md docs/*.md; find pipelines scripts -type f ! -name 'surface.*'; } | tr ' ' '\n' > "$work/places"
   # shellcheck disable=SC2046
   figure unused-flags "$(awk -v flags="$work/flags" '
     BEGIN { while ((getline name < flags) > 0) left[name] = 1 }
+    FILENAME ~ /study.toml$/ && match($0, /^[a-z_]+ = /) {
+      name = substr($0, 1, RLENGTH - 3); gsub("_", "-", name); delete left[name]
+    }
     { while (match($0, /--[a-z][a-z0-9-]*/)) { delete left[substr($0, RSTART + 2, RLENGTH - 2)]; $0 = substr($0, RSTART + RLENGTH) } }
     END { for (name in left) print name }' $(cat "$work/places") | count)"
 fi

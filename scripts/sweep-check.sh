@@ -16,7 +16,7 @@ currents="-1.0, 0.158, 14.0" noises="0.05, 0.158" refusals=4
 [ "${2:-}" = slurm ] && currents="-1.0, 0.05, 0.1, 0.158, 0.25, 14.0" noises="0.01, 0.05, 0.158, 0.3" refusals=8
 cat > "$work/config.yaml" << YAML
 study: ../../pipelines/smoke
-flags: [--setting=MONTE_CARLO=yes, "--setting=ESTIMATE_FLAGS=--estimator iv,ls --realizations 16", --stage=monte-carlo]
+flags: ['--set=study.monte_carlo={ estimator = ["iv", "ls"], realizations = 16 }', --stage=monte-carlo]
 grid:
   campaign.current.std_m_s: [$currents]
   campaign.measurement.std_r_rad_s: [$noises]

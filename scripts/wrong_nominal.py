@@ -155,7 +155,7 @@ def design(a: argparse.Namespace, folder: Path, criterion: str) -> None:
 
 def sailed(noise: str) -> tuple[str, ...]:
     files = ("--vessel", "true.toml", "--dictionary", "dictionary.toml", "--campaign", noise, "--design", "design.json")
-    return ("--allow-mixed", *files)
+    return ("--allow=mixed", *files)
 
 
 def first_order(a: argparse.Namespace, folder: Path, seed: int) -> float:
@@ -163,7 +163,7 @@ def first_order(a: argparse.Namespace, folder: Path, seed: int) -> float:
     campaign(folder / "quiet.toml", seed, 1, FULL_STD * QUIET)
     run(a, folder, "simulate", "campaign", *sailed("quiet.toml"), "--out", "quiet.parquet")
     runs = ("--vessel", "true.toml", "--trajectories", "quiet.parquet", "--campaign", "quiet.toml")
-    run(a, folder, "estimate", "--allow-mixed", *runs, "--estimator", "output-error", "--out", "quiet-estimates.parquet")
+    run(a, folder, "estimate", "--allow=mixed", *runs, "--estimator", "output-error", "--out", "quiet-estimates.parquet")
     estimate = json.loads((folder / "quiet-estimates-estimate.json").read_text())
     parameters = estimate["data"]["designs"][0]["parameters"]
     return math.sqrt(sum((one["predicted_se"] / QUIET / one["truth"]) ** 2 for one in parameters))

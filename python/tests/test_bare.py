@@ -45,14 +45,14 @@ class Run(unittest.TestCase):
             {
                 "segment_samples": 200,
                 "shares": [0.5, -1],
-                "compare": True,
+                "covariance": True,
                 "quiet": False,
                 "out": Path("a"),
                 "runs": None,
                 "set": {"campaign.seed": 2, "campaign.name": "a b", "plan.free": True, "plan.list": [1, 2]},
             }
         )
-        expected = "--segment-samples=200|--shares=0.5|--shares=-1|--compare|--out=a|--set=campaign.seed=2"
+        expected = "--segment-samples=200|--shares=0.5|--shares=-1|--covariance|--out=a|--set=campaign.seed=2"
         self.assertEqual("|".join(words), f"{expected}|--set=campaign.name=a b|--set=plan.free=true|--set=plan.list=[1, 2]")
 
     def test_a_stage_says_what_it_wrote(self) -> None:

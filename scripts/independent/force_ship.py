@@ -1,7 +1,7 @@
 """A ship with forces as `vessel.toml` describes her: her changes of u, v and r in a sample. Ships are lanes of numpy's arrays.
 
 Terms of the hull, thrusters, propellers ahead, rudders and cross-flow are known; other parts are refused. Formulas are those of the
-MMG standard method, and of docs/physics.md.
+MMG standard method, and of docs/forces.md.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
 //! Writes the JSON Schema of every document and of every hand-written file into a folder, and the page of the keys of
-//! `ingest.toml` into `docs` next to it: `cargo run -p study --example write_schemas -- schemas`.
+//! `ingest.toml` into `docs` next to it: `cargo run -p cli --example write_schemas -- schemas`.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use cli::pipeline::starting;
 use study::documents::schemas;
-use study::files;
 use study::ingest_file::page;
 
 fn main() -> ExitCode {
@@ -28,9 +28,9 @@ fn main() -> ExitCode {
 fn write(folder: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(folder)?;
     let documents = schemas().into_iter().map(|(id, schema)| (format!("{id}.schema.json"), schema));
-    let written = files::schemas().map(|(kind, schema)| (files::file_name(kind), schema));
-    for (name, schema) in documents.chain(written) {
-        std::fs::write(folder.join(name), format!("{schema:#}\n"))?;
+    let documents = documents.map(|(name, schema)| (name, format!("{schema:#}\n")));
+    for (name, text) in documents.chain(starting::schemas()) {
+        std::fs::write(folder.join(name.trim_start_matches("schemas/")), text)?;
     }
     let docs = folder.join("../docs");
     if docs.is_dir() {

@@ -5,8 +5,8 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Args, ValueEnum};
 use estimation::Estimator;
 use estimation::runs::{AdditionalUnknowns, Intercepts, UnknownCurrent};
 use files::{Change, Changes, PROGRAM_BYTES, Provenance, Shard};
@@ -32,9 +32,9 @@ pub struct Common {
     /// Replaces the seed of the configuration
     #[arg(long, global = true, value_name = "SEED")]
     pub seed: Option<u64>,
-    /// Uses files of different studies together; what is made of them is labelled as mixed
-    #[arg(long, global = true)]
-    pub allow_mixed: bool,
+    /// Lets pass what is refused else; it is told in what is made
+    #[arg(long, global = true, value_name = "LIST", value_delimiter = ',', value_parser = allowance(&[Allowed::Mixed]))]
+    pub allow: Vec<Allowed>,
     /// Replaces a value of a hand-written file before it is checked, as in campaign.realizations=100: the file's usual name
     /// without .toml, the key, the value as in TOML or a plain word; an item of a list by its name or its place from 0.
     /// May stand more than once
@@ -49,6 +49,27 @@ pub struct Common {
     /// Memory that the work may use (default: what the machine has); what would need more is refused
     #[arg(long, global = true, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..))]
     pub memory_mib: Option<u64>,
+}
+
+refusal::choices! {
+    /// What else is refused.
+    pub enum Allowed {
+        /// Files of different studies together.
+        Mixed = "mixed",
+        /// Recordings that ingest.json calls doubtful.
+        Doubtful = "doubtful",
+        /// Inputs and motions that the logs of a model from logs do not cover.
+        BeyondRange = "beyond-range",
+        /// Maneuvers that miss what they are called: a heading, a speed, a turn beyond `tolerance`.
+        Unreached = "unreached",
+        /// A plan whose check runs aground or breaks the margin.
+        Unsafe = "unsafe",
+    }
+}
+
+/// The parser of those that a stage can let pass.
+pub fn allowance(all: &'static [Allowed]) -> impl TypedValueParser<Value = Allowed> {
+    choice(all, Allowed::name, Allowed::description)
 }
 
 /// Flags of stages whose work can be split over machines.
@@ -85,7 +106,7 @@ impl Common {
     pub fn provenance(&self, stage: &str) -> Provenance {
         Provenance {
             producer: format!("{stage} {}", env!("CARGO_PKG_VERSION")),
-            allow_mixed: self.allow_mixed,
+            allow_mixed: self.allow.contains(&Allowed::Mixed),
             changes: self.changes(),
             ..Provenance::default()
         }
@@ -146,11 +167,6 @@ pub fn member<I: AsRef<Path>>(
             input.as_ref().display()
         ))),
     }
-}
-
-/// The name of a choice on the command line and in files.
-pub fn name_of(choice: impl ValueEnum) -> String {
-    choice.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned())
 }
 
 /// The folder of `main`.

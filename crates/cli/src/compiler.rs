@@ -41,7 +41,7 @@ pub fn compiled(
         let said = String::from_utf8_lossy(&output.stderr);
         let first = said.lines().find(|line| line.contains("error")).unwrap_or("no word of why").trim();
         return Err(failed(format!(
-            "found that it does not compile the unit ({first}), expected a C99 compiler; name another"
+            "found that it does not compile the unit ({first}), expected a C99 compiler; name another with CC="
         )));
     }
     Ok(Some(fs::read(folder.join("library")).map_err(io)?))

@@ -2,11 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
 use estimation::Estimator;
 use files::{Provenance, commit, read_document, stage_document};
-use seatrial::estimation::fitting::{Settings, Starts, Unfit};
-use seatrial::validation::crossval::Folds;
+use seatrial::estimation::fitting::{Settings, Unfit};
+use seatrial::validation::crossval::dealt;
 use seatrial::{Physical, PhysicalError, check_captive, former};
 use serde_json::{Value, json};
 use ship::model::Vessel;
@@ -23,125 +22,48 @@ const MAIN: &str = "model.json";
 /// Weight of a former fit of the same ship or of a sister's.
 const FORMER: f64 = 10.0;
 
-/// Flags of fits of ships with forces.
-#[derive(Args, Clone, Debug)]
-pub struct PhysicalFlags {
-    /// Of a ship with forces: the runs are simulated in windows of at most this length [s] [default: 100]
-    #[arg(long, value_name = "S")]
-    window_s: Option<f64>,
-    /// Of a ship with forces: values of captive tests under `derivatives`, to set beside the estimates
-    #[arg(long, value_name = "reference.toml")]
-    reference: Option<PathBuf>,
-    /// Of a ship with forces: does not test what is wrong with her, which takes a few times as long as the fit
-    #[arg(long)]
-    no_criticism: bool,
-    #[command(flatten)]
-    weights: WeightFlags,
-}
-
-/// Flags of fits of ships with forces that are left out of in turns.
-#[derive(Args, Clone, Debug)]
-pub struct FittingFlags {
-    /// Of a ship with forces: the runs are fitted in windows of at most this length [s] [default: 100]
-    #[arg(long, value_name = "S")]
-    fitted_window_s: Option<f64>,
-    #[command(flatten)]
-    weights: WeightFlags,
-}
-
-/// What weighs how much in fits of ships with forces.
-#[derive(Args, Clone, Debug)]
-pub struct WeightFlags {
-    /// Of a ship with forces: weight of the priors [default: 1, or 10 with --prior model.json]
-    #[arg(long, value_name = "WEIGHT")]
-    prior_weight: Option<f64>,
-    /// Of a ship with forces: windows start at their first measured sample, not at a state that is found with the parameters.
-    /// Predictions may be better, standard errors are too small
-    #[arg(long)]
-    pub measured_starts: bool,
-}
-
 /// Refuses these flags for terms per sample.
 pub fn absent<const N: usize>(flags: [(&str, bool); N]) -> Result<(), Failure> {
     none_given(flags, "a vessel with terms per sample", "one with forces")
 }
 
-impl PhysicalFlags {
-    /// Refuses these flags for terms per sample.
-    pub fn check_absent(&self) -> Result<(), Failure> {
-        absent([
-            ("--window-s", self.window_s.is_some()),
-            ("--reference", self.reference.is_some()),
-            ("--no-criticism", self.no_criticism),
-        ])?;
-        self.weights.check_absent()
-    }
+/// The settings with windows of the length `window_s`, by its flag, and what holds back.
+pub fn settings(
+    sample_s: f64,
+    (flag, window_s): (&'static str, Option<f64>),
+    held: Option<&Held>,
+) -> Result<Settings, Failure> {
+    let usual = Settings::new(sample_s);
+    let window_s = window_s.unwrap_or(usual.window_s);
+    samples(flag, window_s, 1.0 / sample_s)?;
+    let prior_weight = match held {
+        Some(Held::Strength(weight)) => not_below("--prior", *weight, 0.0)?,
+        Some(Held::Former(_)) => FORMER,
+        None => usual.prior_weight,
+    };
+    Ok(Settings { window_s, prior_weight, ..usual })
 }
 
-impl FittingFlags {
-    /// Refuses these flags for terms per sample.
-    pub fn check_absent(&self) -> Result<(), Failure> {
-        absent([("--fitted-window-s", self.fitted_window_s.is_some())])?;
-        self.weights.check_absent()
-    }
-}
-
-impl WeightFlags {
-    /// Refuses these flags for terms per sample.
-    pub fn check_absent(&self) -> Result<(), Failure> {
-        absent([("--prior-weight", self.prior_weight.is_some()), ("--measured-starts", self.measured_starts)])
-    }
-
-    /// With the length of windows, by its flag.
-    pub fn settings(
-        &self,
-        sample_s: f64,
-        (flag, window_s): (&'static str, Option<f64>),
-        held: Option<&Held>,
-    ) -> Result<Settings, Failure> {
-        let usual = Settings::new(sample_s);
-        let window_s = window_s.unwrap_or(usual.window_s);
-        samples(flag, window_s, 1.0 / sample_s)?;
-        let weight = match (self.prior_weight, held) {
-            (Some(weight), Some(Held::Strength(_))) => {
-                return Err(Failure::Usage(format!(
-                    "--prior-weight: found {weight} beside a number as --prior, expected one of them; leave one out"
-                )));
-            }
-            (Some(weight), _) => not_below("--prior-weight", weight, 0.0)?,
-            (None, Some(Held::Strength(weight))) => not_below("--prior", *weight, 0.0)?,
-            (None, Some(Held::Former(_))) => FORMER,
-            (None, None) => usual.prior_weight,
-        };
-        let starts = if self.measured_starts { Starts::Measured } else { Starts::Unknown };
-        Ok(Settings { window_s, prior_weight: weight, starts, ..usual })
-    }
-}
-
-/// Fits `vessel`, which has forces, to the runs of `flags`, and writes model.json.
+/// Fits `vessel`, which has forces, to windows of the runs of `flags`, sets what is published beside, and writes model.json.
 pub fn fit(
-    (flags, fitting): (&PoolFlags, &PhysicalFlags),
+    (flags, window_s, published): (&PoolFlags, Option<f64>, Option<&PathBuf>),
     (estimator, most_added): (Option<Estimator>, usize),
     vessel: &Vessel,
     (common, mut provenance): (&Common, Provenance),
 ) -> Result<Summary, Failure> {
     check(flags, estimator.as_slice(), vessel)?;
-    let out = common.main_output(MAIN, flags.inputs().chain(&fitting.reference))?;
-    let window = ("--window-s", fitting.window_s);
-    let settings = fitting.weights.settings(1.0 / vessel.sample_rate_hz, window, flags.prior.as_ref())?;
+    let out = common.main_output(MAIN, flags.inputs().chain(published))?;
+    let settings = settings(1.0 / vessel.sample_rate_hz, ("--window-s", window_s), flags.prior.as_ref())?;
     let former = read_former(flags, vessel, &mut provenance)?;
-    let reference = fitting
-        .reference
-        .as_ref()
-        .map(|path| read_reference(path, "reference", &mut provenance))
-        .transpose()?;
-    if let (Some(path), Some(reference)) = (&fitting.reference, &reference) {
-        check_captive(reference, vessel).map_err(|e| Failure::invalid(path, &e))?;
-    }
+    let read = |path: &PathBuf| {
+        let reference = read_reference(path, "reference", &mut provenance)?;
+        check_captive(&reference, vessel).map_err(|e| Failure::invalid(path, &e))?;
+        Ok::<_, Failure>(reference)
+    };
+    let reference = published.map(read).transpose()?;
     let runs = flags.of.read_of_forces(vessel, &mut provenance)?;
     let (former, reference) = (former.as_deref(), reference.as_ref());
-    let criticise = !fitting.no_criticism;
-    let physical = Physical { vessel, settings, former, reference, criticise, most_added };
+    let physical = Physical { vessel, settings, former, reference, most_added };
     let model = physical.model(&runs).map_err(|e| unfit(e, &flags.vessel, flags.of.file()))?;
     let noted = [
         ("estimator", json!(Estimator::OutputError)),
@@ -150,8 +72,6 @@ pub fn fit(
         ("leave_out", json!(flags.of.leave_out)),
         ("window_s", json!(settings.window_s)),
         ("prior_weight", json!(settings.prior_weight)),
-        ("measured_starts", json!(fitting.weights.measured_starts)),
-        ("criticised", json!(criticise)),
         ("add_terms", json!(most_added)),
     ];
     note(noted, &mut provenance);
@@ -166,34 +86,30 @@ pub fn fit(
 }
 
 /// How a cross-validation scores and leaves out.
-pub struct Scored<'a> {
+pub struct Scored {
     /// Length of the windows in samples.
     pub window: Option<usize>,
-    /// What is left out.
-    pub folds: &'a Folds,
-    /// The number of folds of so many sources.
-    pub number: &'a dyn Fn(usize) -> usize,
-    /// Settings to note.
-    pub settings: [(&'static str, Value); 2],
+    /// The number of folds; each alone without it.
+    pub folds: Option<usize>,
     /// The document.
     pub out: PathBuf,
 }
 
 /// Leaves runs of `flags` out of fits of `vessel`, which has forces, and writes crossval.json.
 pub fn cross(
-    (flags, fitting, estimators): (&PoolFlags, &FittingFlags, &[Estimator]),
+    (flags, fitted_window_s, estimators): (&PoolFlags, Option<f64>, &[Estimator]),
     vessel: &Vessel,
     scored: Scored,
     (common, mut provenance): (&Common, Provenance),
 ) -> Result<Summary, Failure> {
     check(flags, estimators, vessel)?;
-    let (rate_hz, window) = (vessel.sample_rate_hz, ("--fitted-window-s", fitting.fitted_window_s));
-    let settings = fitting.weights.settings(1.0 / rate_hz, window, flags.prior.as_ref())?;
+    let (rate_hz, window) = (vessel.sample_rate_hz, ("--fitted-window-s", fitted_window_s));
+    let settings = settings(1.0 / rate_hz, window, flags.prior.as_ref())?;
     let former = read_former(flags, vessel, &mut provenance)?;
     let runs = flags.of.read_of_forces(vessel, &mut provenance)?;
-    let progress = WorkProgress::new("folds", (scored.number)(runs.sources()), common.quiet);
-    let (former, reference) = (former.as_deref(), None);
-    let physical = Physical { vessel, settings, former, reference, criticise: false, most_added: 0 };
+    let progress = WorkProgress::new("folds", dealt(runs.sources(), scored.folds).len(), common.quiet);
+    let former = former.as_deref();
+    let physical = Physical { vessel, settings, former, reference: None, most_added: 0 };
     let folds = physical.cross(&runs, (scored.window, scored.folds), &|count| progress.advance(count));
     let folds = folds.map_err(|e| Failure::invalid(flags.of.file(), &e.invalid()))?;
     let noted = [
@@ -203,9 +119,9 @@ pub fn cross(
         ("window_samples", json!(scored.window)),
         ("fitted_window_s", json!(settings.window_s)),
         ("prior_weight", json!(settings.prior_weight)),
-        ("measured_starts", json!(fitting.weights.measured_starts)),
+        ("folds", json!(scored.folds)),
     ];
-    note(noted.into_iter().chain(scored.settings), &mut provenance);
+    note(noted, &mut provenance);
     let window_s = scored.window.map(|samples| samples as f64 / rate_hz);
     let document = CrossvalDocument::of_forces(settings.prior_weight, window_s, &folds);
     written(&scored.out, &provenance, &document)

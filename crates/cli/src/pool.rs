@@ -9,14 +9,14 @@ use estimation::pooled::Pool;
 use files::Provenance;
 use regression::MeanRemoval;
 use regression::pooled::{NominalModel, NominalSource, PooledRuns, Recorded};
-use seatrial::{Roles, core_of};
+use seatrial::core_of;
 use serde_json::{Value, json};
 use ship::model::Vessel;
 use study::Doubtful;
 use study::documents::{EstimateDocument, IngestDocument};
 use study::trajectories::label;
 
-use crate::cli::{choice, none_given, not_below, samples};
+use crate::cli::{Allowed, allowance, choice, none_given, not_below, samples};
 use crate::failure::Failure;
 use crate::inputs;
 
@@ -64,9 +64,9 @@ pub struct RunFlags {
     /// All but these runs or recordings, as --runs has them
     #[arg(long, value_name = "NAME,…")]
     pub leave_out: Vec<String>,
-    /// Takes recordings, too, that ingest.json calls doubtful
-    #[arg(long)]
-    pub allow_doubtful: bool,
+    /// Lets pass what is refused else; it is told in what is made
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = allowance(&[Allowed::Mixed, Allowed::Doubtful]))]
+    pub allow: Vec<Allowed>,
 }
 
 impl RunFlags {
@@ -89,7 +89,7 @@ impl RunFlags {
         label(runs.designs(), provenance);
         let selected = runs.select(&self.runs, &self.leave_out);
         selected.map_err(|e| Failure::invalid(self.file(), &e.invalid()))?;
-        if !self.allow_doubtful {
+        if !self.allow.contains(&Allowed::Doubtful) {
             Doubtful::of(provenance).check(self.file(), |run| runs.has(run))?;
         }
         Ok((runs, recordings.as_ref().map(IngestDocument::constant_channels).unwrap_or_default()))
@@ -166,7 +166,7 @@ impl PoolFlags {
             return Ok(vessel);
         }
         none_given([("--core", vessel.model.forces.is_some())], "a ship with forces", "terms per sample")?;
-        core_of(&vessel, &Roles::default()).map_err(|e| Failure::invalid(&self.vessel, &e))
+        core_of(&vessel).map_err(|e| Failure::invalid(&self.vessel, &e))
     }
 
     /// The files that are read.

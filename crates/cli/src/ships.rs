@@ -1,17 +1,20 @@
-//! `scale` and `guess`: ships before their first trial.
+//! `new`: the files of a study, also of a ship before her first trial: a similar one of another size, or one of main dimensions.
 
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
-use files::{Staged, commit, whole_folder};
+use files::{Staged, commit, parse_toml, read_hand_written, whole_folder};
 use refusal::Invalid;
+use schemars::JsonSchema;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
 use serde_json::json;
 use ship::forces::{GRAVITY, MainDimensions, usual_froude};
 use ship::model::{InputSpec, Vessel, VesselFile};
 use study::plan::second;
 use study::ship_file::{Notes, ShipFile, read_ship, vessel_text};
 
-use crate::cli::{Common, folder_of, none_given};
+use crate::cli::{Common, folder_of};
 use crate::failure::Failure;
 use crate::pipeline::starting::{Charted, PRESETS, Preset, measured, of_ship, schemas, simulated};
 use crate::stage::{Summary, Task};
@@ -23,113 +26,6 @@ pub struct Written {
     pub text: String,
     /// One line.
     pub said: String,
-}
-
-/// What the file is usually called.
-const MAIN: &str = "vessel.toml";
-
-/// Writes the geometrically similar ship of another length, with a prior for every free number
-#[derive(Parser)]
-#[command(
-    name = "scale",
-    after_help = "Example:\n  scale --vessel kvlcc2-l7 --length 320 --density 1025 --out vessel.toml"
-)]
-pub struct ScaleArguments {
-    /// The ship with forces: a file, the model of a fit, or a preset
-    #[arg(long, value_name = "vessel.toml|model.json|PRESET")]
-    vessel: PathBuf,
-    /// Length between perpendiculars of the similar ship [m]
-    #[arg(long, value_name = "M")]
-    length: f64,
-    /// Density of her water [kg/m³] [default: that of the ship]
-    #[arg(long, value_name = "KG_M3")]
-    density: Option<f64>,
-    /// Her draught [m], to be compared with the similar one
-    #[arg(long, value_name = "M")]
-    draught: Option<f64>,
-    /// Refused: a similar ship has the ship's beam over length
-    #[arg(long, value_name = "M", hide = true)]
-    beam: Option<f64>,
-    /// Refused: a similar ship has the ship's block coefficient
-    #[arg(long, value_name = "C_B", hide = true)]
-    block: Option<f64>,
-}
-
-impl Task for ScaleArguments {
-    fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let form = [("--beam", self.beam.is_some()), ("--block", self.block.is_some())];
-        let expected = "the hull form of --vessel; write a ship of other proportions by `seatrial guess`";
-        none_given(form, "a hull form", expected)?;
-        let size = Size { length_m: self.length, density_kg_m3: self.density, draught_m: self.draught };
-        let ship = read_ship(&self.vessel, &mut common.provenance("scale"))?;
-        let written = scaled(&ship, &size).map_err(|e| Failure::invalid(&self.vessel, &e))?;
-        write(common, &written, Some(&self.vessel))
-    }
-}
-
-/// Writes a ship from her main dimensions by textbook formulas, with a prior for every free number
-#[derive(Parser)]
-#[command(
-    name = "guess",
-    after_help = "Example:\n  guess --length 320 --beam 58 --draught 20.8 --block 0.81 --speed 7.97 --out vessel.toml"
-)]
-pub struct GuessArguments {
-    /// Length between perpendiculars [m]
-    #[arg(long, value_name = "M")]
-    length: f64,
-    /// Moulded breadth [m]
-    #[arg(long, value_name = "M")]
-    beam: f64,
-    /// Draught [m]
-    #[arg(long, value_name = "M")]
-    draught: f64,
-    /// Block coefficient: displaced volume over length, beam and draught
-    #[arg(long, value_name = "C_B")]
-    block: f64,
-    /// Density of the water [kg/m³]
-    #[arg(long, value_name = "KG_M3", default_value_t = 1025.0)]
-    density: f64,
-    /// Service speed [m/s] [default: of usual ships of this block coefficient]
-    #[arg(long, value_name = "M_S")]
-    speed: Option<f64>,
-    /// Mass [kg] [default: of the displaced water]
-    #[arg(long, value_name = "KG")]
-    mass: Option<f64>,
-    /// Diameter of the propeller [m] [default: 0.6 draughts]
-    #[arg(long, value_name = "M")]
-    propeller_diameter: Option<f64>,
-    /// Area of the rudder [m²] [default: by a classification rule]
-    #[arg(long, value_name = "M2")]
-    rudder_area: Option<f64>,
-    /// Height of the rudder [m] [default: 0.75 draughts]
-    #[arg(long, value_name = "M")]
-    rudder_height: Option<f64>,
-}
-
-impl Task for GuessArguments {
-    fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let ship = MainDimensions {
-            length_m: self.length,
-            beam_m: self.beam,
-            draught_m: self.draught,
-            block: self.block,
-            density_kg_m3: self.density,
-            speed_m_s: self.speed,
-            mass_kg: self.mass,
-            propeller_diameter_m: self.propeller_diameter,
-            rudder_area_m2: self.rudder_area,
-            rudder_height_m: self.rudder_height,
-        };
-        let written = guessed(&ship).map_err(|e| Failure::Usage(format!("guess: {e}")))?;
-        write(common, &written, None)
-    }
-}
-
-/// Writes a ship, not over the file that she was read from.
-fn write(common: &Common, written: &Written, read: Option<&PathBuf>) -> Result<Summary, Failure> {
-    let out = common.main_output(MAIN, read)?;
-    commit(vec![Staged::bytes(&out, written.text.as_bytes())?])?;
-    Ok(Summary::of(&out, &written.said, json!({"vessel": written.said})))
 }
 
 /// Rudder angle to either side \[rad\]: 35°.
@@ -233,6 +129,9 @@ fn head(ship: &MainDimensions, revolutions: f64, unusual: &[String]) -> Vec<Stri
     all
 }
 
+/// The file of a ship.
+const VESSEL: &str = "vessel.toml";
+
 /// Writes the commented files of a new study: of a ship that is known, or of your logs
 #[derive(Parser)]
 #[command(name = "new", after_help = help())]
@@ -240,9 +139,17 @@ pub struct NewArguments {
     /// Folder of the study; made here
     #[arg(value_name = "FOLDER")]
     out: PathBuf,
-    /// The ship to begin with: a preset, or a vessel.toml with forces as `guess` and `scale` write it
-    #[arg(long, value_name = "PRESET|vessel.toml")]
-    vessel: String,
+    /// The ship to begin with: a preset, or a vessel.toml with forces
+    #[arg(long, value_name = "PRESET|vessel.toml", required_unless_present = "guess")]
+    vessel: Option<String>,
+    /// A ship from her main dimensions, by textbook formulas, with a prior for every free parameter: length_m, beam_m, draught_m
+    /// and block; if known, also density_kg_m3, speed_m_s, mass_kg, propeller_diameter_m, rudder_area_m2, rudder_height_m
+    #[arg(long, value_name = "KEY=VALUE,…", conflicts_with_all = ["vessel", "logs", "chart"])]
+    guess: Option<String>,
+    /// The ship geometrically similar to --vessel, a preset, file or fitted model with forces: length_m, and density_kg_m3 of
+    /// her water; draught_m, if given, is compared
+    #[arg(long, value_name = "KEY=VALUE,…", requires = "vessel", conflicts_with_all = ["logs", "chart"])]
+    scale: Option<String>,
     /// Folder of logs in CSV: what is in them is guessed, and what was guessed is marked
     #[arg(long, value_name = "FOLDER")]
     logs: Option<PathBuf>,
@@ -281,7 +188,9 @@ fn place(text: &str) -> Result<[f64; 2], String> {
 fn help() -> String {
     let presets = PRESETS.iter().map(|preset| format!("{}: {}\n", preset.name, preset.about));
     format!(
-        "Presets:\n{}\nExample:\n  new my-study --vessel model-ship\n  new my-study --vessel guessed.toml",
+        "Presets:\n{}\nExample:\n  new my-study --vessel model-ship\n  \
+        new my-tanker --guess length_m=320,beam_m=58,draught_m=20.8,block=0.81,speed_m_s=7.97\n  \
+        new my-tanker --vessel kvlcc2-l7 --scale length_m=320,density_kg_m3=1025",
         presets.collect::<String>()
     )
 }
@@ -289,11 +198,10 @@ fn help() -> String {
 impl Task for NewArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let out = &common.out;
-        let preset = || {
-            Preset::named(&self.vessel)
-                .map_err(|e| Failure::Usage(format!("--vessel: {e}, or a vessel.toml")))
-        };
-        let file = Some(Path::new(&self.vessel)).filter(|file| file.is_file());
+        let vessel = self.vessel.as_deref().unwrap_or_default();
+        let preset =
+            || Preset::named(vessel).map_err(|e| Failure::Usage(format!("--vessel: {e}, or a vessel.toml")));
+        let file = Some(Path::new(vessel)).filter(|file| file.is_file());
         let with = |flag: &str| {
             let expected = "a preset with it; name the preset that the ship is most like";
             Failure::Usage(format!("--vessel: found a file together with {flag}, expected {expected}"))
@@ -306,10 +214,21 @@ impl Task for NewArguments {
         let charted =
             self.chart.as_deref().zip(self.place).map(|(file, place)| Charted { file, place, slot });
         let name = out.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
+        let written = self.written(common)?;
         let (files, said) = match (file, &self.logs) {
+            _ if let Some((written, named)) = &written => {
+                let files = match &self.scale {
+                    // Of a ship without a rudder there are no standard maneuvers.
+                    Some(_) if !written.text.contains("\n[[rudder]]") => {
+                        vec![(VESSEL.to_owned(), written.text.clone())]
+                    }
+                    _ => of_ship(named, &written.text, common.seed)?,
+                };
+                (files, format!("; {}", written.said))
+            }
             (Some(_), Some(_)) => return Err(with("--logs")),
             (Some(_), None) if self.chart.is_some() => return Err(with("--chart")),
-            (Some(file), None) => (of_ship(file, common.seed)?, String::new()),
+            (Some(file), None) => (of_ship(file, &read_hand_written(file)?, common.seed)?, String::new()),
             (None, None) => (simulated(preset()?, &name, charted.as_ref())?, String::new()),
             (None, Some(logs)) => {
                 let (files, looked) = measured(preset()?, logs, charted.as_ref())?;
@@ -332,9 +251,35 @@ impl Task for NewArguments {
             all.try_for_each(|(name, text)| commit(vec![Staged::bytes(folder.join(name), text.as_bytes())?]))
         })?;
         let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
-        let line = format!("{}{said}; next: seatrial run {}", names.join(", "), out.display());
+        let next = match names.as_slice() {
+            [VESSEL] => "write dictionary.toml and campaign.toml, as a preset has them".to_owned(),
+            _ => format!("seatrial run {}", out.display()),
+        };
+        let line = format!("{}{said}; next: {next}", names.join(", "));
         Ok(Summary::of(out, line, json!({"files": names})))
     }
+}
+
+impl NewArguments {
+    /// The ship of --guess or of --scale, if one is asked for, and what to call where she comes from.
+    fn written(&self, common: &Common) -> Result<Option<(Written, PathBuf)>, Failure> {
+        if let Some(given) = &self.guess {
+            let ship = keyed::<MainDimensions>("--guess", given)?;
+            let written = guessed(&ship).map_err(|e| Failure::Usage(format!("--guess: {e}")))?;
+            return Ok(Some((written, PathBuf::from("--guess"))));
+        }
+        let Some((given, vessel)) = self.scale.as_ref().zip(self.vessel.as_ref()) else { return Ok(None) };
+        let size = keyed::<Size>("--scale", given)?;
+        let vessel = PathBuf::from(vessel);
+        let ship = read_ship(&vessel, &mut common.provenance("new"))?;
+        let written = scaled(&ship, &size).map_err(|e| Failure::invalid(&vessel, &e))?;
+        Ok(Some((written, vessel)))
+    }
+}
+
+/// The keys and values of `flag`, with commas between them.
+fn keyed<T: DeserializeOwned + JsonSchema>(flag: &str, given: &str) -> Result<T, Failure> {
+    parse_toml(&given.replace(',', "\n"), flag).map_err(|e| Failure::Usage(e.to_string()))
 }
 
 /// Standard deviation of a prior from a fit, at least, over that with which the fit was made: a sister's fit as prior
@@ -344,7 +289,8 @@ const FLOOR: f64 = 0.3;
 const ROUNDING: f64 = 0.005;
 
 /// The size of a similar ship.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Size {
     /// Length \[m\].
     pub length_m: f64,
@@ -401,7 +347,7 @@ fn check_form(file: &VesselFile, size: &Size) -> Result<(), Invalid> {
     match size.draught_m {
         Some(draught) if ((draught - similar) / similar).abs() > ROUNDING || !draught.is_finite() => {
             let expected = format!("{similar:.4} m: a similar ship has the same hull form");
-            let remedy = "leave it out, or write a ship of these dimensions by `seatrial guess`";
+            let remedy = "leave it out, or take a ship of these dimensions by --guess";
             Err(Invalid::new("the draught", format!("{draught} m"), expected, remedy))
         }
         _ => Ok(()),

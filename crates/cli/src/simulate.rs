@@ -194,16 +194,16 @@ fn encoded(layout: &Layout, vessel: &Vessel, runs: &[SimulatedRun]) -> Result<En
 pub struct CampaignFlags {
     /// The vessel
     #[arg(long, visible_alias = "model", required_unless_present = "gather", value_name = "vessel.toml")]
-    vessel: Option<PathBuf>,
+    pub vessel: Option<PathBuf>,
     /// The maneuvers
     #[arg(long, required_unless_present = "gather", value_name = "dictionary.toml")]
-    dictionary: Option<PathBuf>,
+    pub dictionary: Option<PathBuf>,
     /// Runs, disturbances, validation, bounds, seed
     #[arg(long, required_unless_present = "gather", value_name = "campaign.toml")]
-    campaign: Option<PathBuf>,
+    pub campaign: Option<PathBuf>,
     /// The optimized shares
-    #[arg(long, required_unless_present = "gather", value_name = "design.json")]
-    design: Option<PathBuf>,
+    #[arg(long, value_name = "design.json")]
+    pub design: Option<PathBuf>,
 }
 
 /// The contents of these files.

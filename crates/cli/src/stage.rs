@@ -329,7 +329,8 @@ fn listen() {}
 const IN_STUDIES: [&str; 4] = ["vessel", "dictionary", "campaign", "reference"];
 
 /// Those that the stages of a whole study read together; each stage is told those of its own.
-const IN_RUNS: [&str; 7] = ["vessel", "dictionary", "campaign", "reference", "plan", "ingest", "logs"];
+const IN_RUNS: [&str; 8] =
+    ["study", "vessel", "dictionary", "campaign", "reference", "plan", "ingest", "logs"];
 
 /// Refuses `changes` of a file that `matches` of `command` do not name, and a key that is given twice: a change
 /// without effect would go unnoticed.

@@ -4,7 +4,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Arg, ArgMatches, Command, CommandFactory, FromArgMatches, Parser, value_parser};
+use clap::builder::{PossibleValue, PossibleValuesParser};
+use clap::{Arg, ArgMatches, Command, CommandFactory, FromArgMatches, Parser, ValueEnum, value_parser};
 use clap_complete::Shell;
 use clap_mangen::Man;
 use files::{Digest, Error, Provenance, Staged, Trace, check_within, commit, traced};
@@ -15,7 +16,7 @@ use study::folder::Folder;
 use crate::cli::{Common, folder_of, set_budget};
 use crate::commands::STAGES;
 use crate::failure::{Failure, on_stderr, on_stdout, printed};
-use crate::pipeline::{Folders, Pipeline, RunRecord, StudySettings, StudyStep};
+use crate::pipeline::{Folders, Pipeline, RunRecord, StudySettings, StudyStep, settings};
 use crate::ships;
 use crate::stage::{Stage, Summary, Task, dressed, ended, matches, misused};
 
@@ -27,15 +28,15 @@ pub fn main() -> ExitCode {
         Err(code) => return code,
     };
     let done = match matches.subcommand() {
-        Some(("completions", matches)) => completions(matches.get_one("shell").copied(), command),
+        Some(("completions", matches)) => match matches.get_one::<String>("shell").map(|name| name.parse()) {
+            Some(Ok(shell)) => completions(shell, command),
+            _ => manual(matches.get_one("folder").map_or(Path::new("."), PathBuf::as_path), command),
+        },
         Some(("verify", matches)) => {
             Verify::from_arg_matches(matches).map_err(|e| Failure::Usage(e.to_string())).and_then(|verify| {
                 set_budget(matches.get_one("memory_mib").copied());
                 verify.run()
             })
-        }
-        Some(("manual", matches)) => {
-            manual(matches.get_one("folder").map_or(Path::new("."), PathBuf::as_path), command)
         }
         Some((name, matches)) => {
             let stage = subcommands().find(|stage| stage.command().get_name() == name);
@@ -50,12 +51,7 @@ pub fn main() -> ExitCode {
 }
 
 /// What begins a study, and what runs all of it.
-const OWN: [Stage; 4] = [
-    Stage::of::<ships::NewArguments>(),
-    Stage::of::<ships::GuessArguments>(),
-    Stage::of::<ships::ScaleArguments>(),
-    Stage::of::<RunArguments>(),
-];
+const OWN: [Stage; 2] = [Stage::of::<ships::NewArguments>(), Stage::of::<RunArguments>()];
 
 /// The program's own subcommands that write files, and the stages.
 fn subcommands() -> impl Iterator<Item = &'static Stage> {
@@ -64,16 +60,18 @@ fn subcommands() -> impl Iterator<Item = &'static Stage> {
 
 /// Its command line.
 pub fn command() -> Command {
-    let shell = Arg::new("shell").required(true).value_parser(value_parser!(Shell)).help("The shell");
+    let names = Shell::value_variants().iter().filter_map(ValueEnum::to_possible_value);
+    let names = PossibleValuesParser::new(names.chain([PossibleValue::new(PAGES)]));
+    let shell = Arg::new("shell").required(true).value_parser(names).help("The shell, or the manual");
+    let folder = Arg::new("folder").value_name("FOLDER").value_parser(value_parser!(PathBuf));
+    let folder = folder.required_if_eq("shell", PAGES).help("Of the manual pages; made if there is none");
     let completions = Command::new("completions")
-        .about("Prints what a shell completes this program's command lines with")
-        .arg(shell)
-        .after_help("Example:\n  completions bash > ~/.local/share/bash-completion/completions/seatrial");
-    let folder = Arg::new("folder").required(true).value_name("FOLDER").value_parser(value_parser!(PathBuf));
-    let manual = Command::new("manual")
-        .about("Writes the manual pages of this program and its subcommands")
-        .arg(folder.help("Where to write them; made if there is none"))
-        .after_help("Example:\n  manual ~/.local/share/man/man1/");
+        .about("Prints what a shell completes this program's command lines with, or writes its manual pages")
+        .args([shell, folder])
+        .after_help(
+            "Example:\n  completions bash > ~/.local/share/bash-completion/completions/seatrial\n  \
+            completions man ~/.local/share/man/man1/",
+        );
     let all = Command::new("seatrial")
         .about("Plans the shortest sea trial that identifies a ship's manoeuvring model")
         .after_help(
@@ -83,7 +81,7 @@ pub fn command() -> Command {
         .subcommand_required(true)
         .arg_required_else_help(true)
         .subcommands(subcommands().map(Stage::command))
-        .subcommands([Verify::command(), completions, manual]);
+        .subcommands([Verify::command(), completions]);
     named(dressed(all))
 }
 
@@ -98,12 +96,13 @@ fn named(command: Command) -> Command {
     command.after_help(help).mut_subcommands(named)
 }
 
+/// What the manual is called among the shells.
+const PAGES: &str = "man";
+
 /// Prints the completions of `command` for `shell`.
-pub fn completions(shell: Option<Shell>, mut command: Command) -> Result<(), Failure> {
+pub fn completions(shell: Shell, mut command: Command) -> Result<(), Failure> {
     let (mut script, name) = (Vec::new(), command.get_name().to_owned());
-    if let Some(shell) = shell {
-        clap_complete::generate(shell, &mut command, name, &mut script);
-    }
+    clap_complete::generate(shell, &mut command, name, &mut script);
     printed(std::io::stdout().write_all(&script))
 }
 
@@ -148,15 +147,12 @@ pub struct RunArguments {
     /// Folder of the study's hand-written files
     #[arg(value_name = "FOLDER")]
     whole_study: PathBuf,
-    /// Folder of the logs (default: LOGS of study.mk, or logs in the study's folder)
+    /// Folder of the logs (default: `logs` of study.toml, or logs in the study's folder)
     #[arg(long, value_name = "FOLDER")]
     logs: Option<PathBuf>,
     /// Ends with this stage, after those that it needs
     #[arg(long, value_name = "STAGE")]
     stage: Option<String>,
-    /// Replaces a setting of study.mk, as in DESIGN_FLAGS="--minimal-s 60"; may stand more than once
-    #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
-    setting: Vec<String>,
     /// Folder for the results
     #[arg(long, value_name = "FOLDER", default_value = USUAL)]
     out: PathBuf,
@@ -165,10 +161,7 @@ pub struct RunArguments {
 impl Task for RunArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let out = self.results();
-        let mut settings = StudySettings::read(&self.whole_study)?;
-        for given in &self.setting {
-            settings.set(given).map_err(|e| Failure::Usage(format!("--setting: {e}")))?;
-        }
+        let settings = StudySettings::read(&self.whole_study, common.changes())?;
         let mut pipeline = Pipeline::read(&self.whole_study, &out, &settings, self.logs.as_deref())?;
         if let Some(stage) = &self.stage {
             pipeline.until(stage).map_err(|e| Failure::Usage(format!("--stage: {e}")))?;
@@ -179,6 +172,7 @@ impl Task for RunArguments {
         let program = std::env::current_exe().ok().and_then(|file| Digest::of_file(file).ok());
         let (mut record, mut ran, mut without) =
             (RunRecord::read(&out, producer, program), Vec::new(), Vec::new());
+        record.belong_to(&pipeline)?;
         for (i, (step, words)) in pipeline.steps.iter().zip(&commands).enumerate() {
             if step.is_optional && !without.is_empty() {
                 record.forget(&pipeline, step)?;
@@ -230,12 +224,14 @@ impl RunArguments {
 
 /// The command line of every stage, with the changes to the files that it reads.
 fn commands(pipeline: &Pipeline, common: &Common) -> Result<Vec<Vec<String>>, Failure> {
-    let mut used = vec![false; common.set.len()];
+    // Those of study.toml are in the command lines.
+    let mut used: Vec<bool> = common.set.iter().map(|change| change.file() == "study").collect();
     let mut all = Vec::with_capacity(pipeline.steps.len());
     for step in &pipeline.steps {
         let (stage, matches) = parsed(pipeline, &step.words)?;
         let mut words = step.words.clone();
-        for (change, used) in common.set.iter().zip(&mut used) {
+        for (change, used) in common.set.iter().zip(&mut used).filter(|(change, _)| change.file() != "study")
+        {
             if stage.takes(&matches, change) {
                 words.extend(["--set".to_owned(), format!("{}={}", change.key(), change.value())]);
                 *used = true;
@@ -244,7 +240,7 @@ fn commands(pipeline: &Pipeline, common: &Common) -> Result<Vec<Vec<String>>, Fa
         if let Some(seed) = common.seed {
             words.extend(["--seed".to_owned(), seed.to_string()]);
         }
-        words.extend(common.allow_mixed.then(|| "--allow-mixed".to_owned()));
+        words.extend(common.allow.iter().map(|allowed| format!("--allow={}", allowed.name())));
         all.push(words);
     }
     match used.iter().position(|used| !used) {
@@ -290,10 +286,13 @@ fn parsed(pipeline: &Pipeline, words: &[String]) -> Result<(&'static Stage, ArgM
     let Some(stage) = STAGES.iter().find(|stage| stage.command().get_name() == name) else {
         return Err(Failure::Failed(format!("{name}: found no such stage, expected one")));
     };
-    let matches = stage
-        .command()
-        .try_get_matches_from(words.iter().map(|word| pipeline.resolved(word)))
-        .map_err(|error| Failure::Usage(format!("study.mk: flags of {name}: {}", misused(&error))))?;
+    let words = words.iter().map(|word| pipeline.resolved(word));
+    let matches = stage.command().try_get_matches_from(words).map_err(|error| {
+        let (file, why) = (pipeline.folders.study.join(settings::FILE), misused(&error).to_string());
+        let remedy = format!("correct the settings of this stage; see `seatrial {name} --help`");
+        let why = why.trim_end_matches("; see --help");
+        Failure::refuse(&file, &format!("flags of `{name}`"), why, "what the stage takes", &remedy)
+    })?;
     Ok((stage, matches))
 }
 

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use crate::design::alone;
 use crate::{
     Bounds, Candidates, CountOptions, Counted, Covariance, CovariancePoint, Design, Dictionary, Error,
-    Evaluation, Method, NoDesign, Norm, Objective, Options, Restricted, Restriction, Selected,
-    count_segments, select, solve_covariance, solve_within,
+    Evaluation, Method, NoDesign, Norm, Objective, Options, Restricted, Selected, count_segments, select,
+    solve_covariance, solve_within,
 };
 
 /// The criterion that is maximised.
@@ -139,7 +139,7 @@ impl Criterion {
         }
     }
 
-    /// The design under `restriction`, starting from the unrestricted design `relaxed`. `parameters`: their number.
+    /// The design with at most `most` candidates, starting from the unrestricted design `relaxed`. `parameters`: their number.
     ///
     /// # Errors
     /// As [`select`].
@@ -147,11 +147,11 @@ impl Criterion {
         &self,
         relaxed: &Design,
         bounds: &Bounds,
-        restriction: &Restriction,
+        most: usize,
         options: &Options,
         parameters: usize,
     ) -> Result<Restricted, Error> {
-        let selected = self.selected(relaxed, bounds, restriction, options)?;
+        let selected = self.selected(relaxed, bounds, most, options)?;
         let loss = selected.loss_bound(relaxed, self.per_time(parameters));
         let method = if selected.exhaustive { Method::Exhaustive } else { Method::Exchange };
         let design = Design {
@@ -168,7 +168,7 @@ impl Criterion {
         &self,
         relaxed: &Design,
         bounds: &Bounds,
-        restriction: &Restriction,
+        most: usize,
         options: &Options,
     ) -> Result<Selected, Error> {
         let options = &Options { tolerance: options.tolerance.max(RESTRICTED_TOLERANCE), ..*options };
@@ -177,11 +177,11 @@ impl Criterion {
                 let (scaled, offset) = candidates.scaled()?;
                 let mut balanced = relaxed.clone();
                 balanced.log_det -= offset;
-                let mut selected = select(&scaled, &balanced, bounds, restriction, options)?;
+                let mut selected = select(&scaled, &balanced, bounds, most, options)?;
                 selected.value += offset;
                 Ok(selected)
             }
-            Self::Covariance(c) => select(&c.covariance, relaxed, bounds, restriction, options),
+            Self::Covariance(c) => select(&c.covariance, relaxed, bounds, most, options),
         }
     }
 

@@ -131,8 +131,6 @@ impl Dictionary {
 pub enum AccuracyOf {
     /// The root of the sum of the squared relative standard errors.
     Overall,
-    /// The largest relative standard error.
-    PerParameter,
     /// The largest standard error of a figure of merit over the wanted one.
     Figures,
 }
@@ -141,7 +139,6 @@ impl fmt::Display for AccuracyOf {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Overall => "root of the sum of squared relative standard errors",
-            Self::PerParameter => "largest relative standard error",
             Self::Figures => "largest standard error of a figure over the wanted one",
         })
     }

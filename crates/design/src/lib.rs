@@ -47,7 +47,7 @@ pub use design::{
 };
 pub use dictionary::{AccuracyOf, Degree, Dictionary, NoDesign, OutOfReach, Scarce, Wanted};
 pub use segments::{Available, Length, Segments, Stock, Whole, counted};
-pub use select::{Restricted, Restriction, Selected, select};
+pub use select::{Restricted, Selected, select};
 pub use shortest::{
     Accuracy, AccuracyPoint, Errors, MOST, Question, Rivals, Shortest, error_of, holds_from, promised_error,
 };

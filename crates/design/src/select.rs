@@ -1,17 +1,8 @@
-//! Designs with few candidates, each with a least share.
+//! Designs with few candidates.
 
 use crate::certificate::largest;
 use crate::design::{from_points, loss};
 use crate::{Bounds, Design, Error, Method, Objective, Options};
-
-/// Restrictions on shares in addition to their bounds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Restriction {
-    /// Maximum number of candidates with a share.
-    pub most: usize,
-    /// Least share of a candidate that has one.
-    pub least: f64,
-}
 
 /// Restricted shares.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,9 +57,9 @@ const ROUGH: f64 = 1e-5;
 /// Unused candidates that are tried in an exchange, the most sensitive.
 const INCOMING: usize = 12;
 
-/// The best shares found under `restriction`: candidates are dropped from the support of `relaxed` one at a time,
+/// The best shares found of at most `most` candidates: these are dropped from the support of `relaxed` one at a time,
 /// each time the one that costs least, then exchanged for others while that improves. All choices are tried if they
-/// are few and there is no least share.
+/// are few.
 ///
 /// # Errors
 /// [`Error::Infeasible`] if no shares satisfy the bounds; [`Error::Solver`] if so few candidates do not excite every direction.
@@ -76,20 +67,20 @@ pub fn select<O: Objective>(
     objective: &O,
     relaxed: &Design,
     bounds: &Bounds,
-    restriction: &Restriction,
+    most: usize,
     options: &Options,
 ) -> Result<Selected, Error> {
     let rough = Options { tolerance: options.tolerance.max(ROUGH), ..*options };
-    let mut search = ChoiceSearch { objective, bounds, options: &rough, restriction, tried: 0 };
-    let most = restriction.most.min(objective.len());
-    if restriction.least <= 0.0 && choices(objective.len(), most) <= EXHAUSTIVE {
+    let most = most.min(objective.len());
+    let mut search = ChoiceSearch { objective, bounds, options: &rough, most, tried: 0 };
+    if choices(objective.len(), most) <= EXHAUSTIVE {
         search.options = options;
-        let best = search.all(most);
+        let best = search.all();
         return search.selected(best, true);
     }
     let used: Vec<usize> = (0..objective.len()).filter(|q| relaxed.shares[*q] > 0.0).collect();
     let mut now = search.solve(&used);
-    while now.as_ref().is_some_and(|current| !search.keeps(current)) {
+    while now.as_ref().is_some_and(|current| current.members.len() > most) {
         now = now.as_ref().and_then(|current| search.drop_one(current));
     }
     for _ in 0..EXCHANGES {
@@ -97,7 +88,7 @@ pub fn select<O: Objective>(
         now = Some(better);
     }
     search.options = options;
-    let polished = now.as_ref().and_then(|choice| search.solve(&choice.members)).filter(|p| search.keeps(p));
+    let polished = now.as_ref().and_then(|choice| search.solve(&choice.members));
     search.selected(polished.or(now), false)
 }
 
@@ -118,7 +109,7 @@ struct ChoiceSearch<'a, O> {
     objective: &'a O,
     bounds: &'a Bounds,
     options: &'a Options,
-    restriction: &'a Restriction,
+    most: usize,
     tried: usize,
 }
 
@@ -130,11 +121,6 @@ impl<O: Objective> ChoiceSearch<'_, O> {
         let gap = self.bounds.gap(&best.sensitivities, &shares, self.objective.degree());
         let (value, sensitivities) = (best.value, best.sensitivities);
         Ok(Selected { shares, value, sensitivities, gap, exhaustive, tried: self.tried })
-    }
-
-    fn keeps(&self, choice: &Choice) -> bool {
-        choice.members.len() <= self.restriction.most
-            && choice.shares.iter().all(|w| *w >= self.restriction.least - 1e-12)
     }
 
     /// The best shares of `members`; `None` if they are singular or infeasible.
@@ -184,22 +170,23 @@ impl<O: Objective> ChoiceSearch<'_, O> {
         let unused = (0..self.objective.len()).filter(|q| !from.members.contains(q));
         let mut best: Option<Choice> = None;
         for new in largest(unused, &from.sensitivities, INCOMING) {
-            let can_add = from.members.len() < self.restriction.most;
+            let can_add = from.members.len() < self.most;
             for out in (0..from.members.len()).map(Some).chain(can_add.then_some(None)) {
                 let kept = from.members.iter().enumerate().filter(|(i, _)| Some(*i) != out).map(|(_, q)| *q);
                 let mut members: Vec<usize> = kept.chain([new]).collect();
                 members.sort_unstable();
                 let worthwhile = from.value + WORTHWHILE * self.objective.degree();
                 let better = best.as_ref().map_or(worthwhile, |b| b.value);
-                let grown = self.solve(&members).filter(|f| f.value > better && self.keeps(f));
+                let grown = self.solve(&members).filter(|f| f.value > better);
                 best = grown.or(best);
             }
         }
         best
     }
 
-    /// The best of all choices of `most` candidates.
-    fn all(&mut self, most: usize) -> Option<Choice> {
+    /// The best of all choices of the most candidates.
+    fn all(&mut self) -> Option<Choice> {
+        let most = self.most;
         let mut members: Vec<usize> = (0..most).collect();
         let mut best: Option<Choice> = None;
         loop {

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::dictionary::{AccuracyOf, OutOfReach};
 use crate::{
-    Bounds, Candidates, Covariance, CovarianceCriterion, Criterion, Design, Dictionary, Error, Length,
-    NoDesign, Norm, Options, Scarce, Stock, Wanted, solve_covariance,
+    Bounds, Covariance, CovarianceCriterion, Criterion, Design, Dictionary, Error, Length, NoDesign, Norm,
+    Options, Scarce, Stock, Wanted,
 };
 
 /// The question how long an experiment has to be.
@@ -24,8 +24,6 @@ pub struct Question<'a> {
     pub errors: Errors<'a>,
     /// The accuracy.
     pub wanted: Wanted,
-    /// Whether the largest relative error is minimised instead of the criterion.
-    pub least_largest: bool,
     /// The available amount of every maneuver.
     pub stock: Option<&'a Stock>,
 }
@@ -37,8 +35,6 @@ pub struct Shortest {
     pub design: Design,
     /// Samples of the experiment.
     pub samples: f64,
-    /// If the largest error is minimised: a lower bound on its square for one sample, proved if the problem is convex.
-    pub bound: Option<f64>,
 }
 
 /// Other shares, to compare with.
@@ -66,8 +62,6 @@ pub struct Accuracy {
     /// From which duration on the prediction holds: [`MOST`] of the time is spent on maneuvers that are as long as their matrices
     /// count them, and not on their beginnings \[s\].
     pub holds_from_s: f64,
-    /// No shares need less time than this \[s\]; proved where the problem is convex.
-    pub bound_s: Option<f64>,
     /// How long the shares of the paper's criterion take \[s\].
     pub paper_s: Option<f64>,
     /// How long equal shares take \[s\].
@@ -125,25 +119,14 @@ impl Question<'_> {
         if let Some(stock) = self.stock {
             return self.within_what_is_available(stock, options);
         }
-        let (design, bound) = self.solve(&Bounds::default(), options)?;
+        let design = self.solve(&Bounds::default(), options)?;
         let samples = self.errors.reachable(&design.shares, &self.wanted)?;
-        Ok(Shortest { design, samples, bound })
+        Ok(Shortest { design, samples })
     }
 
-    /// The best shares within bounds, and a lower bound on the largest error if that is minimised.
-    fn solve(&self, bounds: &Bounds, options: &Options) -> Result<(Design, Option<f64>), NoDesign> {
-        let mut design = self.criterion.solve(bounds, options).map_err(|e| self.dictionary.explain(e))?;
-        if !self.least_largest {
-            return Ok((design, None));
-        }
-        let (shares, bound) = self.errors.least_largest(bounds, options)?;
-        let lost = || NoDesign::Search(Error::Solver("the least largest error is at singular shares".into()));
-        design.log_det = self.criterion.value(&shares).ok_or_else(lost)?;
-        design.sensitivities = self.criterion.sensitivities(&shares).ok_or_else(lost)?;
-        let largest = design.sensitivities.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        design.gap = largest - self.criterion.degree();
-        design.shares = shares;
-        Ok((design, Some(bound)))
+    /// The best shares within bounds.
+    fn solve(&self, bounds: &Bounds, options: &Options) -> Result<Design, NoDesign> {
+        self.criterion.solve(bounds, options).map_err(|e| self.dictionary.explain(e))
     }
 
     /// The bounds of the shares of an experiment of `samples` samples; `None` if not so much is available.
@@ -170,7 +153,7 @@ impl Question<'_> {
         let Some(bounds) = self.bounds(stock, longest)? else {
             return Err(NoDesign::Search(Error::Infeasible { total: 0.0 }));
         };
-        let (mut design, mut bound) = self.solve(&bounds, options)?;
+        let mut design = self.solve(&bounds, options)?;
         let at_most = Wanted { longest_s: longest / rate, ..self.wanted };
         self.errors.reachable(&design.shares, &at_most)?;
         let (mut low, mut high) = (0.0, longest);
@@ -178,12 +161,12 @@ impl Question<'_> {
             let middle = (0.5 * (low + high)).floor();
             let bounds = self.bounds(stock, middle)?;
             let solved = bounds.map(|bounds| self.solve(&bounds, options)).transpose()?;
-            match solved.filter(|(d, _)| self.errors.samples(&d.shares, &self.wanted) <= middle) {
-                Some(solved) => ((design, bound), high) = (solved, middle),
+            match solved.filter(|d| self.errors.samples(&d.shares, &self.wanted) <= middle) {
+                Some(solved) => (design, high) = (solved, middle),
                 None => low = middle,
             }
         }
-        Ok(Shortest { design, samples: high, bound })
+        Ok(Shortest { design, samples: high })
     }
 
     /// `shortest` in time, with `rivals`.
@@ -213,7 +196,6 @@ impl Question<'_> {
             duration_s: samples / rate,
             reached: (square / samples).sqrt(),
             holds_from_s: holds_from(&shortest.design.shares, self.lengths) / rate,
-            bound_s: shortest.bound.map(needs),
             paper_s: needed_s(paper),
             equal_s: needed_s(Some(equal)),
             random_s: needed_s(random),
@@ -230,14 +212,10 @@ impl Question<'_> {
     }
 }
 
-/// Iterations of the minimax search for the largest error.
-const ROUNDS: usize = 30;
-
 /// Predicts standard errors relative to what is wanted.
 #[derive(Clone, Debug)]
 pub struct Errors<'a> {
     dictionary: &'a Dictionary,
-    meat: &'a Candidates,
     covariance: &'a Covariance,
     rows: Vec<usize>,
     /// The squares that variances are relative to, one per parameter.
@@ -248,22 +226,15 @@ pub struct Errors<'a> {
 }
 
 impl<'a> Errors<'a> {
-    /// `meat`: B_q of the dictionary's candidates. `squares`: of the parameters.
-    pub fn new(
-        dictionary: &'a Dictionary,
-        meat: &'a Candidates,
-        criterion: &'a CovarianceCriterion,
-        squares: &'a [f64],
-        of: AccuracyOf,
-    ) -> Self {
+    /// Of all parameters together, by their `squares`.
+    pub fn new(dictionary: &'a Dictionary, criterion: &'a CovarianceCriterion, squares: &'a [f64]) -> Self {
         let (covariance, rows) = (&criterion.covariance, dictionary.parameter_rows());
-        Self { dictionary, meat, covariance, rows, squares, figures: Vec::new(), of }
+        Self { dictionary, covariance, rows, squares, figures: Vec::new(), of: AccuracyOf::Overall }
     }
 
     /// Of figures instead, by their slopes by parameter and the wanted standard error in the figure's unit.
     pub fn of_figures(
         dictionary: &'a Dictionary,
-        meat: &'a Candidates,
         criterion: &'a CovarianceCriterion,
         wanted: &[(Vec<f64>, f64)],
     ) -> Self {
@@ -271,26 +242,20 @@ impl<'a> Errors<'a> {
             dictionary.by_row(&slopes.iter().map(|slope| slope / wanted).collect::<Vec<_>>())
         };
         let figures = wanted.iter().map(over).collect();
-        Self { figures, ..Self::new(dictionary, meat, criterion, &[], AccuracyOf::Figures) }
-    }
-
-    /// The variance of every parameter relative to its square, per sample.
-    fn relative(&self, shares: &[f64]) -> Option<Vec<f64>> {
-        let variances = self.covariance.variances(shares)?;
-        Some(self.rows.iter().zip(self.squares).map(|(row, s)| variances[*row].max(0.0) / s).collect())
+        Self { figures, of: AccuracyOf::Figures, ..Self::new(dictionary, criterion, &[]) }
     }
 
     /// The squared accuracy for one sample; infinite if the shares do not excite every parameter.
     pub fn squared(&self, shares: &[f64]) -> f64 {
-        let squares = match self.of {
-            AccuracyOf::Figures => self.covariance.variances_of(shares, &self.figures),
-            _ => self.relative(shares),
+        let overall = |variances: Vec<f64>| {
+            self.rows.iter().zip(self.squares).map(|(row, s)| variances[*row].max(0.0) / s).sum::<f64>()
         };
-        let Some(squares) = squares else { return f64::INFINITY };
-        match self.of {
-            AccuracyOf::Overall => squares.iter().sum(),
-            AccuracyOf::PerParameter | AccuracyOf::Figures => squares.iter().copied().fold(0.0, f64::max),
-        }
+        let largest = |variances: Vec<f64>| variances.into_iter().fold(0.0, f64::max);
+        let squared = match self.of {
+            AccuracyOf::Overall => self.covariance.variances(shares).map(overall),
+            AccuracyOf::Figures => self.covariance.variances_of(shares, &self.figures).map(largest),
+        };
+        squared.unwrap_or(f64::INFINITY)
     }
 
     /// Samples that reach the wanted accuracy at fixed shares.
@@ -310,40 +275,6 @@ impl<'a> Errors<'a> {
         }
         let best = (self.squared(shares) / (wanted.longest_s * rate_hz)).sqrt();
         Err(NoDesign::OutOfReach(OutOfReach { wanted: *wanted, needed_s: samples / rate_hz, best }))
-    }
-
-    /// Shares that minimise the largest relative error, and a lower bound on its square for one sample (proved if the
-    /// criterion is concave): the weights of the largest relative variances in their sum are increased.
-    ///
-    /// # Errors
-    /// Those of the solver.
-    pub fn least_largest(&self, bounds: &Bounds, options: &Options) -> Result<(Vec<f64>, f64), NoDesign> {
-        let mut weights = vec![1.0 / self.squares.len() as f64; self.squares.len()];
-        let (mut best, mut bound): (Option<(f64, Vec<f64>)>, f64) = (None, 0.0);
-        let options = Options { random_starts: 0, tolerance: options.tolerance.max(1e-6), ..*options };
-        for _ in 0..ROUNDS {
-            let summed = self.reweighted(&weights)?;
-            let design =
-                solve_covariance(&summed, bounds, &options).map_err(|e| self.dictionary.explain(e))?;
-            let errors = self.relative(&design.shares).unwrap_or_else(|| vec![f64::INFINITY; weights.len()]);
-            bound = bound.max(libm::exp(-design.log_det) * (1.0 - design.gap.max(0.0)));
-            let largest = errors.iter().copied().fold(0.0, f64::max);
-            if best.as_ref().is_none_or(|(known, _)| largest < *known) {
-                best = Some((largest, design.shares));
-            }
-            weights.iter_mut().zip(&errors).for_each(|(w, r)| *w *= r / largest);
-            let sum: f64 = weights.iter().sum();
-            weights.iter_mut().for_each(|w| *w /= sum);
-        }
-        best.map(|(_, shares)| (shares, bound)).ok_or(NoDesign::Search(Error::Empty))
-    }
-
-    /// The sum of the relative variances with other weights.
-    fn reweighted(&self, weights: &[f64]) -> Result<Covariance, NoDesign> {
-        let scaled: Vec<f64> = weights.iter().zip(self.squares).map(|(w, s)| w / s).collect();
-        let rows = self.dictionary.by_row(&scaled);
-        let built = Covariance::new(&self.dictionary.information, self.meat, &rows, Norm::Trace);
-        built.map_err(|e| self.dictionary.explain(e))
     }
 }
 

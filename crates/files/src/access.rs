@@ -294,7 +294,7 @@ pub fn check_within(path: &Path) -> Result<()> {
     }
     let (found, expected) =
         (format!("a place in {}", place.display()), format!("one below {}", within.display()));
-    let remedy = "remove the link, or the flag of study.mk that names it";
+    let remedy = "remove the link, or name another folder";
     Err(Error::refuse(path, "output", found, expected, remedy))
 }
 

@@ -278,8 +278,12 @@ fn document(path: &Path) -> Result<Option<Inspected>> {
     let (text, header) = opened(path)?;
     let Some(schema) = header.schema().map(str::to_owned) else { return Ok(None) };
     let digests = seal::check_text(path, &text, header.seal())?;
-    let envelope: Envelope<IgnoredAny> = serde_json::from_str(&text).map_err(|e| refusal(path, &text, &e))?;
-    let loaded = envelope.loaded(digests.digest);
+    let loaded = match serde_json::from_str::<Envelope<IgnoredAny>>(&text) {
+        Ok(envelope) => envelope.loaded(digests.digest),
+        // Of other programs, which have schemas, too
+        Err(_) if header.seal().is_none() => return Ok(None),
+        Err(e) => return Err(refusal(path, &text, &e)),
+    };
     let (sealed, provenance, members) = (header.seal().is_some(), loaded.provenance, loaded.members);
     Ok(Some(Inspected { schema, digest: loaded.digest, sealed, provenance, members }))
 }

@@ -96,7 +96,7 @@ pub fn check_given(given: &mut Provenance, path: &Path, made: &Provenance) -> Re
             format!("another {role} than that of {}", path.display()),
             "the files that the shards were made of",
         );
-        let remedy = "name that file, make the shards again, or add --allow-mixed";
+        let remedy = "name that file, make the shards again, or add --allow=mixed";
         return Err(Error::refuse(file, "provenance", found, expected, remedy));
     }
     others.iter().for_each(|role| given.label(role));

@@ -146,7 +146,7 @@ impl Provenance {
         }
         let other = self.reported_by.get(role).map_or("another input".into(), |file| file.to_string_lossy());
         let (found, expected) = (format!("another {role} than that of {other}"), "files of one study");
-        let remedy = "make both again (`make` does), or add --allow-mixed";
+        let remedy = "make both again (`make` does), or add --allow=mixed";
         Err(Error::refuse(path, "provenance", found, expected, remedy))
     }
 }

@@ -321,7 +321,7 @@ fn checked(
         let age = format!("the last fix, {stale_s:.0} s before the end of the log");
         let expected = format!("one in its last {STALE_S} s: she is elsewhere now");
         let remedy =
-            "give a log that ends with a fix, or say where she is with `plan resume --done STEPS --from`";
+            "give a log that ends with a fix, or say where she is by --done STEPS --from LON,LAT,HEADING";
         return Err(Invalid::new(format!("line {}", last.line), age, expected, remedy).into());
     }
     let left_out = all - rows.len() + unfixed;

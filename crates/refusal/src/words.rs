@@ -68,11 +68,69 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
 }
 
 const NO_DRIFT: &str = "it is gone: take `--estimator prediction-error`, or `--unknown-current earth`";
+const SAY_WHERE: &str =
+    "it is gone: mend the log, or say where she is by `--done STEPS --from LON,LAT,HEADING`";
+const SAY_ROLE: &str = "it is gone: the channel says it by its `role` in vessel.toml";
 const NO_SWEEP: &str =
     "it is gone: `make sweep` runs every cell of a grid by `seatrial run --set`, into sweep.csv";
 
 /// Names that are known no more, each with the remedy.
-const GONE: [(&str, &str); 7] = [
+const GONE: &[(&str, &str)] = &[
+    ("sequential", "it is gone: `monte-carlo` without a design takes the [rounds] of campaign.toml"),
+    ("--fold", "it is gone: `--folds` deals runs or recordings into so many"),
+    ("--keep-first", "it is gone: take fewer --realizations"),
+    ("--compiler", "it is gone: the variable CC names a compiler"),
+    ("--config", "it is gone: trials in rounds are in [rounds] of campaign.toml"),
+    ("--allow-mixed", "it is gone: `--allow mixed`"),
+    ("--allow-doubtful", "it is gone: `--allow doubtful`"),
+    ("--allow-unreached", "it is gone: `--allow unreached`"),
+    ("--allow-unsafe", "it is gone: `--allow unsafe`"),
+    ("--beyond-range", "it is gone: `--allow beyond-range`"),
+    (
+        "resume",
+        "it is gone: `seatrial plan --rest-of plan.json --from LON,LAT,HEADING --done STEPS` plans the rest",
+    ),
+    ("follow", "it is gone: `seatrial plan --rest-of plan.json --from positions.csv` plans the rest"),
+    ("--within-m", SAY_WHERE),
+    ("--max-gap-s", SAY_WHERE),
+    ("--export-problem", "it is gone: `--keep problem` writes problem.json beside the plan"),
+    ("--positions", "it is gone: name the file by `--from`"),
+    ("--per-parameter", "it is gone: `--accuracy` is of all parameters together"),
+    (
+        "--minimal-s",
+        "it is gone: `--most-maneuvers` limits how many; `--arrange` keeps pieces above 15 % of their maneuver",
+    ),
+    ("--noise", "it is gone: the current counts; make the moments with a campaign without one"),
+    ("--iterations", "it is gone: begin again from the refined design.json and refined-dictionary.toml"),
+    ("--compare", "it is gone: name all with `--estimator ls,iv,output-error,prediction-error`"),
+    ("--estimators", "it is gone: `--estimator` takes several, with commas between them"),
+    (
+        "--criticise",
+        "it is gone: runs are asked what the model lacks where --campaign states the disturbances",
+    ),
+    ("--no-criticism", "it is gone: every fit is criticised"),
+    ("--model-of", "it is gone: `--runs optimized/3` estimates that run and delivers its model"),
+    ("--prior-weight", "it is gone: `--prior 2` weighs the priors of a ship with forces"),
+    ("--measured-starts", "it is gone: initial states are found with the parameters"),
+    ("--rudder", SAY_ROLE),
+    ("--propeller", SAY_ROLE),
+    ("--ahead", SAY_ROLE),
+    ("--astern", SAY_ROLE),
+    ("--even", SAY_ROLE),
+    ("--odd", SAY_ROLE),
+    ("--port", SAY_ROLE),
+    ("--starboard", SAY_ROLE),
+    ("--thrust", SAY_ROLE),
+    ("--wind", SAY_ROLE),
+    ("--wind-from", SAY_ROLE),
+    ("--every-s", "it is gone: the least of a search is found without it"),
+    ("manual", "it is gone: `seatrial completions man FOLDER` writes the pages"),
+    (
+        "guess",
+        "it is gone: `seatrial new my-ship --guess length_m=320,beam_m=58,draught_m=20.8,block=0.81` writes her study",
+    ),
+    ("scale", "it is gone: `seatrial new my-ship --vessel kvlcc2-l7 --scale length_m=320` writes her study"),
+    ("--setting", "it is gone: set keys of study.toml, as in `--set study.design.segments=5`"),
     ("refined-iv", "it is gone: take `output-error`"),
     ("--engine", "it is gone: leave it out, since every search is exhaustive"),
     ("sweep", NO_SWEEP),

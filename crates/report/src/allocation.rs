@@ -152,7 +152,6 @@ fn accuracy_of(design: &DesignDocument, figures: &mut Figures) -> Markup {
     let Some(accuracies) = &design.accuracy else { return html! {} };
     let title = match accuracies.of {
         AccuracyOf::Overall => "root of Σ (std error/θ)² [1]",
-        AccuracyOf::PerParameter => "largest std error/θ [1]",
         AccuracyOf::Figures => "largest std error of a figure/wanted [1]",
     };
     let figure = accuracy(&curves(accuracies), (accuracies.duration_s, accuracies.wanted), title);

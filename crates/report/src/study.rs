@@ -239,7 +239,7 @@ fn scenario(folder: &Path, allow_mixed: bool) -> Result<Scenario, Error> {
         return Ok(read);
     }
     let expected = "`compared`, several estimators on the same runs";
-    let remedy = "run `estimate --compare` and `validate` again";
+    let remedy = "run `estimate` with several estimators, as `--estimator ls,iv`, and `validate` again";
     Err(study::refuse(&folder.join("estimate.json"), "estimators", "one", expected, remedy))
 }
 

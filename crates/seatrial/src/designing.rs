@@ -4,7 +4,7 @@ use std::path::Path;
 
 use design::{
     Accuracy, AccuracyOf, Bounds, Candidates, Criterion, CriterionName, Design, Dictionary, Errors,
-    FigureErrors, Options, Question, Restricted, Restriction, Stock, Wanted,
+    FigureErrors, Options, Question, Restricted, Stock, Wanted,
 };
 use estimation::pooled::{Covariance, Uncertain};
 use maneuver::Generator;
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use refusal::Invalid;
 use ship::engine::Run;
 use ship::model::{Source, Vessel};
-use study::documents::{Few, MeritDocument, MeritTableRow, SlopesAt, SolvedFigures};
+use study::documents::{MeritDocument, MeritTableRow, SlopesAt, SolvedFigures};
 use study::figure_goals::FigureGoals;
 use study::files::read_model;
 use study::trajectories::{Reacting, TrajectoryReader};
@@ -28,8 +28,8 @@ pub struct Wish {
     pub estimated: Estimated,
     /// The parameters that errors are relative to.
     pub relative_to: Source,
-    /// Few or long maneuvers.
-    pub few: Few,
+    /// At most so many maneuvers.
+    pub most_maneuvers: Option<u64>,
 }
 
 /// Maneuvers and a criterion of their shares.
@@ -44,8 +44,6 @@ pub struct Designing<'a> {
     pub criterion: Criterion,
     /// The available amount of every maneuver.
     pub stock: Option<Stock>,
-    /// B_q of the candidates, for a criterion of the covariance.
-    meat: Option<Candidates>,
     figures: Option<(FigureGoals, FigureErrors)>,
 }
 
@@ -58,28 +56,26 @@ impl<'a> Designing<'a> {
         let dictionary = moments.dictionary(wish.estimated)?;
         let (criterion, meat) = criterion(moments, &dictionary, wish, goals.as_ref())?;
         let predicted = |goals: FigureGoals| {
-            let meat = meat.clone().map_or_else(|| moments.middle(wish.estimated), Ok)?;
+            let meat = meat.map_or_else(|| moments.middle(wish.estimated), Ok)?;
             let errors = FigureErrors::new(&dictionary, &meat, &goals.slopes())?;
             Ok::<_, NoCriterion>((goals, errors))
         };
         let figures = goals.map(predicted).transpose()?;
-        Ok(Self { moments, wish, dictionary, criterion, stock: None, meat, figures })
+        Ok(Self { moments, wish, dictionary, criterion, stock: None, figures })
     }
 
     /// A design of the shortest experiment for the `wanted` accuracy, beside the paper's and random ones of this `seed`;
-    /// `None` without a criterion of the covariance. `least_largest`: minimise the largest error instead of the criterion.
+    /// `None` without a criterion of the covariance.
     ///
     /// # Errors
     /// A parameter of zero, that no error is relative to; an accuracy out of reach; those of the solvers.
     pub fn shortest(
         &self,
-        (wanted, least_largest): (Wanted, bool),
+        wanted: Wanted,
         (removal, seed): (regression::MeanRemoval, u64),
         options: &Options,
     ) -> Result<Option<(Design, Accuracy)>, NoCriterion> {
-        let (Criterion::Covariance(covariance), Some(meat)) = (&self.criterion, &self.meat) else {
-            return Ok(None);
-        };
+        let Criterion::Covariance(covariance) = &self.criterion else { return Ok(None) };
         let lengths: Vec<f64> = self.moments.maneuvers.iter().map(|m| m.samples as f64).collect();
         let squares = match wanted.of {
             AccuracyOf::Figures => Vec::new(),
@@ -87,9 +83,9 @@ impl<'a> Designing<'a> {
         };
         let errors = match &self.figures {
             Some((goals, _)) if wanted.of == AccuracyOf::Figures => {
-                Errors::of_figures(&self.dictionary, meat, covariance, &goals.wanted())
+                Errors::of_figures(&self.dictionary, covariance, &goals.wanted())
             }
-            _ => Errors::new(&self.dictionary, meat, covariance, &squares, wanted.of),
+            _ => Errors::new(&self.dictionary, covariance, &squares),
         };
         let question = Question {
             dictionary: &self.dictionary,
@@ -97,7 +93,6 @@ impl<'a> Designing<'a> {
             criterion: &self.criterion,
             errors,
             wanted,
-            least_largest,
             stock: self.stock.as_ref(),
         };
         let shortest = question.shortest(options)?;
@@ -105,7 +100,7 @@ impl<'a> Designing<'a> {
         Ok(Some((shortest.design, accuracy)))
     }
 
-    /// A design with few maneuvers, or long ones, if that is wished. `duration_s`: of the experiment, if known.
+    /// A design with few maneuvers, if that is wished.
     ///
     /// # Errors
     /// No such choice that excites every parameter.
@@ -113,10 +108,9 @@ impl<'a> Designing<'a> {
         &self,
         relaxed: &Design,
         bounds: &Bounds,
-        duration_s: Option<f64>,
         options: &Options,
-    ) -> Result<Option<(Few, Restricted)>, design::Error> {
-        self.few_by(&self.criterion, relaxed, bounds, duration_s, options)
+    ) -> Result<Option<Restricted>, design::Error> {
+        self.few_by(&self.criterion, relaxed, bounds, options)
     }
 
     fn few_by(
@@ -124,18 +118,11 @@ impl<'a> Designing<'a> {
         criterion: &Criterion,
         relaxed: &Design,
         bounds: &Bounds,
-        duration_s: Option<f64>,
         options: &Options,
-    ) -> Result<Option<(Few, Restricted)>, design::Error> {
-        let few = self.wish.few;
-        if few == Few::default() {
-            return Ok(None);
-        }
-        let least = few.minimal_s.zip(duration_s).map_or(0.0, |(minimal, duration)| minimal / duration);
-        let most = few.most_maneuvers.map_or(usize::MAX, |k| k as usize).min(relaxed.shares.len());
-        let (restriction, parameters) = (Restriction { most, least }, self.dictionary.parameters());
-        let restricted = criterion.restricted(relaxed, bounds, &restriction, options, parameters)?;
-        Ok(Some((few, restricted)))
+    ) -> Result<Option<Restricted>, design::Error> {
+        let parameters = self.dictionary.parameters();
+        let few = |most: u64| criterion.restricted(relaxed, bounds, most as usize, options, parameters);
+        self.wish.most_maneuvers.map(few).transpose()
     }
 
     /// The figures' standard errors after an experiment of `samples` (1 if not known) by `design`, and by the D-optimal
@@ -153,8 +140,7 @@ impl<'a> Designing<'a> {
         let Some((goals, errors)) = &self.figures else { return Ok(None) };
         let at = |shares: &[f64]| errors.at(shares, samples.unwrap_or(1.0));
         let Some(designed) = at(&design.shares) else { return Ok(None) };
-        let duration_s = samples.map(|samples| samples / self.dictionary.sample_rate_hz);
-        let d_optimal = self.d_optimal(design, bounds, duration_s, options)?;
+        let d_optimal = self.d_optimal(design, bounds, options)?;
         Ok(Some(SolvedFigures { goals, errors: designed, d_optimal: at(&d_optimal) }))
     }
 
@@ -163,7 +149,6 @@ impl<'a> Designing<'a> {
         &self,
         design: &Design,
         bounds: &Bounds,
-        duration_s: Option<f64>,
         options: &Options,
     ) -> Result<Vec<f64>, NoCriterion> {
         let name = self.wish.estimated.d_optimal();
@@ -173,8 +158,8 @@ impl<'a> Designing<'a> {
         let explained = |e| NoCriterion::from(self.dictionary.explain(e));
         let (criterion, _) = criterion(self.moments, &self.dictionary, Wish { name, ..self.wish }, None)?;
         let relaxed = criterion.solve(bounds, options).map_err(explained)?;
-        let few = self.few_by(&criterion, &relaxed, bounds, duration_s, options).map_err(explained)?;
-        Ok(few.map_or(relaxed.shares, |(_, restricted)| restricted.design.shares))
+        let few = self.few_by(&criterion, &relaxed, bounds, options).map_err(explained)?;
+        Ok(few.map_or(relaxed.shares, |restricted| restricted.design.shares))
     }
 }
 

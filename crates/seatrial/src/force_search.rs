@@ -62,7 +62,7 @@ impl ForceSearch<'_> {
     /// # Errors
     /// A listed text that is no term of this ship, or lists without any that she lacks.
     pub fn check(&self) -> Result<usize, Invalid> {
-        let physical = self.physical(self.vessel, false);
+        let physical = self.physical(self.vessel);
         let forces = physical.forces()?;
         let (all, inputs) = (channels(self.vessel), self.vessel.model.inputs);
         let lacking = Channels { all: &all, inputs, listed: self.listed }.lacking(forces);
@@ -96,7 +96,7 @@ impl ForceSearch<'_> {
         let held = runs.are_inputs_held();
         let sources: Vec<Recorded> = recordings.iter().map(|r| (r.name.clone(), r.whole.clone())).collect();
         // Fails at once where the ship cannot be fitted.
-        let base = self.physical(self.vessel, true).fitted_model(runs, (&sources, held))?;
+        let base = self.physical(self.vessel).fitted_model(runs, (&sources, held))?;
         let without = |fold| {
             let without = self.without(fold, &dealt, &sources, held);
             done(1);
@@ -104,7 +104,7 @@ impl ForceSearch<'_> {
         };
         let (ships, said): (Vec<_>, Vec<_>) = (0..self.folds).into_par_iter().map(without).unzip();
         let judged = judged_ships(&recordings, &dealt, &ships, held);
-        let grown = self.physical(self.vessel, false).grown((&sources, held), self.listed);
+        let grown = self.physical(self.vessel).grown((&sources, held), self.listed);
         let grown = grown.map_err(PhysicalError::from)?;
         done(1);
         self.delivered(runs, (&sources, held), (base, grown), said, judged)
@@ -115,9 +115,9 @@ impl ForceSearch<'_> {
         Cut { window, every: window, scored: self.scored }
     }
 
-    fn physical<'p>(&self, vessel: &'p Vessel, criticise: bool) -> Physical<'p> {
+    fn physical<'p>(&self, vessel: &'p Vessel) -> Physical<'p> {
         let (settings, most_added) = (self.settings, self.most_added);
-        Physical { vessel, settings, former: None, reference: None, criticise, most_added }
+        Physical { vessel, settings, former: None, reference: None, most_added }
     }
 
     /// The fold of each recording.
@@ -147,11 +147,11 @@ impl ForceSearch<'_> {
         let kept = sources.iter().zip(dealt).filter(|(_, other)| **other != fold);
         let kept: Vec<Recorded> = kept.map(|(source, _)| source.clone()).collect();
         let fitted = |vessel: &Vessel| {
-            let theta = self.physical(vessel, false).theta_of(&kept, held);
+            let theta = self.physical(vessel).theta_of(&kept, held);
             theta.map(|theta| FittedShip { model: vessel.model.clone(), theta })
         };
         let base = fitted(self.vessel);
-        let grown = self.physical(self.vessel, false).grown((&kept, held), self.listed);
+        let grown = self.physical(self.vessel).grown((&kept, held), self.listed);
         let (tried, ended) =
             grown.as_ref().map_or((Vec::new(), None), |grown| (grown.tried.clone(), grown.ended.clone()));
         let search = match (&base, grown) {
@@ -176,8 +176,7 @@ impl ForceSearch<'_> {
         let confirmed = judged.nested.margin.as_ref().is_some_and(estimation::search::Margin::is_above);
         let any = added(&grown.tried).next().is_some();
         let delivered = any && confirmed && judged.nested.search.is_some();
-        let with = self.physical(&grown.vessel, delivered);
-        let with = any.then(|| with.fitted_model(runs, recorded)).transpose()?;
+        let with = any.then(|| self.physical(&grown.vessel).fitted_model(runs, recorded)).transpose()?;
         let forces = self.forces(delivered, &base, with.as_ref(), &grown, said);
         let statements = statements(&forces, &judged, &grown);
         let (ship, mut model) = match with {

@@ -54,7 +54,7 @@ pub use design::{
 pub use estimation::fitting::{Settings, Starts, Unfit};
 pub use estimation::pooled::{Covariance, Grown, Judgement, Pool, PoolError, Resampling};
 pub use estimation::runs::{RunError, RunEstimators};
-pub use estimation::search::{Roles, SearchError, SearchOptions};
+pub use estimation::search::{SearchError, SearchOptions};
 pub use estimation::{Estimator, RunEstimate, RunScore, ValidationRuns};
 pub use files::{Budget, Error, Provenance};
 pub use logs::{Plan as LogsPlan, Source as LogsSource, Totals};
@@ -69,9 +69,9 @@ pub use ship::model::{Model, Source, Vessel};
 pub use study::campaign_file::CampaignFile;
 pub use study::design_files::Promised;
 pub use study::documents::{
-    AverageDocument, CompareDocument, DesignDocument, DesignScores, DesignUpdateDocument, Few,
-    IngestDocument, MapDocument, MeritDocument, MeritTableRow, ModelDocument, PlanChart, PlanDocument,
-    RecordingSummary, Reference, SearchDocument, SolvedFigures,
+    AverageDocument, CompareDocument, DesignDocument, DesignScores, DesignUpdateDocument, IngestDocument,
+    MapDocument, MeritDocument, MeritTableRow, ModelDocument, PlanChart, PlanDocument, RecordingSummary,
+    Reference, SearchDocument, SolvedFigures,
 };
 pub use study::figure_goals::FigureGoals;
 pub use study::ingest_file::IngestFile;
@@ -82,4 +82,4 @@ pub use study::{TermLists, Tried};
 pub use trial::campaign::{Campaign, Designed, Refusal, SimulatedRun};
 pub use trial::moments::{Estimated, Moments, NoCriterion, SampledShips};
 pub use validation::comparison::Traced;
-pub use validation::crossval::{CrossError, CrossValidation, Folds};
+pub use validation::crossval::{CrossError, CrossValidation};

@@ -9,7 +9,7 @@ use ship::forces::Forces;
 use ship::model::Vessel;
 use study::documents::{FittedForces, FittedParameter, ModelDocument, Reference, SailedSums};
 use validation::comparison::Magnitudes;
-use validation::crossval::{CrossError, CrossValidation, Folds, cross_validate_forces};
+use validation::crossval::{CrossError, CrossValidation, cross_validate_forces};
 
 use crate::criticism;
 use crate::criticism::{Captive, beside, channels, criticised, interval};
@@ -28,8 +28,6 @@ pub struct Physical<'a> {
     pub former: Option<&'a [f64]>,
     /// Values of captive tests to set beside the estimates. They change none.
     pub reference: Option<&'a Reference>,
-    /// Whether the fit is tested for what is wrong with the ship.
-    pub criticise: bool,
     /// Most forces that are added to the ship, one after the other, where recordings left out confirm them.
     pub most_added: usize,
 }
@@ -74,12 +72,11 @@ impl Physical<'_> {
         let mut fitted = self.fitted(forces, (&fit, &estimates), &problem)?;
         fitted.sailed = self.sailed(forces, (&fit, &estimates), sources);
         let also = criticism::captive_statements(fitted.sailed.as_ref(), &fitted.parameters);
-        let asked = self.criticise.then(|| criticised(self.vessel, &problem, &fit)).transpose()?;
-        let verdict = asked.as_ref().map_or(Vec::new(), |criticism| criticism.statements.clone());
-        fitted.criticism = asked;
-        let rejected = fitted.criticism.as_ref().map(|criticism| criticism.rejected);
+        let criticism = criticised(self.vessel, &problem, &fit)?;
+        let (verdict, rejected) = (criticism.statements.clone(), criticism.rejected);
+        fitted.criticism = Some(criticism);
         let mut model = ModelDocument::fitted(self.vessel, &self.delivered(&fit, sources, held), fitted);
-        model.rejected = rejected;
+        model.rejected = Some(rejected);
         model.statements = verdict.into_iter().chain(statements(&estimates)).chain(also).collect();
         let Ok(magnitudes) = Magnitudes::of(&self.vessel.model, runs, self.vessel.sample_rate_hz);
         model.magnitudes = magnitudes;
@@ -120,7 +117,8 @@ impl Physical<'_> {
         Ok(problem.fit_from(theta)?.theta)
     }
 
-    /// Leaves runs or recordings out, fits the others, and simulates those left out over windows of so many samples, or whole.
+    /// Leaves runs or recordings out, fits the others, and simulates those left out over windows of so many samples, or whole,
+    /// in so many folds, or each alone.
     /// `done` is called with the number of fits that are done.
     ///
     /// # Errors
@@ -128,7 +126,7 @@ impl Physical<'_> {
     pub fn cross(
         &self,
         runs: &PooledRuns,
-        scored: (Option<usize>, &Folds),
+        scored: (Option<usize>, Option<usize>),
         done: &(dyn Fn(usize) + Sync),
     ) -> Result<CrossValidation, CrossError> {
         let fit = |left_out: &[String]| {

@@ -42,13 +42,13 @@ impl StructureSearch {
         vessel.check_terms("search").map_err(|invalid| Invalid { remedy: remedy.into(), ..invalid })
     }
 
-    /// A search over the library of terms for the channels of `vessel` in these roles.
+    /// A search over the library of terms for the channels of `vessel` in their roles.
     ///
     /// # Errors
-    /// Roles of channels that do not exist.
-    pub fn by_roles(vessel: Vessel, roles: &Roles<String>) -> Result<Self, Invalid> {
+    /// A role that a channel has without another one that it needs.
+    pub fn by_roles(vessel: Vessel) -> Result<Self, Invalid> {
         Self::check(&vessel)?;
-        let roles = Roles::new(&vessel.model, roles)?;
+        let roles = Roles::new(&vessel.model)?;
         let (model, roles) = with_channels(&vessel.model, &roles)?;
         let library = library(&model, &roles);
         Ok(Self { vessel: Vessel { model, ..vessel }, library })
@@ -58,8 +58,8 @@ impl StructureSearch {
     ///
     /// # Errors
     /// As [`Self::by_roles`].
-    pub fn by_core(vessel: &Vessel, roles: &Roles<String>) -> Result<Self, Invalid> {
-        let (vessel, roles) = with_core(vessel, roles)?;
+    pub fn by_core(vessel: &Vessel) -> Result<Self, Invalid> {
+        let (vessel, roles) = with_core(vessel)?;
         let library = library(&vessel.model, &roles);
         Ok(Self { vessel, library })
     }
@@ -121,13 +121,13 @@ impl StructureSearch {
 /// `vessel` with a core of terms per sample in place of her own, or of her forces: [`estimation::search::core`]. Nothing is known of their values.
 ///
 /// # Errors
-/// Roles of channels that do not exist.
-pub fn core_of(vessel: &Vessel, roles: &Roles<String>) -> Result<Vessel, Invalid> {
-    with_core(vessel, roles).map(|(vessel, _)| vessel)
+/// As [`StructureSearch::by_roles`].
+pub fn core_of(vessel: &Vessel) -> Result<Vessel, Invalid> {
+    with_core(vessel).map(|(vessel, _)| vessel)
 }
 
-fn with_core(vessel: &Vessel, roles: &Roles<String>) -> Result<(Vessel, Roles), Invalid> {
-    let roles = Roles::new(&vessel.model, roles)?;
+fn with_core(vessel: &Vessel) -> Result<(Vessel, Roles), Invalid> {
+    let roles = Roles::new(&vessel.model)?;
     let astern = |actuator: &Actuator| actuator.range.is_some_and(|[low, _]| low < 0.0);
     let reversing: Vec<usize> =
         (3..).zip(&vessel.actuators).filter(|(_, actuator)| astern(actuator)).map(|(i, _)| i).collect();
@@ -255,9 +255,8 @@ impl AveragedSearch<'_> {
         [self.settings, Settings { window_s: longer, starts: Starts::Measured, ..self.settings }]
     }
 
-    fn physical(&self, settings: Settings, criticise: bool) -> Physical<'_> {
-        let vessel = self.vessel;
-        Physical { vessel, settings, former: None, reference: None, criticise, most_added: 0 }
+    fn physical(&self, settings: Settings) -> Physical<'_> {
+        Physical { vessel: self.vessel, settings, former: None, reference: None, most_added: 0 }
     }
 
     /// Fits the forces without each fold in both ways, each from what the one before found, and all of `runs` in the better way:
@@ -277,7 +276,7 @@ impl AveragedSearch<'_> {
             let kept: Vec<Recorded> = kept.map(|(source, _)| source.clone()).collect();
             let mut from = self.vessel.nominal.clone();
             let fitted = self.ways().map(|settings| {
-                let theta = self.physical(settings, false).theta_from(&from, &kept, held).ok()?;
+                let theta = self.physical(settings).theta_from(&from, &kept, held).ok()?;
                 from.clone_from(&theta);
                 Some(ship(theta))
             });
@@ -300,7 +299,7 @@ impl AveragedSearch<'_> {
             score: fit(way, None),
             chosen: way == chosen,
         });
-        let model = self.physical(self.ways()[chosen], true).fitted_model(runs, (&all, held));
+        let model = self.physical(self.ways()[chosen]).fitted_model(runs, (&all, held));
         (without, tried.collect(), model.map_err(|e| e.to_string()))
     }
 }

@@ -71,17 +71,15 @@ impl<'a> Updating<'a> {
             scale: scales.as_ref().map(|squares| squares[i].sqrt()),
             standard_error: UpdatedError::of(before[i], now[i]),
         };
-        let relative = |errors: &[f64]| -> Option<Vec<f64>> {
-            Some(errors.iter().zip(scales.as_ref()?).map(|(error, square)| error / square.sqrt()).collect())
+        let norm = |errors: &[f64]| {
+            let relative = errors.iter().zip(scales.as_ref()?).map(|(error, square)| error / square.sqrt());
+            Some(relative.map(|e| e * e).sum::<f64>().sqrt())
         };
-        let norm = |errors: &[f64]| Some(relative(errors)?.iter().map(|e| e * e).sum::<f64>().sqrt());
         let parameter_error = norm(&before).zip(norm(&now)).map(|(before, n)| UpdatedError::of(before, n));
-        let largest = relative(&now).map(|all| all.into_iter().fold(0.0, f64::max));
         let figures = self.figures(&estimate);
         let duration_s = estimate.samples / self.moments.sample_rate_hz;
         let reached = match self.design.accuracy.as_ref().map(|accuracy| accuracy.of) {
             Some(AccuracyOf::Overall) => parameter_error.map(|error| error.now),
-            Some(AccuracyOf::PerParameter) => largest,
             Some(AccuracyOf::Figures) => self.over_wanted(&figures),
             None => None,
         };

@@ -66,7 +66,7 @@ impl Doubtful {
                 "much that was left out, or a motion that contradicts itself{more}: see `doubtful` in ingest.json"
             ),
             "logs that agree with themselves",
-            "correct the logs or ingest.toml, leave the recording out, or add --allow-doubtful",
+            "correct the logs or ingest.toml, leave the recording out, or add --allow=doubtful",
         ))
     }
 }

@@ -92,16 +92,15 @@ pub struct KeptTables {
     estimates: Option<(TableWriter, Vec<RunEstimate>)>,
     runs: Option<(TableWriter, Layout)>,
     vessel: Option<Vessel>,
-    first: usize,
 }
 
 impl KeptTables {
-    /// Empty tables; trajectories of the `first` runs per design, or of all, with the columns of what reacts.
+    /// Empty tables; trajectories with the columns of what reacts.
     ///
     /// # Errors
     /// Output that fails.
     pub fn new(
-        (keep, first): (Keep, Option<u32>),
+        keep: Keep,
         vessel: &Vessel,
         reacting: &Reacting,
         out: &Path,
@@ -121,11 +120,9 @@ impl KeptTables {
             table(Keep::Scores, "scores.parquet", scores::columns().schema(), Some("validation.json"))?;
         let estimated = table(Keep::Estimates, "estimates.parquet", columns.schema(), Some("estimate.json"))?;
         let runs = table(Keep::Trajectories, "campaign.parquet", &layout.schema(), None)?;
-        let all = first.map_or(usize::MAX, |first| first as usize);
         Ok(Self {
             scores: scored.map(|writer| (writer, Vec::new())),
             estimates: estimated.map(|writer| (writer, Vec::new())),
-            first: if runs.is_some() { all } else { 0 },
             runs: runs.map(|writer| (writer, layout)),
             vessel: Some(vessel.clone()),
         })
@@ -133,7 +130,7 @@ impl KeptTables {
 
     /// The number of runs of each design that need trajectories.
     pub fn first(&self) -> usize {
-        self.first
+        if self.runs.is_some() { usize::MAX } else { 0 }
     }
 
     /// Whether neither estimates nor trajectories are kept.

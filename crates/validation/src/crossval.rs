@@ -3,7 +3,7 @@
 use estimation::pooled::{FreeRunErrors, NoEstimate, Pool, Score, deviations};
 use estimation::{Contender, Estimator, Recommendation, ScoreStatus};
 use rayon::prelude::*;
-use refusal::{Invalid, listed, names_in, nearest};
+use refusal::{Invalid, listed};
 use regression::pooled::{Drawn, Part, PooledRuns};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -19,17 +19,6 @@ pub enum CrossError {
     /// No run is as long as a window.
     #[error("no run is as long as a window")]
     NoWindow,
-    /// No run or recording has the name that a fold names.
-    #[error("no run or recording `{name}`; the nearest is `{nearest}`")]
-    Unknown {
-        /// The name.
-        name: String,
-        /// The nearest known name.
-        nearest: String,
-    },
-    /// A run or recording is in two folds.
-    #[error("`{0}` stands in two folds")]
-    Twice(String),
 }
 
 impl CrossError {
@@ -41,73 +30,14 @@ impl CrossError {
             Self::NoWindow => {
                 Invalid::new("windows", "no run as long as a window", "at least one", "shorten --window-s")
             }
-            Self::Unknown { name, nearest } => Invalid::new(
-                format!("run or recording `{name}`"),
-                "no such run or recording",
-                "one of those that are read",
-                format!("did you mean `{nearest}`?"),
-            ),
-            Self::Twice(name) => Invalid::new(
-                format!("run or recording `{name}`"),
-                "in two folds",
-                "each left out once",
-                "name it in one --fold",
-            ),
         }
     }
 }
 
-/// How runs or recordings are left out.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Folds {
-    /// Each on its own.
-    Each,
-    /// Dealt in turn into this number of folds.
-    Dealt(usize),
-    /// Named groups together, each a name or several with commas between; those not named are in every estimate.
-    Named(Vec<Vec<String>>),
-}
-
-impl Folds {
-    /// The indices of `sources` that each fold leaves out of the estimate, and simulates over.
-    ///
-    /// # Errors
-    /// A name that no source has, or that occurs twice; a fold that leaves nothing to estimate from.
-    pub fn left_out(&self, sources: &[&str]) -> Result<Vec<Vec<usize>>, CrossError> {
-        let all = sources.len();
-        let dealt = |count: usize| {
-            let count = count.min(all);
-            (0..count).map(|i| (i..all).step_by(count.max(1)).collect()).collect()
-        };
-        match self {
-            Self::Each => Ok(dealt(all)),
-            Self::Dealt(count) => Ok(dealt(*count)),
-            Self::Named(folds) => named(sources, folds),
-        }
-    }
-}
-
-fn named(sources: &[&str], folds: &[Vec<String>]) -> Result<Vec<Vec<usize>>, CrossError> {
-    let mut taken = vec![false; sources.len()];
-    let mut place = |name: &String| {
-        let Some(place) = sources.iter().position(|source| source == name) else {
-            let nearest = nearest(name, sources.iter().copied()).unwrap_or_default().to_owned();
-            return Err(CrossError::Unknown { name: name.clone(), nearest });
-        };
-        if std::mem::replace(&mut taken[place], true) {
-            return Err(CrossError::Twice(name.clone()));
-        }
-        Ok(place)
-    };
-    let known = |name: &str| sources.contains(&name);
-    let fold = |names: &Vec<String>| {
-        names.iter().flat_map(|name| names_in(name, known)).map(|name| place(&name)).collect()
-    };
-    let folds: Vec<Vec<usize>> = folds.iter().map(fold).collect::<Result<_, _>>()?;
-    match folds.iter().any(|left_out| left_out.len() == sources.len()) {
-        true => Err(CrossError::OneSource),
-        false => Ok(folds),
-    }
+/// The places of so many runs or recordings that each of `folds` leaves out, dealt in turn; without a number each alone.
+pub fn dealt(sources: usize, folds: Option<usize>) -> Vec<Vec<usize>> {
+    let count = folds.unwrap_or(sources).min(sources);
+    (0..count).map(|i| (i..sources).step_by(count.max(1)).collect()).collect()
 }
 
 /// Options of a cross-validation.
@@ -117,8 +47,8 @@ pub struct CrossOptions {
     pub estimators: Vec<Estimator>,
     /// Length of the windows in samples; `None`: whole runs.
     pub window: Option<usize>,
-    /// The runs or recordings that are left out at a time.
-    pub folds: Folds,
+    /// The number of folds that runs or recordings are dealt into; without it each is left out alone.
+    pub folds: Option<usize>,
 }
 
 /// Estimators compared by free simulation over runs or recordings that were left out of the estimate.
@@ -204,7 +134,7 @@ pub fn cross_validate(
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<CrossValidation, CrossError> {
     let cut = Cut::new(runs, options.window)?;
-    let folds = cut.folds(&options.folds)?;
+    let folds = dealt(cut.windows.len(), options.folds);
     let parts = runs.parts(pool.part_samples);
     let score = |estimator: &Estimator| {
         let fold = |left_out: &Vec<usize>| {
@@ -243,12 +173,6 @@ impl Cut {
         }
         let std = deviations(windows.iter().flat_map(|(_, parts)| parts).map(|w| w.measured.as_slice()));
         Ok(Self { windows, std })
-    }
-
-    /// The places of the sources that each fold leaves out.
-    fn folds(&self, folds: &Folds) -> Result<Vec<Vec<usize>>, CrossError> {
-        let sources: Vec<&str> = self.windows.iter().map(|(source, _)| source.as_str()).collect();
-        folds.left_out(&sources)
     }
 
     /// All `scores` over so many folds.
@@ -393,12 +317,12 @@ pub type Fitting<'a> = &'a dyn Fn(&[String]) -> Result<Vec<f64>, String>;
 pub fn cross_validate_forces(
     model: &Model,
     runs: &PooledRuns,
-    (window, folds): (Option<usize>, &Folds),
+    (window, folds): (Option<usize>, Option<usize>),
     fit: Fitting,
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<CrossValidation, CrossError> {
     let cut = Cut::new(runs, window)?;
-    let folds = cut.folds(folds)?;
+    let folds = dealt(cut.windows.len(), folds);
     let held = runs.are_inputs_held();
     let tried = |left_out: &Vec<usize>| {
         let names: Vec<String> = left_out.iter().map(|place| cut.windows[*place].0.clone()).collect();

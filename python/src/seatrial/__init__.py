@@ -5,6 +5,7 @@
     scores = seatrial.read("out/smoke/scores.parquet")           # a frame of pandas, polars or Arrow
     design = seatrial.read("out/smoke/design.json")              # dataclasses
     ship = seatrial.Model.load("pipelines/smoke/vessel.toml")    # step, simulate, compare, merit
+    ship = seatrial.fit(frame, vessel="vessel.toml")             # from a frame of logged motions and inputs
 
 Modules are imported when they are first used.
 """
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from ._errors import Refused as Refused
     from ._errors import SeatrialError as SeatrialError
     from ._errors import WrongUsage as WrongUsage
+    from ._fit import fit as fit
     from ._model import Model as Model
     from ._plot import plot as plot
     from ._program import Result as Result
@@ -44,6 +46,7 @@ _PLACES = {
     "Result": "_program",
     "SeatrialError": "_errors",
     "WrongUsage": "_errors",
+    "fit": "_fit",
     "plot": "_plot",
     "program": "_program",
     "read": "_read",

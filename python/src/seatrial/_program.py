@@ -21,7 +21,7 @@ from ._errors import Failed, WrongUsage, of_exit_code
 VARIABLE = "SEATRIAL_PROGRAM"
 NAME = "seatrial.exe" if os.name == "nt" else "seatrial"
 # Subcommands that print lines for people alone
-PRINTING = ("verify", "completions", "manual", "help")
+PRINTING = ("verify", "completions", "help")
 
 
 @dataclass(frozen=True)

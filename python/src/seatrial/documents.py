@@ -9,9 +9,11 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 #: Which relative standard error is meant.
-AccuracyOf = Literal["overall", "per-parameter", "figures"]
+AccuracyOf = Literal["overall", "figures"]
 #: A way to spend the time of a trial.
 Arm = Literal["sequential", "one-shot", "informed", "random"]
+#: What a channel is to a search for terms.
+ChannelRole = Literal["rudder", "propeller", "ahead", "astern", "thrust", "port", "starboard", "wind", "wind-from", "even", "odd"]
 #: What estimators are compared by.
 ComparedError = Literal["parameter_error", "simulation_error"]
 #: What the cost of a plan counts.
@@ -23,7 +25,7 @@ DataLabel = Literal["simulated logs"]
 #: What is delivered of a search and of forces beside it.
 DeliveredKind = Literal["average", "search", "forces"]
 #: What is known of a design.
-DesignStatus = Literal["optimal", "stationary", "stalled", "restricted", "least largest", "refined"]
+DesignStatus = Literal["optimal", "stationary", "stalled", "restricted", "refined"]
 #: The BLAKE3 digest of a file's bytes, what `b3sum FILE` prints; as text `blake3:<64 hex digits>`.
 Digest = str
 #: What a model's errors are errors of.
@@ -176,8 +178,6 @@ class Accuracy:
     #: as in the dictionary, whose matrices the prediction adds up. Trials that are shorter consist of their beginnings,
     #: and err more.
     holds_from_s: float | None = None
-    #: With `per-parameter`: no shares need less time than this \[s\]; proved where the problem is convex.
-    bound_s: float | None = None
     #: Predicted accuracy against time.
     curve: list[AccuracyPoint]
     #: The answer in words.
@@ -2161,6 +2161,8 @@ class ModelChannel:
     unit: str
     #: What it is wherever a trial is simulated, in its unit.
     simulated: float | None = None
+    #: What it is to a search for terms; found by unit and name without it.
+    role: ChannelRole | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -2195,6 +2197,8 @@ class ModelDerived:
     unit: str
     #: What it is.
     formula: str
+    #: What it is to a search for terms; found by unit and name without it.
+    role: ChannelRole | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -2268,6 +2272,8 @@ class ModelInput:
     dead_band: float | None = None
     #: How long the actuator follows a command before it takes the next one \[s\].
     hold_s: float | None = None
+    #: What it is to a search for terms; found by unit and name without it.
+    role: ChannelRole | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -3045,12 +3051,10 @@ class RestartPoint:
 
 @dataclass(frozen=True, kw_only=True)
 class Restricted:
-    """Shares of few maneuvers, each for a while at least."""
+    """Shares of few maneuvers."""
 
     #: At most so many maneuvers.
-    most_maneuvers: int | None = None
-    #: Each for at least so long \[s\].
-    minimal_s: float | None = None
+    most_maneuvers: int
     #: `exhaustive`: every choice of maneuvers was tried; `exchange`: no exchange of one maneuver improves the
     #: criterion.
     method: Method
@@ -3116,6 +3120,8 @@ class RowSummary:
 class RunDocument:
     """`run.json`: the stages that a study's results were made by, each with what it read and wrote."""
 
+    #: Digest of the way from the results to the study's folder, by which results of another study are known.
+    study: Digest | None = None
     #: The stages by their names in `run --stage`.
     stages: dict[str, RunStage]
 

@@ -13,13 +13,13 @@ use study::Tried;
 use study::documents::{CrossvalDocument, SelectionDocument, traces};
 use study::files::{StageOfTerms, read_any_vessel, read_any_vessel_as, read_reference};
 use study::selection::{Row, columns, document, rows};
-use validation::crossval::{CrossOptions, Folds, cross_validate};
+use validation::crossval::{CrossOptions, cross_validate, dealt};
 use validation::selection::{PublishedLimits, Selection, SelectionOptions, Selector, available};
 
 use crate::cli::{Common, Sharding, beside, choice, member, samples};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made, counts, joined, joined_blocks};
-use crate::physical::{self, FittingFlags, Scored, written};
+use crate::physical::{self, Scored, absent, written};
 use crate::pool::{PoolFlags, RunFlags};
 use crate::stage::{Summary, Task};
 
@@ -136,20 +136,18 @@ impl CompareArguments {
 pub struct CrossArguments {
     #[command(flatten)]
     flags: PoolFlags,
-    /// The estimators to compare [default: ls, iv, auto, output-error; of a ship with forces output-error]
+    /// The estimators to compare, with commas between them [default: ls, iv, auto, output-error; of a ship with forces output-error]
     #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description), value_delimiter = ',')]
-    estimators: Vec<Estimator>,
-    #[command(flatten)]
-    fitting: FittingFlags,
+    estimator: Vec<Estimator>,
+    /// Of a ship with forces: the runs are fitted in windows of at most this length [s] [default: 100]
+    #[arg(long, value_name = "S")]
+    fitted_window_s: Option<f64>,
     /// Simulates over windows of this length, side by side [s]; whole runs without it
     #[arg(long, value_name = "S")]
     window_s: Option<f64>,
     /// Deals runs or recordings in turns into N folds; without it each is left out on its own
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
     folds: Option<u16>,
-    /// Leaves these runs or recordings out together; again for the next fold
-    #[arg(long, value_name = "NAME,…", conflicts_with = "folds")]
-    fold: Vec<String>,
 }
 
 impl Task for CrossArguments {
@@ -158,25 +156,21 @@ impl Task for CrossArguments {
         let vessel = self.flags.cored(read_any_vessel(&self.flags.vessel, &mut provenance)?)?;
         let window = self.window_s.map(|s| samples("--window-s", s, vessel.sample_rate_hz)).transpose()?;
         let out = common.main_output("crossval.json", self.flags.inputs())?;
-        let count = || self.folds.map_or(usize::MAX, usize::from);
-        let number =
-            |sources: usize| if self.fold.is_empty() { count().min(sources) } else { self.fold.len() };
+        let folds = self.folds.map(usize::from);
         if vessel.model.forces.is_some() {
-            let settings = [("folds", json!(self.folds)), ("fold", json!(self.fold))];
-            let inputs = (&self.flags, &self.fitting, self.estimators.as_slice());
-            let scored = Scored { window, folds: &self.left_out(), number: &number, settings, out };
-            return physical::cross(inputs, &vessel, scored, (common, provenance));
+            let inputs = (&self.flags, self.fitted_window_s, self.estimator.as_slice());
+            return physical::cross(inputs, &vessel, Scored { window, folds, out }, (common, provenance));
         }
-        self.fitting.check_absent()?;
-        let estimators = match self.estimators.as_slice() {
+        absent([("--fitted-window-s", self.fitted_window_s.is_some())])?;
+        let estimators = match self.estimator.as_slice() {
             [] => Estimator::COMPARED.to_vec(),
             asked => asked.to_vec(),
         };
         let (runs, pool) = self.flags.read(&vessel, &mut provenance, inputs::runs)?;
         let bytes = pool.bytes_of_many(&runs, rayon::current_num_threads());
         inputs::fits(self.flags.of.file(), &runs.amount(), bytes)?;
-        let options = CrossOptions { estimators, window, folds: self.left_out() };
-        let folds = number(runs.sources()) * options.estimators.len();
+        let options = CrossOptions { estimators, window, folds };
+        let folds = dealt(runs.sources(), folds).len() * options.estimators.len();
         let progress = WorkProgress::new("folds", folds, common.quiet);
         let folds = cross_validate(&pool, &runs, &options, &|count| progress.advance(count));
         let folds = folds.map_err(|e| Failure::invalid(self.flags.of.file(), &e.invalid()))?;
@@ -185,22 +179,11 @@ impl Task for CrossArguments {
             ("intercepts", json!(true)),
             ("window_samples", json!(window)),
             ("folds", json!(self.folds)),
-            ("fold", json!(self.fold)),
         ];
         self.flags.note(settings, &mut provenance);
         let window_s = window.map(|samples| samples as f64 / vessel.sample_rate_hz);
         let document = CrossvalDocument::new(&pool, self.flags.nominal().source(), window_s, &folds);
         written(&out, &provenance, &document)
-    }
-}
-
-impl CrossArguments {
-    fn left_out(&self) -> Folds {
-        match (self.fold.is_empty(), self.folds) {
-            (false, _) => Folds::Named(self.fold.iter().map(|fold| vec![fold.clone()]).collect()),
-            (true, Some(count)) => Folds::Dealt(usize::from(count)),
-            (true, None) => Folds::Each,
-        }
     }
 }
 

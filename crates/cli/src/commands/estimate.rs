@@ -1,25 +1,26 @@
 //! `estimate`: parameters of every run.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use estimation::predictor::{InitialState, NoiseModel};
-use estimation::runs::{Asked, RunEstimators};
+use estimation::runs::RunEstimators;
 use estimation::{EstimateStatus, Estimator, against_nominal};
 use files::{Provenance, Staged, stage_document};
-use refusal::{Invalid, nearest};
 use regression::MeanRemoval;
+use regression::pooled::{PooledRuns, Recorded};
 use serde_json::json;
 use ship::engine::Run;
 use ship::model::Vessel;
 use study::documents::ModelDocument;
 use study::estimates::covariances::{self, Covariances};
-use study::estimates::{self, Row};
+use study::estimates::{self, Row, distinct};
 use study::files::{read_any_followed, read_campaign};
-use study::trajectories::{Layout, TrajectoryReader};
+use study::trajectories::{KeptRuns, Layout, TrajectoryReader};
 use study::{Doubtful, LoggedHelm};
 
-use crate::cli::{AdditionalFlags, Common, Sharding, beside, choice, given, member, none_given};
+use crate::cli::{AdditionalFlags, Allowed, Common, Sharding, allowance, beside, choice, given, member};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made, joined, joined_blocks};
 use crate::stage::{Summary, Task};
@@ -38,12 +39,10 @@ pub struct EstimateArguments {
     /// The runs
     #[arg(long, required_unless_present = "gather", value_name = "campaign.parquet")]
     trajectories: Option<PathBuf>,
-    /// The estimator [default: `prediction-error` for measured logs without --campaign, else `iv`]
-    #[arg(long, value_parser = choice(&Estimator::OF_RUNS, Estimator::name, Estimator::description))]
-    estimator: Option<Estimator>,
-    /// Every estimator on the same runs
-    #[arg(long, conflicts_with = "estimator")]
-    compare: bool,
+    /// The estimators, with commas between them, all on the same runs; of several the default one leads, or else the first
+    /// [default: `prediction-error` for measured logs without --campaign, else `iv`]
+    #[arg(long, value_delimiter = ',', value_parser = choice(&Estimator::OF_RUNS, Estimator::name, Estimator::description))]
+    estimator: Vec<Estimator>,
     /// What disturbs the runs: for `prediction-error` and standard errors of `output-error`, which else find the noise of each run
     /// by itself, and to ask the runs what the model lacks
     #[arg(long, value_name = "campaign.toml")]
@@ -53,18 +52,15 @@ pub struct EstimateArguments {
     mean_removal: MeanRemoval,
     #[command(flatten)]
     additional: AdditionalFlags,
-    /// Delivers the model of this run, by name (`optimized/3`), as model.json; without it that of the only run
-    #[arg(long, value_name = "RUN", conflicts_with_all = ["shard", "gather", "compare"])]
-    model_of: Option<String>,
+    /// Only these runs, by name (`optimized/3`) or number; of a single one model.json is written, too
+    #[arg(long, value_name = "NAME,…", conflicts_with_all = ["shard", "gather"])]
+    runs: Vec<String>,
     /// Writes covariances.parquet, too: for every run the covariances of its parameters
     #[arg(long, conflicts_with_all = ["shard", "gather"])]
     covariance: bool,
-    /// Which runs are asked what the model lacks
-    #[arg(long, value_name = "WHICH", value_parser = choice(&Asked::ALL, Asked::name, Asked::description), default_value_t = Asked::Stated)]
-    criticise: Asked,
-    /// Takes recordings, too, that ingest.json calls doubtful
-    #[arg(long)]
-    allow_doubtful: bool,
+    /// Lets pass what is refused else; it is told in what is made
+    #[arg(long, global = true, value_name = "LIST", value_delimiter = ',', value_parser = allowance(&[Allowed::Mixed, Allowed::Doubtful]))]
+    allow: Vec<Allowed>,
     #[command(flatten)]
     sharding: Sharding,
 }
@@ -126,12 +122,22 @@ impl EstimateArguments {
         let file = given(&self.trajectories, "trajectories")?;
         let reader = inputs::trajectories(file, "trajectories", vessel, &mut provenance)?;
         study::note_seed(reader.provenance(), &mut provenance);
-        if !self.allow_doubtful {
-            Doubtful::of(reader.provenance()).check(file, |_| true)?;
-        }
+        let (doubtful, helm) = (Doubtful::of(reader.provenance()), LoggedHelm::of(reader.provenance()));
         let initial = if reader.true_states() { InitialState::Known } else { InitialState::Estimated };
         // Noise that is not stated is found with the parameters.
         let unstated = !reader.true_states() && levels.is_none();
+        let kept_runs = self.named(reader, file)?;
+        let (expected, samples) = match &kept_runs {
+            KeptRuns::Held(runs) => (runs.len() as f64, runs.iter().map(Run::samples).sum()),
+            KeptRuns::InFile(reader) => (reader.expected_runs()?, reader.rows().0),
+        };
+        if !self.allow.contains(&Allowed::Doubtful) {
+            let is_used = |number| match &kept_runs {
+                KeptRuns::Held(runs) => runs.iter().any(|run| run.run == number),
+                KeptRuns::InFile(_) => true,
+            };
+            doubtful.check(file, is_used)?;
+        }
         let usual = if vessel.model.forces.is_some() {
             Estimator::OutputError
         } else if unstated {
@@ -139,31 +145,34 @@ impl EstimateArguments {
         } else {
             Estimator::Iv
         };
-        let estimator = self.estimator.unwrap_or(usual);
+        let asked = if self.estimator.is_empty() { vec![usual] } else { self.estimator.clone() };
+        let leading = if asked.contains(&usual) { usual } else { asked[0] };
         let estimators = RunEstimators {
             vessel,
-            estimators: if self.compare { Estimator::OF_RUNS.to_vec() } else { vec![estimator] },
+            estimators: distinct(asked.into_iter()),
             removal: self.mean_removal,
             initial,
             additional: self.additional.unknown(),
             levels,
         };
-        self.check_forces(&estimators, file)?;
-        LoggedHelm::of(reader.provenance()).check(file, &estimators.estimators)?;
+        let taken = estimators.estimators.iter().try_for_each(|estimator| estimator.check(vessel));
+        taken.map_err(|e| Failure::invalid(&self.vessel, &e))?;
+        estimators.check_forces().map_err(|e| Failure::invalid(file, &e))?;
+        helm.check(file, &estimators.estimators)?;
         self.additional.check(&estimators.estimators)?;
-        let asks = estimators.asks(self.criticise);
-        self.settings(estimator, initial, asks, &mut provenance);
+        let asks = estimators.asks();
+        self.settings(leading, &estimators, &mut provenance);
         let share = self.sharding.shard.map_or(1.0, |shard| 1.0 / f64::from(shard.count));
-        let rows = reader.expected_runs()? * share * estimators.estimators.len() as f64;
+        let rows = expected * share * estimators.estimators.len() as f64;
         let bytes = estimates::row_bytes(vessel) + kept.map_or(0.0, |_| covariances::row_bytes(vessel));
         inputs::fits(file, &format!("about {rows:.0} estimates"), rows * bytes)?;
         let each: f64 = estimators.estimators.iter().map(|estimator| estimator.seconds_per_row()).sum();
-        let each = each + if asks { estimators.seconds_per_row_asked() } else { 0.0 };
+        let each = each + if asks { RunEstimators::SECONDS_PER_ROW_ASKED } else { 0.0 };
         let each = each + estimators.seconds_per_row_calibrated();
-        let seconds = reader.rows().0 as f64 * share * each;
-        let progress = WorkProgress::new("blocks of runs", reader.blocks(), quiet).foretold(seconds);
+        let seconds = samples as f64 * share * each;
+        let progress = WorkProgress::new("blocks of runs", kept_runs.blocks(), quiet).foretold(seconds);
         let block = |i: usize| {
-            let runs = reader.runs(i)?;
+            let runs = kept_runs.block(i)?;
             let estimates = match kept {
                 None => estimators.estimates(&runs),
                 Some(kept) => {
@@ -177,107 +186,67 @@ impl EstimateArguments {
             progress.advance(1);
             Ok(rows)
         };
-        let (columns, blocks) = (estimates::columns(vessel), reader.blocks());
+        let (columns, blocks) = (estimates::columns(vessel), kept_runs.blocks());
         let made =
             Made::computed(out, &columns, provenance, joined_blocks(blocks), |i| joined(i, blocks, block))?;
         if self.sharding.shard.is_none()
-            && let Some(why) = estimates::unidentified(&estimators, &reader, &made.rows)?
+            && let Some(why) = estimates::unidentified(&estimators, &kept_runs, &made.rows)?
         {
             return Err(Failure::NoAnswer(format!("{}: {why}", file.display())));
         }
-        let model = self.model(&estimators, file, &reader, &made.rows)?;
+        let model = self.model(&estimators, file, &kept_runs, &made.rows)?;
         Ok((made, model))
     }
 
-    /// Refuses what estimates of a ship with forces do not have.
-    fn check_forces(&self, estimators: &RunEstimators, file: &Path) -> Result<(), Failure> {
-        if estimators.vessel.model.forces.is_none() {
-            return Ok(());
+    /// The runs that are named, or all.
+    fn named(&self, reader: TrajectoryReader, file: &Path) -> Result<KeptRuns, Failure> {
+        let all = KeptRuns::InFile(Box::new(reader));
+        if self.runs.is_empty() {
+            return Ok(all);
         }
-        let taken = estimators.estimators.iter().try_for_each(|estimator| estimator.check(estimators.vessel));
-        taken.map_err(|e| Failure::invalid(&self.vessel, &e))?;
-        let flags =
-            [("--model-of", self.model_of.is_some()), ("--criticise", self.criticise == Asked::Always)];
-        none_given(flags, "a vessel with forces", "terms per sample, or `estimate pool` for a model")?;
-        estimators.check_forces().map_err(|e| Failure::invalid(file, &e))
+        let mut runs = PooledRuns::of(all, &BTreeMap::new())?;
+        runs.select(&self.runs, &[]).map_err(|e| Failure::invalid(file, &e.invalid()))?;
+        Ok(KeptRuns::Held(runs.kept()?))
     }
 
-    /// The model of the requested run, or of the only one.
+    /// The model of the only run.
     fn model(
         &self,
         estimators: &RunEstimators,
         file: &Path,
-        reader: &TrajectoryReader,
+        runs: &KeptRuns,
         rows: &[Row],
     ) -> Result<Option<ModelDocument>, Failure> {
-        let name = |row: &Row| format!("{}/{}", row.design, row.run);
-        let place = match (&self.model_of, rows) {
-            (None, _) if estimators.vessel.model.forces.is_some() => return Ok(None),
-            (Some(wanted), _) => place_of(wanted, rows, name).map_err(|e| Failure::invalid(file, &e))?,
-            (None, [_]) if self.sharding.shard.is_none() && !self.compare => 0,
-            _ => return Ok(None),
-        };
-        let wanted = name(&rows[place]);
-        let run = run_at(reader, place)?;
-        let delivered = run.as_ref().map(|run| estimators.delivered(run, &wanted)).transpose();
-        match delivered.map_err(|e| Failure::of_run(&e, &self.vessel, file))?.flatten() {
-            Some((estimate, model)) => {
-                Ok(Some(ModelDocument::of_run(estimators.vessel, self.mean_removal, &estimate, &model)))
-            }
-            None => Err(Failure::NoAnswer(format!(
-                "{}: run `{wanted}`: found no estimate ({}), expected one, for its model; name another run, or another \
-                 --estimator",
-                file.display(),
-                rows[place].status
-            ))),
-        }
+        let ([row], None) = (rows, self.sharding.shard) else { return Ok(None) };
+        let block = runs.block(0)?;
+        let name = format!("{}/{}", row.design, row.run);
+        let delivered = block.first().map(|run| estimators.delivered(run, &name)).transpose();
+        let delivered = delivered.map_err(|e| Failure::of_run(&e, &self.vessel, file))?.flatten();
+        Ok(delivered.map(|(estimate, model)| {
+            ModelDocument::of_run(estimators.vessel, self.mean_removal, &estimate, &model)
+        }))
     }
 
     /// The settings that the estimates depend on besides the inputs.
-    fn settings(&self, estimator: Estimator, initial: InitialState, asks: bool, provenance: &mut Provenance) {
-        let settings = &mut provenance.settings;
-        if asks {
-            settings.insert(estimates::CRITICISED.into(), json!(self.criticise));
+    fn settings(&self, leading: Estimator, estimators: &RunEstimators, provenance: &mut Provenance) {
+        let (settings, all) = (&mut provenance.settings, &estimators.estimators);
+        if estimators.asks() {
+            settings.insert(estimates::CRITICISED.into(), json!("stated"));
         }
-        settings.insert("estimator".into(), json!(estimator));
-        if self.compare {
-            settings.insert("compared".into(), json!(Estimator::OF_RUNS));
+        settings.insert("estimator".into(), json!(leading));
+        if all.len() > 1 {
+            settings.insert("compared".into(), json!(all));
         }
-        if self.compare || estimator.searches() {
-            settings.insert("initial_state".into(), json!(initial.name()));
+        if all.iter().any(|estimator| estimator.searches()) {
+            settings.insert("initial_state".into(), json!(estimators.initial.name()));
+        }
+        if !self.runs.is_empty() {
+            settings.insert("runs".into(), json!(self.runs));
         }
         settings.insert("mean_removal".into(), json!(self.mean_removal));
         self.additional.note(settings);
         provenance.shard = self.sharding.shard;
     }
-}
-
-/// The index of the run named `wanted`: by design and number, or by a unique number.
-fn place_of(wanted: &str, rows: &[Row], name: impl Fn(&Row) -> String) -> Result<usize, Invalid> {
-    let called = |row: &Row| name(row) == wanted || row.run.to_string() == wanted;
-    let places: Vec<usize> = (0..rows.len()).filter(|i| called(&rows[*i])).collect();
-    if let [place] = places.as_slice() {
-        return Ok(*place);
-    }
-    let names: Vec<String> = rows.iter().map(name).collect();
-    let near = nearest(wanted, names.iter().map(String::as_str)).unwrap_or_default().to_owned();
-    let fault =
-        if places.is_empty() { "no such run".to_owned() } else { format!("{} of that number", places.len()) };
-    let (expected, remedy) = (format!("one of {} runs", rows.len()), format!("did you mean `{near}`?"));
-    Err(Invalid::new(format!("run `{wanted}`"), fault, expected, remedy))
-}
-
-/// The run at this index.
-fn run_at(reader: &TrajectoryReader, place: usize) -> Result<Option<Run>, Failure> {
-    let mut before = 0;
-    for block in 0..reader.blocks() {
-        let runs = reader.runs(block)?;
-        if place < before + runs.len() {
-            return Ok(runs.into_iter().nth(place - before));
-        }
-        before += runs.len();
-    }
-    Ok(None)
 }
 
 /// The estimates of all shards.
@@ -302,7 +271,7 @@ fn levels(
     let Some(file) = a.campaign.as_deref() else { return Ok(None) };
     let levels = read_campaign(file, provenance)?.levels(vessel.sample_rate_hz);
     let silent = levels.measurement.iter().position(|std| *std == 0.0);
-    match silent.filter(|_| a.compare || a.estimator == Some(Estimator::PredictionError)) {
+    match silent.filter(|_| a.estimator.contains(&Estimator::PredictionError)) {
         None => Ok(Some(levels)),
         Some(d) => Err(Failure::refuse(
             file,

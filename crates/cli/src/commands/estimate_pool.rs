@@ -1,6 +1,6 @@
 //! `estimate pool`: one estimate from all runs.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use estimation::Estimator;
@@ -19,7 +19,7 @@ use study::{LoggedHelm, resamples};
 use crate::cli::{AdditionalFlags, Common, Sharding, choice, member, none_given};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made, rows_of_shards};
-use crate::physical::{self, PhysicalFlags};
+use crate::physical::{self, absent};
 use crate::pool::PoolFlags;
 use crate::stage::{Summary, Task};
 
@@ -51,8 +51,12 @@ pub struct PoolArguments {
     /// left out confirm them
     #[arg(long, value_name = "K", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=50))]
     add_terms: u16,
-    #[command(flatten)]
-    physical: PhysicalFlags,
+    /// Of a ship with forces: the runs are simulated in windows of at most this length [s] [default: 100]
+    #[arg(long, value_name = "S")]
+    window_s: Option<f64>,
+    /// Of a ship with forces: values of captive tests under `derivatives`, to set beside the estimates
+    #[arg(long, value_name = "reference.toml")]
+    reference: Option<PathBuf>,
     #[command(flatten)]
     sharding: Sharding,
 }
@@ -63,11 +67,11 @@ impl Task for PoolArguments {
         let vessel = self.flags.cored(read_any_vessel(&self.flags.vessel, &mut provenance)?)?;
         if vessel.model.forces.is_some() {
             self.check_forces()?;
-            let flags = (&self.flags, &self.physical);
+            let flags = (&self.flags, self.window_s, self.reference.as_ref());
             let asked = (self.estimator, usize::from(self.add_terms));
             return physical::fit(flags, asked, &vessel, (common, provenance));
         }
-        self.physical.check_absent()?;
+        absent([("--window-s", self.window_s.is_some()), ("--reference", self.reference.is_some())])?;
         let main = if self.sharding.shard.is_some() { resamples::MAIN } else { MAIN };
         let out = common.main_output(main, self.flags.inputs().chain(&self.sharding.gather))?;
         let model = member(&out, MAIN, "model.json", self.flags.inputs())?;

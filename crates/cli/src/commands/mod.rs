@@ -12,6 +12,15 @@ mod search;
 mod simulate;
 mod validate;
 
+pub(crate) use compare::{CompareArguments, CrossArguments, SelectionArguments};
+pub(crate) use estimate::EstimateArguments;
+pub(crate) use estimate_pool::PoolArguments;
+pub(crate) use moments::MomentsArguments;
+pub(crate) use monte_carlo::MonteCarloArguments;
+pub(crate) use plan::PlanArguments;
+pub(crate) use search::SearchArguments;
+pub(crate) use validate::MeritArguments;
+
 use crate::stage::Stage;
 
 /// Trajectories from a vessel and its maneuvers.
@@ -42,27 +51,12 @@ pub const VALIDATE: Stage = Stage::of::<validate::ValidateArguments>().with(&[
     Stage::of::<compare::SelectionArguments>(),
 ]);
 /// One trajectory with every maneuver as often as the design requires.
-pub const PLAN: Stage =
-    Stage::of::<plan::PlanArguments>().with(&[Stage::of::<plan::Resume>(), Stage::of::<plan::Follow>()]);
-/// Trials designed in rounds.
-pub const SEQUENTIAL: Stage = Stage::of::<monte_carlo::SequentialArguments>();
+pub const PLAN: Stage = Stage::of::<plan::PlanArguments>();
 /// A model for other tools.
 pub const EXPORT: Stage = Stage::of::<outputs::ExportArguments>();
-/// A study on one page, many in tables, a picture of one.
-pub const REPORT: Stage = Stage::of::<outputs::ReportArguments>()
-    .with(&[Stage::of::<outputs::Results>(), Stage::of::<outputs::Picture>()]);
+/// A study on one page.
+pub const REPORT: Stage = Stage::of::<outputs::ReportArguments>();
 
 /// Every stage, in the order in which a study runs them.
-pub const STAGES: [&Stage; 11] = [
-    &SIMULATE,
-    &INGEST,
-    &MOMENTS,
-    &DESIGN,
-    &ESTIMATE,
-    &VALIDATE,
-    &MONTE_CARLO,
-    &PLAN,
-    &SEQUENTIAL,
-    &EXPORT,
-    &REPORT,
-];
+pub const STAGES: [&Stage; 10] =
+    [&SIMULATE, &INGEST, &MOMENTS, &DESIGN, &ESTIMATE, &VALIDATE, &MONTE_CARLO, &PLAN, &EXPORT, &REPORT];

@@ -219,7 +219,7 @@ impl MomentsArguments {
             return Ok(None);
         }
         let estimated = match self.estimator {
-            Estimator::OutputError => Estimated::OutputError { current: false },
+            Estimator::OutputError => Estimated::OutputError,
             _ => Estimated::Iv(MeanRemoval::Complete),
         };
         moments.unexcited(estimated).map_err(|e| Failure::invalid(&self.trajectories, &e))

@@ -1,7 +1,7 @@
-//! `monte-carlo`: realizations that are estimated and scored in memory.
+//! `monte-carlo`: realizations that are estimated and scored in memory, of a design or in rounds.
 
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::Parser;
 use estimation::predictor::InitialState;
@@ -17,28 +17,28 @@ use ship::model::{Source, Vessel};
 use study::campaign_file::CampaignFile;
 use study::documents::TallyDocument;
 use study::estimates::{self, distinct};
-use study::files::{
-    StageOfTerms, generator, read_any_simulated, read_campaign, read_dictionary, read_sequential,
-};
+use study::files::{StageOfTerms, generator, read_any_simulated, read_campaign, read_dictionary};
 use study::parts::{Keep, KeptTables, MAIN};
-use study::sequential::{SequentialFile, columns, document, rows};
+use study::sequential::{RoundsSpec, columns, document, rows};
 use study::trajectories::Layout;
 use trial::campaign::Settings;
 use trial::rounds::{self, Arm, Row, Trial};
 
-use crate::cli::{AdditionalFlags, Common, Sharding, beside, budget, choice, folder_of};
+use crate::cli::{AdditionalFlags, Common, Sharding, beside, budget, choice, folder_of, given, none_given};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made};
 use crate::simulate::{BLOCK_OF_GROUPS, CampaignFlags, Counting, Files, needed_for, note_plays, refused};
 use crate::stage::{Summary, Task};
 
-/// Simulates a trial many times and counts how often its model is good; writes tally.json
+/// Simulates a trial many times and counts how often its model is good; writes tally.json. Without a design: trials that are designed
+/// in rounds beside trials that are designed once, as [rounds] of campaign.toml says; writes sequential.parquet and sequential.json
 #[derive(Parser)]
 #[command(
     name = "monte-carlo",
     after_help = "Example:\n  monte-carlo --vessel pipelines/smoke/vessel.toml \
     --dictionary pipelines/smoke/dictionary.toml --campaign pipelines/smoke/campaign.toml --design design.json \
-    --realizations 1000 --out tally.json"
+    --realizations 1000 --out tally.json\n  monte-carlo --vessel pipelines/sequential/vessel.toml \
+    --dictionary pipelines/sequential/dictionary.toml --campaign pipelines/sequential/campaign.toml --out sequential.parquet"
 )]
 pub struct MonteCarloArguments {
     #[command(flatten)]
@@ -60,9 +60,6 @@ pub struct MonteCarloArguments {
     /// What to keep in tables beside the tally: each also what stands before it
     #[arg(long, value_parser = choice(&Keep::ALL, Keep::name, Keep::description), default_value_t = Keep::None, conflicts_with_all = ["shard", "gather"])]
     keep: Keep,
-    /// Keeps the trajectories of only so many runs per design
-    #[arg(long, value_name = "K")]
-    keep_first: Option<u32>,
     #[command(flatten)]
     sharding: Sharding,
 }
@@ -72,6 +69,10 @@ const MOST_RUNS: i64 = i32::MAX as i64;
 
 impl Task for MonteCarloArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        let mut provenance = common.provenance("monte-carlo");
+        if let Some(rounds) = self.rounds(&mut provenance)? {
+            return self.in_rounds(rounds, common, provenance);
+        }
         let out = common.main_output(MAIN, self.of.paths().chain(&self.sharding.gather))?;
         if self.sharding.gathers() {
             let (provenance, merged) = study::parts::merged(&self.sharding.gather)?;
@@ -102,8 +103,8 @@ impl MonteCarloArguments {
         note_plays(&study.campaign, &mut provenance);
         self.check_room(&study, files.campaign, out)?;
         let done = Counting { study: &study, files: &files, bounds: config.bounds(), quiet: common.quiet };
-        let (campaign, keep) = (&study.campaign, (self.keep, self.keep_first));
-        let mut kept = KeptTables::new(keep, campaign.vessel(), campaign.reacting(), out, &provenance)?;
+        let campaign = &study.campaign;
+        let mut kept = KeptTables::new(self.keep, campaign.vessel(), campaign.reacting(), out, &provenance)?;
         let tally = match self.until {
             None => done.tallied(self.mine(&study), &mut kept)?,
             Some(width) => done.until(width)?,
@@ -176,16 +177,12 @@ impl MonteCarloArguments {
         let layout = Layout::new(&vessel.model);
         let runs = if self.until.is_some() { 0.0 } else { study.campaign.runs() as f64 };
         let rows = study.campaign.samples() as f64 + 1.0;
-        let designs = study.campaign.designs() as f64;
         let each = (BLOCK_OF_GROUPS * LANES) as f64;
         let at_once = 2.0 * each * rayon::current_num_threads() as f64;
         let estimators = study.estimators.estimators.len() as f64;
         let kept =
             if self.keep.keeps(Keep::Scores) { 2.0 * estimates::row_bytes(vessel) * estimators } else { 0.0 };
-        let trajectories = match self.keep {
-            Keep::Trajectories => self.keep_first.map_or(runs, |first| f64::from(first) * designs).min(runs),
-            _ => 0.0,
-        };
+        let trajectories = if self.keep.keeps(Keep::Trajectories) { runs } else { 0.0 };
         let size = format!("{runs} runs of {} samples", study.campaign.samples());
         let remedy = "keep less, or take fewer `realizations`";
         let work = Work { file, thing: "`realizations`", found: &size, remedy };
@@ -248,56 +245,56 @@ fn published(
     ))
 }
 
-/// Simulates trials that are designed in rounds, from a crude model, beside trials that are designed once; writes
-/// sequential.parquet and sequential.json
-#[derive(Parser)]
-#[command(
-    name = "sequential",
-    after_help = "Example:\n  sequential --vessel pipelines/paper/vessel.toml --dictionary pipelines/paper/dictionary.toml \
-    --campaign pipelines/paper/campaign.toml --config pipelines/sequential/sequential.toml --out sequential.parquet"
-)]
-pub struct SequentialArguments {
-    /// The vessel, with its true parameters
-    #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
-    vessel: PathBuf,
-    /// The maneuvers
-    #[arg(long, value_name = "dictionary.toml")]
-    dictionary: PathBuf,
-    /// The disturbances
-    #[arg(long, value_name = "campaign.toml")]
-    campaign: PathBuf,
-    /// Rounds, sea time, accuracy
-    #[arg(long, value_name = "sequential.toml")]
-    config: PathBuf,
-    #[command(flatten)]
-    sharding: Sharding,
-}
-
-/// The usual name of the table.
+/// The usual name of the table of trials in rounds.
 const ROUNDS: &str = "sequential.parquet";
 
-impl Task for SequentialArguments {
-    fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let mut provenance = common.provenance("sequential");
-        let inputs = [&self.vessel, &self.dictionary, &self.campaign, &self.config].into_iter();
-        let out = common.main_output(ROUNDS, inputs.chain(&self.sharding.gather))?;
-        let vessel = StageOfTerms::Sequential.read_simulated(&self.vessel, &mut provenance)?;
-        let generator = read_dictionary(&self.dictionary, &vessel, &mut provenance)?;
-        let campaign = read_campaign(&self.campaign, &mut provenance)?;
-        let config = read_sequential(&self.config, &mut provenance)?;
+/// What trials in rounds are made of.
+type InRounds<'a> = (Files<'a>, CampaignFile, RoundsSpec);
+
+impl MonteCarloArguments {
+    /// The files of trials in rounds, and what `campaign.toml` says; `None` where a design is given, or shards of tallies.
+    fn rounds(&self, provenance: &mut Provenance) -> Result<Option<InRounds<'_>>, Failure> {
+        let (None, Some(campaign)) = (&self.of.design, &self.of.campaign) else { return Ok(None) };
+        let config = read_campaign(campaign, provenance)?;
+        let Some(rounds) = config.rounds.clone() else { return Ok(None) };
+        let realizations = self.realizations.unwrap_or(rounds.realizations);
+        let (vessel, dictionary) =
+            (given(&self.of.vessel, "vessel")?, given(&self.of.dictionary, "dictionary")?);
+        let files = Files { vessel, dictionary, campaign, sea: campaign, design: campaign };
+        Ok(Some((files, config, RoundsSpec { realizations, ..rounds })))
+    }
+
+    /// Simulates trials that are designed in rounds, from a crude model, beside trials that are designed once.
+    fn in_rounds(
+        &self,
+        (files, campaign, config): InRounds,
+        common: &Common,
+        mut provenance: Provenance,
+    ) -> Result<Summary, Failure> {
+        let flags = [
+            ("--estimator", self.estimator != [Estimator::Iv]),
+            ("--mean-removal", self.mean_removal != MeanRemoval::Complete),
+            ("--until", self.until.is_some()),
+            ("--keep", self.keep != Keep::None),
+        ];
+        none_given(flags, "trials in rounds, which are estimated by `output-error`", "a --design")?;
+        let out = common.main_output(ROUNDS, self.of.paths().chain(&self.sharding.gather))?;
+        let vessel = StageOfTerms::Sequential.read_simulated(files.vessel, &mut provenance)?;
+        let generator = read_dictionary(files.dictionary, &vessel, &mut provenance)?;
         let seed = common.seed.unwrap_or(campaign.seed);
         provenance.settings.insert("seed".into(), json!(seed));
         let of = |file: &'_ Path| {
             let file = file.to_owned();
             move |e: Invalid| Failure::invalid(&file, &e)
         };
-        rounds::truth(&vessel).map_err(of(&self.vessel))?;
-        let knowledge = config.knowledge(&vessel, seed).map_err(of(&self.config))?;
-        let rounds = config.rounds as usize;
-        let ends = rounds::ends(&vessel, config.duration_s, rounds).map_err(of(&self.config))?;
-        self.check_room(&config)?;
-        let noise = campaign.predictable_noise().map_err(of(&self.campaign))?;
-        let sea = campaign.sea(&vessel).map_err(of(&self.vessel))?;
+        rounds::truth(&vessel).map_err(of(files.vessel))?;
+        let knowledge = config.knowledge(&vessel, seed).map_err(of(files.campaign))?;
+        let ends = rounds::ends(&vessel, config.duration_s, config.rounds as usize);
+        let ends = ends.map_err(|e| Invalid { thing: e.thing.replacen('`', "`rounds.", 1), ..e });
+        let ends = ends.map_err(of(files.campaign))?;
+        self.check_rows(&config, files.campaign)?;
+        let noise = campaign.predictable_noise().map_err(of(files.campaign))?;
+        let sea = campaign.sea(&vessel).map_err(of(files.vessel))?;
         let estimators = RunEstimators {
             vessel: &vessel,
             estimators: vec![Estimator::OutputError],
@@ -307,13 +304,6 @@ impl Task for SequentialArguments {
             levels: Some(campaign.levels(vessel.sample_rate_hz)),
         };
         let segments = campaign.random.map_or(5, |random| random.segments as usize);
-        let files = Files {
-            vessel: &self.vessel,
-            dictionary: &self.dictionary,
-            campaign: &self.config,
-            sea: &self.campaign,
-            design: &self.config,
-        };
         let trial = Trial::new(sea, &generator, noise, estimators, knowledge, ends, segments)
             .map_err(|e| files.refused(e))?;
         let (document, rate_hz) = (beside(&out, ROUNDS, "sequential.json"), vessel.sample_rate_hz);
@@ -325,30 +315,28 @@ impl Task for SequentialArguments {
             provenance.shard = self.sharding.shard;
             realized(&trial, &files, (config.realizations, rate_hz), outputs, (provenance, common.quiet))?
         };
-        publish(self, &document, made, &trial, (&config, rate_hz))
+        publish(files.campaign, &document, made, &trial, (&config, rate_hz))
     }
-}
 
-impl SequentialArguments {
     /// Refuses more realizations than fit into memory: their rows are kept for the summary while they are converted
     /// to columns.
-    fn check_room(&self, config: &SequentialFile) -> Result<(), Failure> {
+    fn check_rows(&self, config: &RoundsSpec, file: &Path) -> Result<(), Failure> {
         let (realizations, rounds) = (config.realizations, config.rounds);
         let rows = f64::from(realizations) * Arm::ALL.len() as f64 * f64::from(rounds);
         let size = format!("{realizations} realizations of {rounds} rounds");
         let remedy = "take fewer `realizations`, or --shard";
-        let work = Work { file: &self.config, thing: "`realizations`", found: &size, remedy };
+        let work = Work { file, thing: "`rounds.realizations`", found: &size, remedy };
         let part = f64::from(self.sharding.shard.map_or(1, |shard| shard.count));
         Ok(budget().memory(work, 2.0 * rows / part * size_of::<Row>() as f64)?)
     }
 }
 
 fn publish(
-    a: &SequentialArguments,
+    campaign: &Path,
     file: &Path,
     made: Made<Row>,
     trial: &Trial,
-    (config, rate_hz): (&SequentialFile, f64),
+    (config, rate_hz): (&RoundsSpec, f64),
 ) -> Result<Summary, Failure> {
     if let Some(shard) = made.provenance.shard {
         return made.publish_shard(shard, "rows");
@@ -357,9 +345,9 @@ fn publish(
     let (out, count) = (table.path().to_owned(), config.realizations);
     if rows.iter().all(|row| row.parameter_error.is_none()) {
         return Err(Failure::NoAnswer(format!(
-            "{}: rounds: found no estimate in any of {count} realizations, expected some that converge; lengthen `duration_s`, or \
-             give the vessel a nominal model nearer to it",
-            a.config.display(),
+            "{}: rounds: found no estimate in any of {count} realizations, expected some that converge; lengthen `rounds.duration_s`, \
+             or give the vessel a nominal model nearer to it",
+            campaign.display(),
         )));
     }
     let summary = rounds::Summary::new(&rows, trial.ends(), config.accuracy, rate_hz);

@@ -1,71 +1,21 @@
-//! `report`: a study on one page; many studies in tables; a picture of one. `export`: a model for other tools.
+//! `report`: a study on one page. `export`: a model for other tools.
 
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use files::{Staged, commit};
-use report::results::{Folders, tables};
-use report::{EXPLORE, Sources, explore, load, maneuvers_picture, picture, render};
+use report::{EXPLORE, Sources, explore, load, render};
 use seatrial::export::{COMPILED_WITH, PLATFORM, Portable, Target, read_portable};
 use serde_json::{Value, json};
 use ship::model::Source;
 
-use crate::cli::{Common, check_positive, choice, folder_of, given, in_folder, only_folder_of};
+use crate::cli::{Allowed, Common, check_positive, choice, folder_of, in_folder, only_folder_of};
 use crate::compiler::compiled;
 use crate::failure::Failure;
 use crate::stage::{Summary, Task};
 
 /// Inputs that an output could overwrite: none, since only folders are read.
 const NO_FILES: [&Path; 0] = [];
-
-/// Writes the results of many studies as tables in Markdown
-#[derive(Parser)]
-#[command(
-    name = "results",
-    after_help = "Example:\n  report results --studies out/paper out/helsinki/planned --scenarios out/scenarios/white \
-    --rounds out/sequential --written pipelines --out docs/results.md"
-)]
-pub struct Results {
-    /// Simulated trials of designs (validation.json)
-    #[arg(long, value_name = "FOLDER", num_args = 1..)]
-    studies: Vec<PathBuf>,
-    /// Studies that compare estimators (validation.json)
-    #[arg(long, value_name = "FOLDER", num_args = 1..)]
-    scenarios: Vec<PathBuf>,
-    /// The same with a current as an unknown (validation.json, estimate.json)
-    #[arg(long, value_name = "FOLDER", num_args = 1..)]
-    unknown: Vec<PathBuf>,
-    /// Trials in rounds (sequential.json)
-    #[arg(long, value_name = "FOLDER", num_args = 1..)]
-    rounds: Vec<PathBuf>,
-    /// Picks of sub-experiments (selection.json)
-    #[arg(long, value_name = "FOLDER", num_args = 1..)]
-    selections: Vec<PathBuf>,
-    /// Measured logs (crossval.json)
-    #[arg(long, value_name = "FOLDER", num_args = 1..)]
-    logs: Vec<PathBuf>,
-    /// Folder of the studies' hand-written files, for published results
-    #[arg(long, value_name = "FOLDER")]
-    written: Option<PathBuf>,
-}
-
-/// Draws a plan's map beside two histograms, or the tracks of standard maneuvers
-#[derive(Parser)]
-#[command(
-    name = "picture",
-    after_help = "Example:\n  report picture --plan out/helsinki --study out/paper --out docs/trial.svg"
-)]
-pub struct Picture {
-    /// Folder of the report with the map
-    #[arg(long, value_name = "FOLDER", requires = "study", required_unless_present = "merit")]
-    plan: Option<PathBuf>,
-    /// Folder of the report with the histograms
-    #[arg(long, value_name = "FOLDER", requires = "plan")]
-    study: Option<PathBuf>,
-    /// Figures of merit: draws the track of the first standard maneuver of each kind instead
-    #[arg(long, value_name = "merit.json", conflicts_with_all = ["plan", "study"])]
-    merit: Option<PathBuf>,
-}
 
 /// Puts a study's results on one page in HTML, with explore.html to zoom and filter and its figures as SVG beside it
 #[derive(Parser)]
@@ -95,7 +45,7 @@ impl Task for ReportArguments {
             dictionary: self.dictionary.clone(),
             results: self.results.clone(),
             scenarios: self.scenarios.clone(),
-            allow_mixed: common.allow_mixed,
+            allow_mixed: common.allow.contains(&Allowed::Mixed),
             changes: common.changes(),
         })?;
         let page = render(&study);
@@ -116,44 +66,7 @@ impl Task for ReportArguments {
     }
 }
 
-impl Task for Results {
-    fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let text = tables(&Folders {
-            written: self.written.clone(),
-            studies: self.studies.clone(),
-            scenarios: self.scenarios.clone(),
-            unknown: self.unknown.clone(),
-            rounds: self.rounds.clone(),
-            selections: self.selections.clone(),
-            logs: self.logs.clone(),
-        })?;
-        let out = common.main_output("results.md", NO_FILES)?;
-        commit(vec![Staged::bytes(&out, text.as_bytes())?])?;
-        let rows = text.lines().filter(|line| line.starts_with('|')).count();
-        Ok(Summary::of(&out, format!("{rows} lines of tables"), json!({"lines": rows})))
-    }
-}
-
-impl Task for Picture {
-    fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let figure = |folder: &Path, name: &str| files::read_to_string(folder.join("figures").join(name));
-        let text = match &self.merit {
-            Some(merit) => maneuvers_picture(&files::read_document(merit)?.data),
-            None => {
-                let (plan, study) = (given(&self.plan, "plan")?, given(&self.study, "study")?);
-                let map = figure(plan, "map.svg")?;
-                let histograms =
-                    [figure(study, "parameter-error.svg")?, figure(study, "simulation-error.svg")?];
-                picture(&map, &histograms.each_ref().map(String::as_str))
-            }
-        };
-        let out = common.main_output("picture.svg", &self.merit)?;
-        commit(vec![Staged::bytes(&out, text.as_bytes())?])?;
-        Ok(Summary::of(&out, format!("{} bytes", text.len()), json!({"bytes": text.len()})))
-    }
-}
-
-/// Writes a model for other tools: Python, C, MATLAB, or a Functional Mock-up Unit
+/// Writes a model for other tools: Python, C, MATLAB, or a Functional Mock-up Unit, which the C compiler `cc` builds, or CC
 #[derive(Parser)]
 #[command(name = "export", after_help = "Example:\n  export --model model.json --to fmu --out exported/")]
 pub struct ExportArguments {
@@ -169,9 +82,6 @@ pub struct ExportArguments {
     /// The rate of its steps [Hz]: terms per sample take whole multiples of their own rate, or parts of it (default: their own)
     #[arg(long, visible_alias = "rate-hz", value_name = "HZ")]
     rate: Option<f64>,
-    /// The C compiler that builds the unit's binary; without one the unit has its source alone
-    #[arg(long, value_name = "PROGRAM", default_value = "cc")]
-    compiler: String,
 }
 
 impl Task for ExportArguments {
@@ -206,12 +116,13 @@ impl ExportArguments {
         let names = portable.file_names(self.to);
         only_folder_of(out, &names)?;
         let unit = self.to == Target::Fmu;
-        let build = || compiled(&self.compiler, &COMPILED_WITH, &portable.unit_sources());
+        let compiler = std::env::var("CC").unwrap_or("cc".to_owned());
+        let build = || compiled(&compiler, &COMPILED_WITH, &portable.unit_sources());
         let library = if unit && PLATFORM.is_some() { build()? } else { None };
         let built = match &library {
             Some(_) => "; built for this system".to_owned(),
             None if unit => {
-                format!("; its source alone: found no C compiler `{}` for this system", self.compiler)
+                format!("; its source alone: found no C compiler `{compiler}` for this system")
             }
             None => String::new(),
         };

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Parser};
+use clap::Parser;
 use files::{Provenance, Staged, commit, read_json, stage_document, stage_set_document};
 use plan::lattice::{self, ProblemFile};
 use plan::voyage::{Brief, Place, Search, Shares};
@@ -18,65 +18,91 @@ use study::plan::{
 };
 use study::track::stage_track;
 
-use crate::cli::{Common, LimitFlags, Limits, beside, budget, check_positive, given};
+use crate::cli::{Allowed, Common, LimitFlags, Limits, allowance, beside, budget, given};
 use crate::failure::{Failure, on_stderr};
 use crate::inputs;
 use crate::stage::{Summary, Task};
 
-/// Plans a trial on a chart: the provably shortest track, with routes for the bridge; or solves a lattice problem
+/// Plans a trial on a chart, or the rest of one: the provably shortest track, with routes; or solves a lattice problem
 #[derive(Parser)]
 #[command(
     name = "plan",
     after_help = "Example:\n  plan --vessel pipelines/helsinki/vessel.toml --trajectories out/helsinki/dictionary.parquet \
     --dictionary pipelines/helsinki/dictionary.toml --config pipelines/helsinki/plan.toml --out out/helsinki/plan.json\n  \
-    plan --problem fixtures/lattice/channel.json --out plan.json\n\n\
+    plan --problem fixtures/lattice/channel.json --out plan.json\n  \
+    plan --rest-of plan.json --from positions.csv --vessel vessel.toml --trajectories dictionary.parquet --config plan.toml \
+    --set plan.safety.runs=64 --out rest/plan.json\n  \
+    plan --rest-of plan.json --from 24.96,60.14,135,half --done 4 --vessel vessel.toml --trajectories dictionary.parquet \
+    --config plan.toml --out rest/plan.json\n\n\
     Beside the plan of a trial stand track.parquet, track.geojson, route.rtz, .gpx and .plan, map.json (what the map \
     shows) and map.svg.\n\n\
+    positions.csv has the columns time (seconds since the departure, or 2026-06-01T08:00:00Z), longitude_deg, latitude_deg and, \
+    if known, heading_deg and speed_m_s. By positions, follow.json stands beside the plan of the rest: what is done, and how \
+    much of the information it has. With nothing left to plan, it stands alone.\n\n\
     --memory-mib counts every phase, and 24 MiB of the program's own; without it 4096 MiB at most."
 )]
 pub struct PlanArguments {
     /// A lattice problem to solve instead of a chart (schema experiment-lattice-planning/1)
-    #[arg(long, value_name = "problem.json", conflicts_with_all = ["vessel", "trajectories", "config", "dictionary", "design", "export_problem"])]
+    #[arg(long, value_name = "problem.json", conflicts_with_all = ["vessel", "trajectories", "config", "dictionary", "design", "keep", "rest_of", "from", "done"])]
     problem: Option<PathBuf>,
-    /// The vessel
+    /// A plan that was begun: plans the rest, where the trial was interrupted or driven off, or has a maneuver to repeat
+    #[arg(long, value_name = "plan.json", requires = "from")]
+    rest_of: Option<PathBuf>,
+    /// Where the ship is: her positions since the departure (a table, or NMEA 0183 in a file called .nmea); or the place where
+    /// she goes on, in degrees, and her speed mode if she is under way
+    #[arg(long, value_name = "positions.csv|LON,LAT,HEADING[,MODE]", requires = "rest_of", value_parser = whereabouts, allow_hyphen_values = true)]
+    from: Option<Whereabouts>,
+    /// How many steps of the plan are done, if --from is a place; maneuvers among them are not repeated
+    #[arg(long, value_name = "STEPS", requires = "rest_of")]
+    done: Option<usize>,
+    /// The vessel, or the model identified so far
     #[arg(long, visible_alias = "model", required_unless_present = "problem", value_name = "vessel.toml")]
     vessel: Option<PathBuf>,
     /// The maneuvers' trajectories (simulate dictionary)
     #[arg(long, required_unless_present = "problem", value_name = "dictionary.parquet")]
     trajectories: Option<PathBuf>,
-    /// Chart, lattice, safety, counts, start and goal
+    /// Chart, lattice, safety, counts, start and goal; of a rest, as the plan was made with
     #[arg(long, required_unless_present = "problem", value_name = "plan.toml")]
     config: Option<PathBuf>,
     /// The design, for counts that follow from its shares
-    #[arg(long, value_name = "design.json")]
+    #[arg(long, value_name = "design.json", conflicts_with_all = ["rest_of", "from", "done"])]
     design: Option<PathBuf>,
-    #[command(flatten)]
-    how: How,
-}
-
-/// Options of planning a trial.
-#[derive(clap::Args)]
-struct How {
     /// The dictionary of the trajectories: maneuvers that react to the ship are sailed by their own commands
     #[arg(long, value_name = "dictionary.toml")]
     dictionary: Option<PathBuf>,
-    /// Write a plan whose check runs aground or breaks the margin, too; every output is labelled as unsafe
-    #[arg(long)]
-    allow_unsafe: bool,
-    /// Write the lattice problem that was solved, too: for other solvers, and for --problem
-    #[arg(long, value_name = "problem.json")]
-    export_problem: Option<PathBuf>,
-    /// Allow inputs that the logs of a model from logs do not cover; plan and report say where maneuvers leave them
-    #[arg(long)]
-    beyond_range: bool,
+    /// Lets pass what is refused else; it is told in what is made
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = allowance(&[Allowed::Mixed, Allowed::BeyondRange, Allowed::Unsafe]))]
+    allow: Vec<Allowed>,
+    /// Write the lattice problem that was solved as problem.json, too: for other solvers, and for --problem
+    #[arg(long, value_parser = ["problem"])]
+    keep: Option<String>,
     #[command(flatten)]
     limits: LimitFlags,
+}
+
+/// What says where a ship is.
+#[derive(Clone)]
+enum Whereabouts {
+    /// The place where she goes on.
+    Place(Place),
+    /// The file of her positions.
+    Positions(PathBuf),
+}
+
+/// A place, if there are two commas or more in `text`, and a number before the first; else a file.
+fn whereabouts(text: &str) -> Result<Whereabouts, String> {
+    let mut cells = text.split(',');
+    let begins_with_number = cells.next().is_some_and(|first| first.trim().parse::<f64>().is_ok());
+    match begins_with_number && cells.count() >= 2 {
+        true => place(text).map(Whereabouts::Place),
+        false => Ok(Whereabouts::Positions(PathBuf::from(text))),
+    }
 }
 
 impl Task for PlanArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         if let Some(problem) = &self.problem {
-            let limits = self.how.limits.limits(common)?;
+            let limits = self.limits.limits(common)?;
             let out = common.main_output(MAIN, [problem])?;
             return plan_problem(problem, &out, &limits, common.provenance("plan"));
         }
@@ -84,124 +110,89 @@ impl Task for PlanArguments {
             vessel: given(&self.vessel, "vessel")?,
             config: given(&self.config, "config")?,
             trajectories: given(&self.trajectories, "trajectories")?,
-            dictionary: self.how.dictionary.as_deref(),
+            dictionary: self.dictionary.as_deref(),
             design: self.design.as_deref(),
-            beyond_range: self.how.beyond_range,
-            begun: None,
+            beyond_range: self.allow.contains(&Allowed::BeyondRange),
+            begun: self.begun()?,
         };
         let out = common.main_output(MAIN, files.inputs())?;
-        self.how.plan(&files, &out, common, "plan")
+        self.plan_voyage(&files, &out, common)
     }
 }
 
-impl How {
-    /// Plans a trial on a chart.
-    fn plan(
-        &self,
-        files: &VoyageFiles,
-        out: &Path,
-        common: &Common,
-        stage: &str,
-    ) -> Result<Summary, Failure> {
-        let (limits, seed) = (self.limits.limits(common)?, common.seed.unwrap_or(1));
-        let wanted = (out, self.export_problem.as_deref(), self.allow_unsafe);
-        plan_voyage(files, wanted, &limits, seed, common.provenance(stage))
-    }
-}
-
-/// The files of a plan that was begun.
-#[derive(Args)]
-struct Rest {
-    /// The plan that was begun
-    #[arg(long, value_name = "plan.json")]
-    plan: PathBuf,
-    /// The vessel, or the model identified so far
-    #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
-    vessel: PathBuf,
-    /// The maneuvers' trajectories (simulate dictionary)
-    #[arg(long, value_name = "dictionary.parquet")]
-    trajectories: PathBuf,
-    /// Chart, lattice, safety, start and goal, as the plan was made with
-    #[arg(long, value_name = "plan.toml")]
-    config: PathBuf,
-    #[command(flatten)]
-    how: How,
-}
-
-impl Rest {
-    fn plan(&self, so_far: SoFar, common: &Common, stage: &str) -> Result<Summary, Failure> {
-        let begun = Begun { plan: &self.plan, so_far };
-        let files = VoyageFiles {
-            vessel: &self.vessel,
-            config: &self.config,
-            trajectories: &self.trajectories,
-            dictionary: self.how.dictionary.as_deref(),
-            design: None,
-            beyond_range: self.how.beyond_range,
-            begun: Some(begun),
+impl PlanArguments {
+    /// The plan that was begun, and what is known of it.
+    fn begun(&self) -> Result<Option<Begun<'_>>, Failure> {
+        let (Some(plan), Some(from)) = (&self.rest_of, &self.from) else { return Ok(None) };
+        let so_far = match (from, self.done) {
+            (Whereabouts::Place(place), Some(done)) => SoFar::Steps(done, place),
+            (Whereabouts::Positions(positions), None) => SoFar::Positions(FollowFiles { plan, positions }),
+            (Whereabouts::Place(_), None) => {
+                let (found, expected) =
+                    ("none with a place as --from", "how many steps of the plan are done");
+                let remedy = "add --done STEPS, or name a file of positions";
+                return Err(Failure::Usage(format!("--done: found {found}, expected {expected}; {remedy}")));
+            }
+            (Whereabouts::Positions(file), Some(_)) => {
+                let expected = "LONGITUDE,LATITUDE,HEADING[,MODE] with --done";
+                let remedy = "name a place, or leave --done out: positions say what is done";
+                let named = file.display();
+                return Err(Failure::Usage(format!(
+                    "--from: found file {named}, expected {expected}; {remedy}"
+                )));
+            }
         };
-        let out = common.main_output(MAIN, files.inputs().chain(begun.files()))?;
-        self.how.plan(&files, &out, common, stage)
+        Ok(Some(Begun { plan, so_far }))
     }
-}
 
-/// Plans the rest of a trial that was interrupted or driven off, or has a maneuver to repeat, from where the ship is
-#[derive(Parser)]
-#[command(
-    name = "resume",
-    after_help = "Example:\n  plan resume --plan out/helsinki/plan.json --done 4 --from 24.96,60.14,135,half \
-    --vessel pipelines/helsinki/vessel.toml --trajectories out/helsinki/dictionary.parquet \
-    --dictionary pipelines/helsinki/dictionary.toml --config pipelines/helsinki/plan.toml --out out/rest/plan.json"
-)]
-pub struct Resume {
-    /// How many of its steps are done; maneuvers among them are not repeated
-    #[arg(long, value_name = "STEPS")]
-    done: usize,
-    /// Where the ship goes on, in degrees, and its speed mode if it is under way
-    #[arg(long, value_name = "LON,LAT,HEADING[,MODE]", value_parser = place, allow_hyphen_values = true)]
-    from: Place,
-    #[command(flatten)]
-    rest: Rest,
-}
-
-impl Task for Resume {
-    fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        self.rest.plan(SoFar::Steps(self.done, &self.from), common, "plan resume")
-    }
-}
-
-/// Finds where the ship is in a plan by her positions so far, and plans the rest from there
-#[derive(Parser)]
-#[command(
-    name = "follow",
-    after_help = "Example:\n  plan follow --plan out/helsinki/plan.json --positions positions.csv \
-    --vessel pipelines/helsinki/vessel.toml --trajectories out/helsinki/dictionary.parquet \
-    --dictionary pipelines/helsinki/dictionary.toml --config pipelines/helsinki/plan.toml --set plan.safety.runs=64 --out out/rest/plan.json\n\n\
-    positions.csv has the columns time (seconds since the departure, or 2026-06-01T08:00:00Z), longitude_deg, latitude_deg and, \
-    if known, heading_deg and speed_m_s. Beside the plan of the rest stands follow.json: what is done, and how much of the \
-    information it has. With nothing left to plan, it stands alone."
-)]
-pub struct Follow {
-    /// The positions since the departure: a table, or NMEA 0183 in a file called .nmea
-    #[arg(long, value_name = "positions.csv")]
-    positions: PathBuf,
-    /// How far from its track a step may be sailed to count as done (default: tolerance, spread and what positions may be off)
-    #[arg(long, value_name = "METRES")]
-    within_m: Option<f64>,
-    /// The longest time between two positions within a maneuver
-    #[arg(long, value_name = "SECONDS", default_value_t = 30.0)]
-    max_gap_s: f64,
-    #[command(flatten)]
-    rest: Rest,
-}
-
-impl Task for Follow {
-    fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let Self { positions, within_m, max_gap_s, rest } = self;
-        check_positive("--within-m", *within_m)?;
-        check_positive("--max-gap-s", Some(*max_gap_s))?;
-        let files = FollowFiles { plan: &rest.plan, positions, within_m: *within_m, max_gap_s: *max_gap_s };
-        rest.plan(SoFar::Positions(files), common, "plan follow")
+    /// Plans a trial and writes `plan.json` to `out`, and next to it track, routes and map.
+    fn plan_voyage(&self, files: &VoyageFiles, out: &Path, common: &Common) -> Result<Summary, Failure> {
+        let (limits, seed) = (self.limits.limits(common)?, common.seed.unwrap_or(1));
+        let mut provenance = common.provenance("plan");
+        provenance.settings.insert("seed".into(), json!(seed));
+        let refuse = |error| files.refused(error);
+        let (brief, config, followed) = files.read(out, &mut provenance, seed)?;
+        let means = (budget(), &(|| limits.keep_going()) as &(dyn Fn() -> bool + Sync));
+        let trial = ChartedTrial::on_charts(brief, (files.config, &config), means, &mut provenance);
+        let trial = trial.map_err(refuse)?;
+        files.check_inputs(&config, out)?;
+        let mut said = String::new();
+        let mut staged = Vec::new();
+        if let (Some(followed), Some(Begun { so_far: SoFar::Positions(positions), .. })) =
+            (&followed, &files.begun)
+        {
+            trial.check_afloat(positions, followed, &|| limits.keep_going()).map_err(refuse)?;
+            staged.push(stage_document(beside(out, MAIN, FOLLOWED), &provenance, &followed.document)?);
+            let doubts = followed.document.doubts.iter().filter(|_| !limits.quiet);
+            doubts.for_each(|doubt| on_stderr(format_args!("plan: {doubt}")));
+            if followed.document.status != FollowStatus::UnderWay {
+                commit(staged)?;
+                let details = json!({"status": followed.document.status, "step": followed.document.step});
+                return Ok(Summary::of(&beside(out, MAIN, FOLLOWED), &followed.document.statement, details));
+            }
+            said = format!("{}; ", followed.document.summary());
+        }
+        let searched = limits.before_check();
+        let (watch, keep_going) = (&|| searched.watch(), &|| limits.keep_going());
+        let search = Search { options: limits.options(), watch, keep_going };
+        let mut planned = trial.plan(&search, self.allow.contains(&Allowed::Unsafe)).map_err(refuse)?;
+        planned.document.beyond = study::beyond(files.vessel, files.trajectories, None)?;
+        if self.keep.is_some() {
+            let cell_m = planned.prepared.brief.task.cell_m;
+            let problem = ProblemFile::of(&planned.solved.problem, "trial on a chart", cell_m);
+            let problem = problem.map_err(|e| Failure::invalid(files.config, &e))?;
+            let bytes = serde_json::to_vec(&problem).unwrap_or_default();
+            staged.push(Staged::bytes(beside(out, MAIN, PROBLEM), &bytes)?);
+        }
+        staged.extend(stage(&planned, out, &provenance)?);
+        commit(staged)?;
+        let document = &planned.document;
+        document
+            .messages()
+            .filter(|_| !limits.quiet)
+            .for_each(|chart| on_stderr(format_args!("plan: {chart}")));
+        let (plan, details) = document.summary();
+        Ok(Summary::of(out, said + &plan, details))
     }
 }
 
@@ -229,9 +220,13 @@ pub const MAIN: &str = "plan.json";
 /// Where the ship is in a plan that is followed.
 const FOLLOWED: &str = "follow.json";
 
+/// The lattice problem of a plan.
+const PROBLEM: &str = "problem.json";
+
 /// The files written next to `plan.json`.
-const ADDITIONAL: [&str; 8] = [
+const ADDITIONAL: [&str; 9] = [
     FOLLOWED,
+    PROBLEM,
     "track.parquet",
     "track.geojson",
     "route.rtz",
@@ -242,10 +237,11 @@ const ADDITIONAL: [&str; 8] = [
 ];
 
 impl<'a> VoyageFiles<'a> {
-    /// The files that are read, but for the charts and the plan to be resumed.
+    /// The files that are read, but for the charts.
     fn inputs(&self) -> impl Iterator<Item = &'a Path> {
         let others = self.dictionary.into_iter().chain(self.design);
-        [self.vessel, self.config, self.trajectories].into_iter().chain(others)
+        let begun = self.begun.iter().flat_map(Begun::files);
+        [self.vessel, self.config, self.trajectories].into_iter().chain(others).chain(begun)
     }
 
     /// Why there is no plan of these files.
@@ -293,26 +289,12 @@ impl<'a> VoyageFiles<'a> {
     }
 
     /// Refuses to overwrite an input: those next to `out`, and charts by the name of an output.
-    fn check_inputs(&self, config: &PlanFile, out: &Path, problem: Option<&Path>) -> Result<(), Failure> {
+    fn check_inputs(&self, config: &PlanFile, out: &Path) -> Result<(), Failure> {
         let folder = self.config.parent().unwrap_or(Path::new(""));
         let charts = config.chart.iter().map(|spec| folder.join(&spec.file));
-        let files = self.inputs().chain(self.begun.iter().flat_map(Begun::files));
-        let inputs: Vec<PathBuf> = charts.chain(files.map(Path::to_path_buf)).collect();
-        let outputs: Vec<PathBuf> =
-            ADDITIONAL.iter().map(|name| beside(out, MAIN, name)).chain([out.to_path_buf()]).collect();
-        if let Some(problem) = problem {
-            let existing = problem.canonicalize().ok();
-            let is = |path: &&PathBuf| {
-                **path == problem || existing.is_some() && path.canonicalize().ok() == existing
-            };
-            if let Some(other) = inputs.iter().chain(&outputs).find(is) {
-                return Err(Failure::Usage(format!(
-                    "--export-problem: found {}, which is also an input or another output, expected another file; name one",
-                    other.display()
-                )));
-            }
-        }
-        for output in outputs.into_iter().filter_map(|path| path.canonicalize().ok()) {
+        let inputs: Vec<PathBuf> = charts.chain(self.inputs().map(Path::to_path_buf)).collect();
+        let outputs = ADDITIONAL.iter().map(|name| beside(out, MAIN, name)).chain([out.to_path_buf()]);
+        for output in outputs.filter_map(|path| path.canonicalize().ok()) {
             let same = |input: &&PathBuf| input.canonicalize().is_ok_and(|path| path == output);
             if let Some(input) = inputs.iter().find(same) {
                 return Err(Failure::Usage(format!(
@@ -349,57 +331,6 @@ impl From<Unplanned> for Failure {
             Unplanned::NoAnswer(message) => Self::NoAnswer(message),
         }
     }
-}
-
-/// Plans a trial and writes `plan.json` to `out`, and next to it track, routes and map; the lattice problem that was solved to
-/// `problem`; with `unsafe_too` also a plan that fails its check.
-fn plan_voyage(
-    files: &VoyageFiles,
-    (out, problem, unsafe_too): (&Path, Option<&Path>, bool),
-    limits: &Limits,
-    seed: u64,
-    mut provenance: Provenance,
-) -> Result<Summary, Failure> {
-    provenance.settings.insert("seed".into(), json!(seed));
-    let refuse = |error| files.refused(error);
-    let (brief, config, followed) = files.read(out, &mut provenance, seed)?;
-    let means = (budget(), &(|| limits.keep_going()) as &(dyn Fn() -> bool + Sync));
-    let trial = ChartedTrial::on_charts(brief, (files.config, &config), means, &mut provenance);
-    let trial = trial.map_err(refuse)?;
-    files.check_inputs(&config, out, problem)?;
-    let mut said = String::new();
-    let mut staged = Vec::new();
-    if let (Some(followed), Some(Begun { so_far: SoFar::Positions(positions), .. })) =
-        (&followed, &files.begun)
-    {
-        trial.check_afloat(positions, followed, &|| limits.keep_going()).map_err(refuse)?;
-        staged.push(stage_document(beside(out, MAIN, FOLLOWED), &provenance, &followed.document)?);
-        let doubts = followed.document.doubts.iter().filter(|_| !limits.quiet);
-        doubts.for_each(|doubt| on_stderr(format_args!("plan follow: {doubt}")));
-        if followed.document.status != FollowStatus::UnderWay {
-            commit(staged)?;
-            let details = json!({"status": followed.document.status, "step": followed.document.step});
-            return Ok(Summary::of(&beside(out, MAIN, FOLLOWED), &followed.document.statement, details));
-        }
-        said = format!("{}; ", followed.document.summary());
-    }
-    let searched = limits.before_check();
-    let (watch, keep_going) = (&|| searched.watch(), &|| limits.keep_going());
-    let search = Search { options: limits.options(), watch, keep_going };
-    let mut planned = trial.plan(&search, unsafe_too).map_err(refuse)?;
-    planned.document.beyond = study::beyond(files.vessel, files.trajectories, None)?;
-    if let Some(path) = problem {
-        let cell_m = planned.prepared.brief.task.cell_m;
-        let problem = ProblemFile::of(&planned.solved.problem, "trial on a chart", cell_m);
-        let problem = problem.map_err(|e| Failure::invalid(files.config, &e))?;
-        staged.push(Staged::bytes(path, &serde_json::to_vec(&problem).unwrap_or_default())?);
-    }
-    staged.extend(stage(&planned, out, &provenance)?);
-    commit(staged)?;
-    let document = &planned.document;
-    document.messages().filter(|_| !limits.quiet).for_each(|chart| on_stderr(format_args!("plan: {chart}")));
-    let (plan, details) = document.summary();
-    Ok(Summary::of(out, said + &plan, details))
 }
 
 /// All outputs.

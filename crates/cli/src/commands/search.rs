@@ -2,10 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Parser};
-use estimation::search::{AverageOptions, BootstrapOptions, Cut, Roles, SearchError, SearchOptions};
+use clap::Parser;
+use estimation::search::{AverageOptions, BootstrapOptions, Cut, SearchError, SearchOptions};
 use files::{Provenance, commit, commit_with_document, stage_document, stage_set_document};
-use refusal::Invalid;
 use seatrial::{AveragedSearch, ForceSearch, ForceSearchError, FoundStructure, PooledRuns, StructureSearch};
 use serde_json::json;
 use ship::model::Vessel;
@@ -16,7 +15,7 @@ use study::files::read_any_vessel;
 use crate::cli::{Common, member, none_given, samples};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs;
-use crate::physical::{WeightFlags, absent, note, unfit};
+use crate::physical::{absent, note, settings, unfit};
 use crate::pool::RunFlags;
 use crate::stage::{Summary, Task};
 
@@ -39,8 +38,6 @@ pub struct SearchArguments {
     /// fitted too, and the average of both is written as average.json; one that diverges, or is far worse, is left out of it
     #[arg(long)]
     core: bool,
-    #[command(flatten)]
-    roles: RoleFlags,
     /// Terms to search through instead of the library, or of the products that a ship with forces may lack: lists `surge`, `sway`
     /// and `yaw`
     #[arg(long, value_name = "terms.toml", conflicts_with = "core")]
@@ -48,9 +45,6 @@ pub struct SearchArguments {
     /// Length of the windows that are fitted [s] [default: 60; of a ship with forces 100, at most]
     #[arg(long, value_name = "S")]
     fitted_window_s: Option<f64>,
-    /// From the start of one window to that of the next [s] (default: a quarter of a window)
-    #[arg(long, value_name = "S")]
-    every_s: Option<f64>,
     /// Scores models over windows of this length, side by side [s]; whole runs without it
     #[arg(long, value_name = "S")]
     window_s: Option<f64>,
@@ -71,47 +65,6 @@ pub struct SearchArguments {
     /// Of a ship with forces: forces that are added at most, one after the other [default: 3]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=50))]
     add_terms: Option<u16>,
-    #[command(flatten)]
-    weights: WeightFlags,
-}
-
-/// What channels are to the library; those that are not named are found by unit and name.
-#[derive(Clone, Debug, Args)]
-struct RoleFlags {
-    /// Channels that steer
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
-    rudder: Vec<String>,
-    /// Propeller speeds with their signs
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
-    propeller: Vec<String>,
-    /// Propeller speeds where they go ahead, else 0
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
-    ahead: Vec<String>,
-    /// Propeller speeds where they go astern, else 0
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
-    astern: Vec<String>,
-    /// Thrusts, where no propeller speed is logged
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
-    thrust: Vec<String>,
-    /// Thrusters on port, by propeller speed or thrust, of which the library takes what they do with and against those of
-    /// --starboard
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
-    port: Vec<String>,
-    /// As many on starboard, in the same order
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
-    starboard: Vec<String>,
-    /// Speed of the relative wind, of whose square the library takes products with cos and sin of its direction
-    #[arg(long, value_name = "NAME")]
-    wind: Option<String>,
-    /// Where the relative wind comes from, as an angle from the bow to starboard
-    #[arg(long, value_name = "NAME")]
-    wind_from: Option<String>,
-    /// Disturbances that a reflection between port and starboard leaves as they are
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
-    even: Vec<String>,
-    /// Disturbances whose sign a reflection changes
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
-    odd: Vec<String>,
 }
 
 /// The usual name of the document.
@@ -131,10 +84,7 @@ impl Task for SearchArguments {
         match &of_forces {
             Some(ship) if !self.core => return self.forces(ship, (common, provenance)),
             Some(_) => self.check_averaged()?,
-            None => {
-                absent([("--add-terms", self.add_terms.is_some())])?;
-                self.weights.check_absent()?;
-            }
+            None => absent([("--add-terms", self.add_terms.is_some())])?,
         }
         let read = || [&self.vessel].into_iter().chain(&self.terms).chain(self.of.inputs());
         let out = common.main_output(MAIN, read())?;
@@ -142,10 +92,9 @@ impl Task for SearchArguments {
         let (single, several) = (single?, several?);
         let in_samples = |flag: &str, s: f64| samples(flag, s, given.sample_rate_hz);
         let window = in_samples("--fitted-window-s", self.fitted_window_s.unwrap_or(WINDOW_S))?;
-        let every = self.every_s.map(|s| in_samples("--every-s", s)).transpose()?;
         let cut = Cut {
             window,
-            every: every.unwrap_or(window.div_ceil(4)),
+            every: window.div_ceil(4),
             scored: self.window_s.map(|s| in_samples("--window-s", s)).transpose()?,
         };
         let begun = self.begun(given, &mut provenance)?;
@@ -219,7 +168,7 @@ impl SearchArguments {
         let window = ("--fitted-window-s", self.fitted_window_s);
         let search = ForceSearch {
             vessel,
-            settings: self.weights.settings(1.0 / rate_hz, window, None)?,
+            settings: settings(1.0 / rate_hz, window, None)?,
             scored: self.window_s.map(|s| samples("--window-s", s, rate_hz)).transpose()?,
             folds: usize::from(self.folds),
             most_added: usize::from(self.add_terms.unwrap_or(MOST_ADDED)),
@@ -236,8 +185,6 @@ impl SearchArguments {
             ("window_samples", json!(search.scored)),
             ("folds", json!(self.folds)),
             ("add_terms", json!(search.most_added)),
-            ("prior_weight", json!(search.settings.prior_weight)),
-            ("measured_starts", json!(self.weights.measured_starts)),
             ("runs", json!(self.of.runs)),
             ("leave_out", json!(self.of.leave_out)),
         ];
@@ -254,10 +201,8 @@ impl SearchArguments {
         options: &SearchOptions,
         (common, provenance): (&Common, &mut Provenance),
     ) -> Result<Result<FoundStructure, SearchError>, Failure> {
-        let window = ("--fitted-window-s", None);
-        let settings = self.weights.settings(1.0 / ship.sample_rate_hz, window, None)?;
+        let settings = settings(1.0 / ship.sample_rate_hz, ("--fitted-window-s", None), None)?;
         let of_forces = self.of.read_of_forces(ship, provenance)?;
-        note([("prior_weight", json!(settings.prior_weight))], provenance);
         let averaged_search = AveragedSearch { search: begun, options, vessel: ship, settings };
         let progress = WorkProgress::new("fits, at most", averaged_search.fits(), common.quiet);
         Ok(averaged_search.find([runs, &of_forces], &|count| progress.advance(count)))
@@ -265,24 +210,19 @@ impl SearchArguments {
 
     /// Refuses flags of an average of other models, and what the folds choose.
     fn check_averaged(&self) -> Result<(), Failure> {
-        let flags = [
-            ("--average", self.average.is_some()),
-            ("--add-terms", self.add_terms.is_some()),
-            ("--measured-starts", self.weights.measured_starts),
-        ];
+        let flags = [("--average", self.average.is_some()), ("--add-terms", self.add_terms.is_some())];
         none_given(flags, "the core of a ship with forces, which is averaged with these", "it without --core")
     }
 
     /// Refuses flags that need terms per sample.
     fn check_forces(&self) -> Result<(), Failure> {
         let flags = [
-            ("--every-s", self.every_s.is_some()),
             ("--compact", self.compact),
             ("--bootstrap", self.bootstrap.is_some()),
             ("--average", self.average.is_some()),
         ];
         let ship = "a ship with forces, which is searched for missing products one by one";
-        none_given(flags.into_iter().chain(self.roles.given()), ship, "terms per sample")
+        none_given(flags, ship, "terms per sample")
     }
 
     /// Why nothing was found.
@@ -309,56 +249,14 @@ impl SearchArguments {
     /// The start of the search, and its candidate terms.
     fn begun(&self, vessel: Vessel, provenance: &mut Provenance) -> Result<StructureSearch, Failure> {
         let Some(path) = &self.terms else {
-            let begun = self.roles.named().and_then(|roles| match self.core {
-                true => StructureSearch::by_core(&vessel, &roles),
-                false => StructureSearch::by_roles(vessel, &roles),
-            });
+            let begun = match self.core {
+                true => StructureSearch::by_core(&vessel),
+                false => StructureSearch::by_roles(vessel),
+            };
             return begun.map_err(|e| Failure::invalid(&self.vessel, &e));
         };
         let terms: TermLists = inputs::toml(path, "terms", provenance)?;
         StructureSearch::by_terms(vessel, &terms).map_err(|e| Failure::invalid(path, &e))
-    }
-}
-
-impl RoleFlags {
-    /// Each flag, and whether it is given.
-    fn given(&self) -> [(&'static str, bool); 11] {
-        [
-            ("--rudder", !self.rudder.is_empty()),
-            ("--propeller", !self.propeller.is_empty()),
-            ("--ahead", !self.ahead.is_empty()),
-            ("--astern", !self.astern.is_empty()),
-            ("--thrust", !self.thrust.is_empty()),
-            ("--port", !self.port.is_empty()),
-            ("--starboard", !self.starboard.is_empty()),
-            ("--wind", self.wind.is_some()),
-            ("--wind-from", self.wind_from.is_some()),
-            ("--even", !self.even.is_empty()),
-            ("--odd", !self.odd.is_empty()),
-        ]
-    }
-
-    fn named(&self) -> Result<Roles<String>, Invalid> {
-        let flags = self.clone();
-        if flags.port.len() != flags.starboard.len() {
-            let counts =
-                format!("{} of --port and {} of --starboard", flags.port.len(), flags.starboard.len());
-            let expected = "as many on either side";
-            return Err(Invalid::new("thrusters", counts, expected, "name them in pairs, in the same order"));
-        }
-        Ok(Roles {
-            rudders: flags.rudder,
-            propellers: flags.propeller,
-            ahead: flags.ahead,
-            astern: flags.astern,
-            thrusts: flags.thrust,
-            pairs: flags.port.into_iter().zip(flags.starboard).map(<[String; 2]>::from).collect(),
-            differences: Vec::new(),
-            wind: flags.wind,
-            wind_from: flags.wind_from,
-            even: flags.even,
-            odd: flags.odd,
-        })
     }
 }
 

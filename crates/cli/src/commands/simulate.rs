@@ -18,7 +18,9 @@ use study::track::read_planned;
 use study::trajectories::{DataLabel, ID, VERSION};
 use trial::campaign::{self, Maneuvers, Refusal, Settings};
 
-use crate::cli::{Common, Sharding, beside, budget, check_positive, folder_of, given, in_folder};
+use crate::cli::{
+    Allowed, Common, Sharding, allowance, beside, budget, check_positive, folder_of, given, in_folder,
+};
 use crate::commands::plan::MAIN;
 use crate::failure::Failure;
 use crate::inputs;
@@ -53,13 +55,9 @@ pub struct Dictionary {
     /// The sampling rate (default: the vessel's); terms per sample take whole multiples of theirs, or parts [Hz]
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
-    /// Allow inputs and motion that the logs of a model from logs do not cover; moments, design and report say so
-    #[arg(long)]
-    beyond_range: bool,
-    /// Allow maneuvers that miss what they are called: a heading, a speed, a turn beyond `tolerance`; the table and the page
-    /// say so
-    #[arg(long)]
-    allow_unreached: bool,
+    /// Lets pass what is refused else; it is told in what is made
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = allowance(&[Allowed::Mixed, Allowed::BeyondRange, Allowed::Unreached]))]
+    allow: Vec<Allowed>,
     #[command(flatten)]
     sharding: Sharding,
 }
@@ -147,7 +145,11 @@ impl Task for Dictionary {
         }
         let mut provenance = common.provenance("simulate");
         let files = (given(&self.vessel, "vessel")?, given(&self.dictionary, "dictionary")?);
-        let vessel = kept_to_data(files.0, read_any_simulated(files.0, &mut provenance)?, self.beyond_range)?;
+        let vessel = kept_to_data(
+            files.0,
+            read_any_simulated(files.0, &mut provenance)?,
+            self.allow.contains(&Allowed::BeyondRange),
+        )?;
         check_positive("--rate", self.rate)?;
         let vessel = study::at_rate(files.0, vessel, self.rate, &mut provenance)?;
         let generator = read_dictionary(files.1, &vessel, &mut provenance)?;
@@ -155,7 +157,14 @@ impl Task for Dictionary {
         provenance.settings.insert("model".into(), json!(source.name()));
         provenance.shard = self.sharding.shard;
         let maneuvers = Maneuvers::new(&vessel, &generator, source, "dictionary");
-        undisturbed(maneuvers, files, &out, provenance, Some(self.allow_unreached), common)
+        undisturbed(
+            maneuvers,
+            files,
+            &out,
+            provenance,
+            Some(self.allow.contains(&Allowed::Unreached)),
+            common,
+        )
     }
 }
 

@@ -4,10 +4,10 @@ mod stage;
 
 use std::path::{Path, PathBuf};
 
-use clap::{Parser, ValueEnum};
+use clap::Parser;
 use design::{
-    Accuracy, AccuracyOf, Bounds, CriterionName, Design, Dictionary, Length, NoDesign, Options, Restricted,
-    Scarce, Wanted,
+    Accuracy, AccuracyOf, Bounds, CriterionName, Design, Length, NoDesign, Options, Restricted, Scarce,
+    Wanted,
 };
 use estimation::Estimator;
 use files::Provenance;
@@ -16,13 +16,12 @@ use seatrial::{Designing, Wish};
 use serde_json::json;
 use ship::model::Source;
 use study::design_files::read_stock;
-use study::documents::Few;
 use study::figure_goals::{FigureGoals, FigureWeight, StatedAccuracy};
 use study::files::{read_dictionary, read_planned};
 use trial::arranging::{Arranged, Arranging};
 use trial::moments::{Estimated, Moments, NoCriterion};
 
-use crate::cli::{check_positive, choice, given, name_of};
+use crate::cli::{check_positive, choice, given};
 use crate::failure::Failure;
 
 pub use stage::{Refine, Update};
@@ -53,16 +52,9 @@ pub struct DesignArguments {
     /// The estimator whose covariance the criterion is of; output-error needs moments made with --estimator output-error
     #[arg(long = "for", value_parser = choice(&Estimator::PREDICTED, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
     estimator: Estimator,
-    /// What disturbs an output-error estimate: measurement errors and the current, or measurement errors alone (then the problem
-    /// is convex, and the certificate one of the global optimum)
-    #[arg(long, value_enum, default_value_t = OutputNoise::All)]
-    noise: OutputNoise,
     /// Use at most so many maneuvers
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(1..))]
     most_maneuvers: Option<u64>,
-    /// Use a maneuver for at least so long or not at all; with --arrange of each piece, which is at least 15 % of its maneuver [s]
-    #[arg(long, value_name = "S")]
-    minimal_s: Option<f64>,
     /// Find the shortest experiment of this standard error, relative to the parameters (--relative-to), and from which length on
     /// that holds; or of one of a figure of merit in its unit, repeatable
     #[arg(long, value_name = "SHARE|FIGURE=ERROR UNIT", conflicts_with_all = ["segments", "duration_s"])]
@@ -74,9 +66,6 @@ pub struct DesignArguments {
     /// Names as in merit.json: `advance`, `overshoot` for all its numbers, `circle/advance` of one maneuver, `all`
     #[arg(long, value_name = "FIGURE=NUMBER", requires = "figures")]
     weight: Vec<FigureWeight>,
-    /// The accuracy is that of every parameter, not of all together (the root of the sum of squares)
-    #[arg(long, requires = "accuracy")]
-    per_parameter: bool,
     /// Which parameters the errors of a-relative are relative to
     #[arg(long, value_parser = choice(&Source::ALL, Source::name, relative_to), default_value = "nominal")]
     relative_to: Source,
@@ -110,15 +99,6 @@ pub struct DesignArguments {
     segment_samples: Option<u64>,
 }
 
-/// The disturbances of an output-error estimate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum OutputNoise {
-    /// Measurement errors and the current
-    All,
-    /// Measurement errors alone
-    Measurement,
-}
-
 /// The parameters that errors are relative to, in one line.
 fn relative_to(source: Source) -> &'static str {
     match source {
@@ -134,7 +114,6 @@ impl DesignArguments {
     fn check(&self) -> Result<(), Failure> {
         check_positive("--tolerance", Some(self.tolerance))?;
         check_positive("--duration-s", self.duration_s)?;
-        check_positive("--minimal-s", self.minimal_s)?;
         let usage =
             |found: &str, expected: &str| Err(Failure::Usage(format!("{found}, expected {expected}")));
         match (self.accuracy.as_slice(), self.share(), &self.figures) {
@@ -143,9 +122,6 @@ impl DesignArguments {
             }
             ([_, ..], None, None) => {
                 usage("--accuracy: found a figure without --figures", "its merit.json; add it")
-            }
-            ([_, ..], None, _) if self.per_parameter => {
-                usage("--per-parameter: found an --accuracy of figures", "a share; leave one of them out")
             }
             _ if self.criterion == Some(CriterionName::Figures) && self.figures.is_none() => usage(
                 "--criterion: found figures without --figures",
@@ -186,34 +162,17 @@ impl DesignArguments {
     /// The estimator whose covariance the criterion uses.
     fn estimated(&self) -> Estimated {
         match self.estimator {
-            Estimator::OutputError => Estimated::OutputError { current: self.noise == OutputNoise::All },
+            Estimator::OutputError => Estimated::OutputError,
             _ => Estimated::Iv(self.mean_removal),
-        }
-    }
-
-    /// The experiment's duration, which --minimal-s needs.
-    fn few_duration(&self, dictionary: &Dictionary, length: &Length) -> Result<Option<f64>, Failure> {
-        let duration = length.samples.map(|samples| samples / dictionary.sample_rate_hz);
-        match (self.minimal_s, duration) {
-            (Some(_), None) => Err(Failure::Usage(
-                "--minimal-s: found no length of the experiment, expected one to relate it to; add --duration-s, or --segments and \
-                 --segment-samples"
-                    .into(),
-            )),
-            (Some(minimal), Some(duration)) if minimal > duration => Err(Failure::Usage(format!(
-                "--minimal-s: found {minimal}, expected no more than the experiment's {duration} s; lower it"
-            ))),
-            _ => Ok(duration),
         }
     }
 
     /// The accuracy of --accuracy, if it is given.
     fn wanted(&self) -> Option<Wanted> {
-        let (accuracy, of) = match (self.share(), self.per_parameter) {
-            (None, _) if self.accuracy.is_empty() => return None,
-            (None, _) => (1.0, AccuracyOf::Figures),
-            (Some(share), true) => (share, AccuracyOf::PerParameter),
-            (Some(share), false) => (share, AccuracyOf::Overall),
+        let (accuracy, of) = match self.share() {
+            None if self.accuracy.is_empty() => return None,
+            None => (1.0, AccuracyOf::Figures),
+            Some(share) => (share, AccuracyOf::Overall),
         };
         Some(Wanted { accuracy, of, longest_s: LONGEST_S })
     }
@@ -230,7 +189,7 @@ impl DesignArguments {
     fn trial_s(&self, moments: &Moments) -> Option<f64> {
         let is_told = self.segments.is_some() || !self.accuracy.is_empty();
         let predicts = self.estimator == Estimator::OutputError && self.criterion == Some(CriterionName::D);
-        let is_needed = self.arrange || self.minimal_s.is_some() || self.counts_priors(moments) || predicts;
+        let is_needed = self.arrange || self.counts_priors(moments) || predicts;
         let usual = || moments.disturbances.as_ref()?.trial_s.filter(|_| is_needed && !is_told);
         self.duration_s.or_else(usual)
     }
@@ -270,7 +229,6 @@ impl DesignArguments {
         }
         if self.estimator == Estimator::OutputError {
             settings.insert("estimator".into(), json!(self.estimator));
-            settings.insert("noise".into(), json!(name_of(self.noise)));
         }
         for FigureWeight { name, weight } in &self.weight {
             settings.entry("weights".into()).or_insert_with(|| json!({}))[name.text()] = json!(weight);
@@ -347,10 +305,8 @@ impl<'a> Problem<'a> {
         moments: &'a Moments,
         provenance: &mut Provenance,
     ) -> Result<Self, Failure> {
-        // Of an arranged experiment the search keeps the length of pieces.
-        let few = Few { most_maneuvers: a.most_maneuvers, minimal_s: a.minimal_s.filter(|_| !a.arrange) };
         let (name, estimated) = (a.criterion_name()?, a.estimated());
-        let wish = Wish { name, estimated, relative_to: a.relative_to, few };
+        let wish = Wish { name, estimated, relative_to: a.relative_to, most_maneuvers: a.most_maneuvers };
         let goals = a.figures.as_ref().map(|path| {
             let mut goals = FigureGoals::read(path, moments, provenance)?;
             let stated = goals.want(&a.accuracy).and_then(|()| goals.weigh(&a.weight));
@@ -370,29 +326,22 @@ impl<'a> Problem<'a> {
     fn shortest(&self, options: &Options) -> Result<Option<(Design, Accuracy)>, Failure> {
         let a = self.a;
         let Some(wanted) = a.wanted() else { return Ok(None) };
-        let how = (wanted, a.per_parameter && a.criterion.is_none());
-        let shortest = self.of.shortest(how, (a.mean_removal, self.seed), options);
+        let shortest = self.of.shortest(wanted, (a.mean_removal, self.seed), options);
         shortest.map_err(|e| no_criterion(a, e))
     }
 
-    /// A design with few maneuvers, or long ones, if requested. `duration_s`: of the experiment, if known.
+    /// A design with few maneuvers, if requested.
     fn few(
         &self,
         relaxed: &Design,
         bounds: &Bounds,
-        duration_s: Option<f64>,
         options: &Options,
-    ) -> Result<Option<(Few, Restricted)>, Failure> {
-        let Few { most_maneuvers, minimal_s } = self.of.wish.few;
-        self.of.few(relaxed, bounds, duration_s, options).map_err(|e| {
-            let asked = [
-                most_maneuvers.map(|k| format!("--most-maneuvers {k}")),
-                minimal_s.map(|s| format!("--minimal-s {s}")),
-            ];
+    ) -> Result<Option<Restricted>, Failure> {
+        self.of.few(relaxed, bounds, options).map_err(|e| {
             Failure::NoAnswer(format!(
-                "{}: {}: found no such choice that excites every parameter ({e}), expected one; allow more or shorter maneuvers",
+                "{}: --most-maneuvers: found no choice of {} maneuvers that excites every parameter ({e}), expected one; allow more",
                 self.a.moments.display(),
-                asked.into_iter().flatten().collect::<Vec<_>>().join(" ")
+                self.a.most_maneuvers.unwrap_or_default()
             ))
         })
     }
@@ -433,7 +382,6 @@ impl<'a> Problem<'a> {
             dictionary: &self.of.dictionary,
             criterion: &self.of.criterion,
             estimated: self.of.wish.estimated,
-            minimal_s: a.minimal_s,
             seed: self.seed,
         };
         let sequence = arranging.search(&design.shares, &design.sensitivities, samples.round() as usize);

@@ -60,11 +60,8 @@ impl DesignArguments {
 
     /// The maneuvers of the table that have a share, and the result over the whole table.
     fn streamed(&self, head: Moments, seed: u64) -> Result<(Moments, Streamed), Failure> {
-        let limits = [
-            (self.available.is_some(), "--available"),
-            (self.most_maneuvers.is_some(), "--most-maneuvers"),
-            (self.minimal_s.is_some(), "--minimal-s"),
-        ];
+        let limits =
+            [(self.available.is_some(), "--available"), (self.most_maneuvers.is_some(), "--most-maneuvers")];
         if let Some((_, flag)) = limits.into_iter().find(|(given, _)| *given) {
             return Err(Failure::Usage(format!(
                 "{flag}: found moments in a table, which is gone through without it, expected moments in a document; run `moments` \
@@ -120,8 +117,8 @@ fn design(
         Some(Streamed { design, .. }) => Design { gap: design.gap, status: design.status, ..relaxed },
         None => relaxed,
     };
-    let few = problem.few(&relaxed, &bounds, a.few_duration(dictionary, &length)?, &options)?;
-    let restricted = few.as_ref().map(|(_, found)| &found.design);
+    let few = problem.few(&relaxed, &bounds, &options)?;
+    let restricted = few.as_ref().map(|few| &few.design);
     let design = restricted.unwrap_or(&relaxed);
     let count_options = CountOptions { random_starts: a.starts, seed, ..CountOptions::default() };
     let figures = problem.of.figures(design, &bounds, length.samples, &options);
@@ -141,7 +138,7 @@ fn design(
         available: available.as_ref(),
         segments: segments.transpose().map_err(refuse)?,
         samples: length.samples,
-        restricted: few.as_ref().map(|(few, found)| (*few, found)),
+        restricted: a.most_maneuvers.zip(few.as_ref()),
         figures,
         accuracy: accuracy.as_ref(),
         sequence,
@@ -175,10 +172,10 @@ pub struct Refine {
     /// dictionary, else what the start reaches
     #[arg(long, value_name = "limits.toml")]
     limits: Option<PathBuf>,
-    /// Maximum number of iterations
-    #[arg(long, value_name = "N", default_value_t = 3000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    iterations: u32,
 }
+
+/// Most iterations of a search.
+const ITERATIONS: usize = 3000;
 
 impl Task for Refine {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
@@ -196,7 +193,7 @@ impl Task for Refine {
         let vessel = StageOfTerms::Refine.read(&self.vessel, &mut provenance)?.with_disturbances_held();
         check_constants(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
         let refinement = search(self, &vessel, &mut provenance, common.quiet)?;
-        settings(self, &refinement, &mut provenance);
+        settings(&refinement, &mut provenance);
         let is_guess = is_guess(&self.vessel, &vessel);
         let files = RefinedFiles { vessel: &vessel, found: &refinement, is_guess };
         let document = files.document();
@@ -241,12 +238,12 @@ fn search(
         None => StatedLimits::default(),
     };
     let (limits, start) = Limits::new(&stated, vessel, &generator, start).map_err(refused)?;
-    let progress = WorkProgress::new("iterations, at most", a.iterations as usize, quiet);
+    let progress = WorkProgress::new("iterations, at most", ITERATIONS, quiet);
     let watch = Watch::new(move || {
         progress.advance(1);
         true
     });
-    Refinement::search(vessel, start, limits, a.iterations as usize, &watch).map_err(refused)
+    Refinement::search(vessel, start, limits, ITERATIONS, &watch).map_err(refused)
 }
 
 /// The experiment of the design in a campaign.
@@ -269,11 +266,10 @@ fn files(a: &Refine) -> Files<'_> {
 }
 
 /// The settings that the result depends on besides the inputs.
-fn settings(a: &Refine, found: &Refinement, provenance: &mut Provenance) {
+fn settings(found: &Refinement, provenance: &mut Provenance) {
     let settings = &mut provenance.settings;
     settings.insert("simulate_with".into(), json!(found.start.source));
     settings.insert("relative_to".into(), json!(found.start.source));
-    settings.insert("iterations".into(), json!(a.iterations));
 }
 
 /// Why an experiment is not refined.

@@ -4,6 +4,7 @@
 //! [`starting`] writes the hand-written files of a new study. A [`Pipeline`] lists the stages of a study as command lines; a
 //! [`RunRecord`] knows by digests which of them need not run again. Whoever has the stages runs them.
 
+pub mod settings;
 pub mod starting;
 mod steps;
 
@@ -16,6 +17,7 @@ use files::{
     trace,
 };
 use refusal::{Invalid, foreign};
+use settings::StageSettings;
 use ship::model::VesselFile;
 use steps::{StudyShape, measured, simulated, simulated_logs};
 use study::documents::{RunDocument, RunStage};
@@ -23,7 +25,8 @@ use study::files::read_ingest;
 use study::ingest_file::recordings::find;
 use study::refuse;
 
-pub use steps::{StudySettings, StudyStep};
+pub use settings::StudySettings;
+pub use steps::StudyStep;
 
 /// The hand-written files that a study needs, what each is, and which of the two kinds of `new` write it.
 const WRITTEN: [(&str, &str, &str); 4] = [
@@ -32,6 +35,9 @@ const WRITTEN: [(&str, &str, &str); 4] = [
     ("campaign.toml", "disturbances, noise and number of the simulated trials", "--vessel <preset>"),
     ("ingest.toml", "what is in the logs", "--vessel <preset> --logs <folder>"),
 ];
+
+/// How sub-experiments are picked where a study does not say otherwise.
+const SELECTION: &str = "--estimator iv --nominal least-squares";
 
 /// A study: its folders and stages.
 #[derive(Debug)]
@@ -66,22 +72,24 @@ impl Pipeline {
         let folders = Folders { study: study.to_owned(), out: out.to_owned() };
         let mut pipeline =
             Self { folders, dictionary: PathBuf::new(), logs: PathBuf::new(), steps: Vec::new() };
-        pipeline.dictionary = pipeline.resolved(settings.or("DICTIONARY", "\0study/dictionary.toml")).into();
-        let usual = || pipeline.resolved(settings.or("LOGS", "\0study/logs")).into();
+        let of_study =
+            |given: &Option<PathBuf>, usual: &str| study.join(given.as_deref().unwrap_or(Path::new(usual)));
+        pipeline.dictionary = of_study(&settings.dictionary, "dictionary.toml");
         pipeline.logs = match logs {
             _ if from_instruments => out.join("logs"),
             Some(logs) => logs.to_owned(),
-            None => usual(),
+            None => of_study(&settings.logs, "logs"),
         };
         if !from_instruments && has("ingest.toml") {
             shape.recordings = recordings(study, &pipeline.logs);
         }
         pipeline.steps = if from_instruments {
-            let selection = "--estimator iv --nominal least-squares --realizations 500";
-            let settings = settings.selecting();
-            [simulated_logs().to_vec(), measured(&settings, &shape, selection)].concat()
+            let asked = settings.selection.as_ref();
+            let flags =
+                asked.unwrap_or(&StageSettings::default()).over(&format!("{SELECTION} --realizations 500"));
+            [simulated_logs().to_vec(), measured(settings, &shape, Some(flags))].concat()
         } else if has("ingest.toml") {
-            measured(settings, &shape, "--estimator iv --nominal least-squares")
+            measured(settings, &shape, settings.selection.as_ref().map(|asked| asked.over(SELECTION)))
         } else {
             simulated(settings, &shape)
         };
@@ -156,7 +164,7 @@ impl Pipeline {
                 && !path.is_dir()
                 && !written.iter().any(|output| output.starts_with("\0out/logs/"))
             {
-                let remedy = "name it with --logs, or write LOGS = <folder> into study.mk";
+                let remedy = "name it with --logs, or write logs = \"<folder>\" into study.toml";
                 return Err(refuse(&path, "--logs", "no such folder", "the folder of the logs", remedy));
             }
             if path.extension().is_some() && !path.exists() {
@@ -268,6 +276,15 @@ impl Folders {
         }
     }
 
+    /// The way from the results to the study.
+    fn way(&self) -> Option<String> {
+        let [study, out] = [&self.study, &self.out].map(|folder| folder.canonicalize());
+        let (study, out) = (study.ok()?, out.ok()?);
+        let shared = study.components().zip(out.components()).take_while(|(one, other)| one == other).count();
+        let rest: PathBuf = study.components().skip(shared).collect();
+        Some("../".repeat(out.components().count() - shared) + &rest.to_string_lossy())
+    }
+
     /// The path that a record names `key`.
     fn path(&self, key: &str) -> PathBuf {
         let below = |(name, folder): (&str, &PathBuf)| {
@@ -317,6 +334,21 @@ impl RunRecord {
         let file = out.join("run.json");
         let document = read_document::<RunDocument>(&file).map(|loaded| loaded.data).unwrap_or_default();
         Self { file, program, digest, document }
+    }
+
+    /// Notes of which study these are the results.
+    ///
+    /// # Errors
+    /// Results of another study.
+    pub fn belong_to(&mut self, pipeline: &Pipeline) -> Result<(), Error> {
+        let study = pipeline.folders.way().map(|way| Digest::of_bytes(way.as_bytes()));
+        if self.document.study.is_some_and(|known| study != Some(known)) {
+            let (found, expected) = ("the results of another study", "none, or those of this one");
+            let remedy = "name another folder with --out, or remove this one";
+            return Err(refuse(&self.file, "`data.study`", found, expected, remedy));
+        }
+        self.document.study = study;
+        Ok(())
     }
 
     /// Whether `step` ran by this program with these `words`, and what it read and wrote is as it was.

@@ -252,15 +252,7 @@ pub fn ends(place: &Place, line: &str) -> Result<i32, Fault> {
 
 /// The same in less time and memory.
 pub fn ends_within(place: &Place, line: &str, limit: Duration, memory_kib: u64) -> Result<i32, Fault> {
-    // An output with its own path.
-    let exported = line.split_whitespace().skip_while(|word| *word != "--export-problem").nth(1);
-    let exported = exported.map(|name| place.path().join(name));
-    let inputs = || {
-        let mut all = place.inputs();
-        all.retain(|path, _| Some(path.as_path()) != exported.as_deref());
-        all
-    };
-    let before = inputs();
+    let before = place.inputs();
     let ended = wait_for(place, start_within(place, line, "", memory_kib), limit);
     let code = ended.judged()?;
     if code == AT_WORK {
@@ -274,7 +266,7 @@ pub fn ends_within(place: &Place, line: &str, limit: Duration, memory_kib: u64) 
     if let Some(wrong) = badly_said(code, &ended.told) {
         return Err((Wrong::Words, format!("exit code {code}, {wrong}: {}", ended.told)));
     }
-    if inputs() != before {
+    if place.inputs() != before {
         return Err((
             Wrong::Other,
             format!("exit code {code}, but files beside the output changed: {}", ended.told),

@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use tempfile::TempDir;
 
 use crate::planned::{ISLAND, SMALL};
-use crate::support::{craft, edit, put, repository, run};
+use crate::support::{FEW_ROUNDS, craft, edit, in_rounds, put, repository, run};
 
 /// Files by their paths below a folder.
 pub type Files = BTreeMap<String, Vec<u8>>;
@@ -29,14 +29,14 @@ pub struct Stage {
 impl Stage {
     /// The command line that writes into the folder `out`.
     pub fn line_into(&self, folder: &str) -> String {
-        format!("{} --out {folder}{} --allow-mixed", self.line, self.out)
+        format!("{} --out {folder}{} --allow=mixed", self.line, self.out)
     }
 
     /// The command line with the other result.
     pub fn other_into(&self, folder: &str) -> String {
         let [from, to] = self.other;
         assert!(self.line.contains(from), "{}: no `{from}`", self.line);
-        format!("{} --out {folder}{} --allow-mixed", self.line.replacen(from, to, 1), self.out)
+        format!("{} --out {folder}{} --allow=mixed", self.line.replacen(from, to, 1), self.out)
     }
 }
 
@@ -119,11 +119,11 @@ static PAPER: [Stage; 20] = [
         &["moments-2.json"],
     ),
     stage(
-        "design refine --vessel vessel.toml --dictionary dictionary.toml --design design-2.json --campaign campaign.toml \
-         --limits limits.toml --iterations 8",
+        "design refine --vessel vessel.toml --dictionary dictionary.toml --design design-2.json --campaign campaign-2.toml \
+         --limits limits.toml",
         "refined.json",
-        ["--iterations 8", "--iterations 16"],
-        &["vessel.toml", "dictionary.toml", "design-2.json", "campaign.toml", "limits.toml"],
+        ["limits.toml", "limits-2.toml"],
+        &["vessel.toml", "dictionary.toml", "design-2.json", "campaign-2.toml", "limits.toml"],
     ),
     stage(
         "estimate pool --vessel vessel.toml --trajectories campaign.parquet --runs random/0,random/1 --bootstrap 3",
@@ -133,7 +133,7 @@ static PAPER: [Stage; 20] = [
     ),
     stage(
         "validate cross --vessel vessel.toml --trajectories campaign.parquet --runs random/0,random/1 --window-s 10 \
-         --estimators ls",
+         --estimator ls",
         "crossval.json",
         ["--window-s 10", "--window-s 20"],
         &["vessel.toml", "campaign.parquet"],
@@ -146,10 +146,10 @@ static PAPER: [Stage; 20] = [
         &["vessel.toml", "campaign.parquet"],
     ),
     stage(
-        "sequential --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --config sequential.toml",
+        "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml",
         "sequential.parquet",
         SEED,
-        &["vessel.toml", "dictionary.toml", "campaign.toml", "sequential.toml", "sequential.toml"],
+        &["vessel.toml", "dictionary.toml", "campaign.toml"],
     ),
     stage(
         "simulate campaign --gather part-1.parquet part-2.parquet",
@@ -276,7 +276,7 @@ static LOGS: [Stage; 9] = [
     ),
     stage(
         "validate cross --vessel vessel.toml --trajectories trajectories.parquet --recordings ingest.json \
-         --nominal estimate.json --window-s 4 --estimators ls,iv",
+         --nominal estimate.json --window-s 4 --estimator ls,iv",
         "crossval.json",
         ["--window-s 4", "--window-s 3"],
         &["trajectories.parquet", "ingest.json", "estimate.json"],
@@ -375,6 +375,7 @@ fn paper() -> Ground {
     edit(&folder, "campaign.toml", "duration_s = 125.0", "duration_s = 40.0");
     edit(&folder, "campaign.toml", "duration_s = 125.0", "duration_s = 20.0");
     edit(&folder, "campaign.toml", "0.15811388300841897", "0.02");
+    in_rounds(&folder, FEW_ROUNDS);
     varied(
         &folder,
         "campaign.toml",
@@ -383,14 +384,14 @@ fn paper() -> Ground {
         "parameter_error_bound = 6.0",
     );
     edit(&folder, "campaign-2.toml", "seed = 1", "seed = 2");
+    edit(&folder, "campaign-2.toml", "duration_s = 40.0", "duration_s = 15.0");
     edit(&folder, "campaign-2.toml", "std_u_m_s = 0.15811388300841897", "std_u_m_s = 0.1");
     edit(&folder, "campaign-2.toml", "speed_amplitude_m_s = 0.3", "speed_amplitude_m_s = 0.2");
     varied(&folder, "dictionary.toml", "dictionary-2.toml", "duration_s = 37.5", "duration_s = 30.0");
-    let rounds = "realizations = 2\nduration_s = 60.0\nrounds = 2\nnominal_spread = 0.4\naccuracy = 0.5\n";
-    put(&folder, "sequential.toml", rounds);
     let limits =
         "u_m_s = 1.2\nv_m_s = 0.3\nr_rad_s = 0.7\n[inputs]\ntau1 = 6500.0\ntau2 = 1600.0\ntau3 = 800.0\n";
     put(&folder, "limits.toml", limits);
+    varied(&folder, "limits.toml", "limits-2.toml", "u_m_s = 1.2", "u_m_s = 1.3");
     let part = |stage: &Stage, name: &str, more: &str| {
         drop(run(&folder, &format!("{} --out {name} {more}", stage.line)).succeeds());
     };
@@ -409,7 +410,7 @@ fn paper() -> Ground {
     }
     edit(&folder, "campaign.toml", "parameter_error_bound = 5.0", "parameter_error_bound = 4.0");
     for (k, half) in [(4, "1/2"), (5, "2/2")] {
-        part(&PAPER[6], &format!("scores-{k}.parquet"), &format!("--shard {half} --allow-mixed"));
+        part(&PAPER[6], &format!("scores-{k}.parquet"), &format!("--shard {half} --allow=mixed"));
     }
     edit(&folder, "campaign.toml", "parameter_error_bound = 4.0", "parameter_error_bound = 5.0");
     made(&folder, &PAPER)

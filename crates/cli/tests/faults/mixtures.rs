@@ -14,7 +14,7 @@ use crate::support::draw::Draw;
 /// Readers of what the stages of the grounds write, besides these stages.
 const READERS: [&str; 5] = [
     "ingest --config ingest.toml --vessel vessel.toml --logs . --out out/t.parquet",
-    "simulate campaign --vessel vessel.toml --dictionary refined-dictionary.toml --campaign campaign.toml \
+    "simulate campaign --vessel vessel.toml --dictionary refined-dictionary.toml --campaign campaign-2.toml \
      --design refined-design.json --out out/t.parquet",
     "validate --vessel vessel.toml --campaign campaign.toml --estimates kept-estimates.parquet --validation \
      validation.parquet --out out/s.parquet",
@@ -56,7 +56,7 @@ impl Mixed {
         }
         let lines =
             ground.stages.iter().filter(|own| own.line != stage.line).map(|own| own.line_into("out/"));
-        let lines = lines.chain(READERS.map(|line| format!("{line} --allow-mixed")));
+        let lines = lines.chain(READERS.map(|line| format!("{line} --allow=mixed")));
         let reads = |line: &String| {
             let words: Vec<&str> = line.split_whitespace().collect();
             words[0] == "report" || words.contains(&".") || words.iter().any(|word| names.contains(*word))

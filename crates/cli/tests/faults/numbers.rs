@@ -47,7 +47,7 @@ const UNSTATED: [(&str, &str); 58] = [
     ("campaign.toml", "wind.std_surge_m_s2"),
     ("campaign.toml", "wind.time_constant_s"),
     ("limits.toml", "rates.tau1"),
-    ("sequential.toml", "floor.X_u"),
+    ("campaign.toml", "rounds.floor.X_u"),
     ("plan.toml", "raster_per_cell"),
     ("plan.toml", "informative_s"),
     ("plan.toml", "safety.parameter_error"),
@@ -117,7 +117,7 @@ fn cases() -> Vec<Case> {
             .flat_map(|name| keys(ground, name).into_iter().map(move |key| Change::Key(name, key)));
         let flags = flags(stage.line).into_iter().filter(|(_, with_value)| *with_value);
         // Outputs, and the number of threads.
-        let other = ["--out", "--threads", "--export-problem"];
+        let other = ["--out", "--threads"];
         let flags = flags.filter(|(flag, _)| !other.contains(&flag.as_str()));
         let changes = keys.chain(flags.map(|(flag, _)| Change::Flag(flag)));
         for change in changes.collect::<Vec<_>>() {

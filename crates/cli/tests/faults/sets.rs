@@ -77,7 +77,7 @@ fn a_closed_or_full_output_is_no_panic() {
         "--version",
         "verify .",
         "completions bash",
-        "manual man",
+        "completions man man",
     ];
     for line in lines {
         assert_eq!(ended(&format!("{line} >/dev/full")), Some(1), "{line}");

@@ -301,12 +301,12 @@ fn no_estimate_is_made_of_a_doubtful_recording_unless_asked() {
     for estimate in [&["estimate"][..], &["estimate", "pool"], &["estimate", "search"]] {
         let (code, said) = asked(estimate, &[]);
         assert_eq!(code, Some(3), "{estimate:?}: {said}");
-        for piece in ["t.parquet: recording `a`", "--allow-doubtful"] {
+        for piece in ["t.parquet: recording `a`", "--allow=doubtful"] {
             assert!(said.contains(piece), "{estimate:?}: {said}");
         }
     }
     let pool = |more: &[&str]| asked(&["estimate", "pool"], &[&["--estimator", "ls"], more].concat());
-    let (code, said) = pool(&["--allow-doubtful"]);
+    let (code, said) = pool(&["--allow=doubtful"]);
     assert!(code == Some(0) || code == Some(4), "{said}");
     let (code, said) = pool(&["--recordings", "t-ingest.json", "--leave-out", "a"]);
     assert!(code == Some(0) || code == Some(4), "{said}");

@@ -101,7 +101,7 @@ fn law_a_plan_that_is_kept_although_unsafe_keeps_to_the_memory() {
         ("margin_m = 20.0", "margin_m = 60.0"),
         ("headings = 4", "headings = 4\nraster_per_cell = 64"),
     ]);
-    let line = format!("{PLAN} --allow-unsafe");
+    let line = format!("{PLAN} --allow=unsafe");
     let (mut planned, mut refused) = (0, 0);
     for mib in [100, 130, 152, 160, 200] {
         let (code, peak) = peak_mib(&folder, &format!("{line} --memory-mib {mib}"));

@@ -250,7 +250,7 @@ fn a_design_of_other_maneuvers_is_refused() {
     ]);
     let other = OTHER_VESSEL.with(&["design.json"]);
     std::fs::copy(other.path().join("design.json"), folder.path().join("design.json")).unwrap();
-    let line = format!("{PLAN} --design design.json --allow-mixed");
+    let line = format!("{PLAN} --design design.json --allow=mixed");
     refused(&folder, 3, &line, &["design.json", "maneuver", "make the design again"]);
     let all = small_with(&[(
         "maneuver = [{ name = \"zig-zag-steep\", count = 1 }, { name = \"sway-zig-zag\", count = 1 }]",

@@ -1,4 +1,4 @@
-//! `plan follow`: where the ship is in a plan, and the plan of the rest from there.
+//! `plan --rest-of` by positions: where the ship is in a plan, and the plan of the rest from there.
 
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -10,7 +10,7 @@ use tempfile::TempDir;
 use crate::planned::*;
 use crate::support::*;
 
-const FOLLOW: &str = "plan follow --plan plan.json --positions positions.csv --vessel vessel.toml \
+const FOLLOW: &str = "plan --rest-of plan.json --from positions.csv --vessel vessel.toml \
      --trajectories dictionary.parquet --config plan.toml --out rest/plan.json";
 
 /// A folder with a plan of the small study with changes, its files, and a folder for the rest.
@@ -203,10 +203,6 @@ fn a_maneuver_that_is_missed_is_planned_again() {
     run(&folder, FOLLOW).succeeds();
     let counts = json(&folder, "rest/plan.json")["data"]["counts"].take();
     assert_eq!(counts, serde_json::json!({"zig-zag-steep": 1}));
-    put(&folder, "positions.csv", &seconds(&rows));
-    // Within a distance that is stated she came along it, and left its shape.
-    run(&folder, &format!("{FOLLOW} --within-m 200")).succeeds();
-    assert_eq!(json(&folder, "rest/follow.json")["data"]["steps"][step]["state"], "spoiled");
 }
 
 /// A sentence with its checksum.
@@ -270,7 +266,7 @@ fn positions_that_are_not_of_the_plan_are_refused() {
     // Another plan: half a nautical mile farther north.
     check(
         &changed(&|_, [t, lon, lat]| Some([t, lon, lat + 0.0083])),
-        &["positions", "all positions are displaced by 9", "--within-m"],
+        &["positions", "all positions are displaced by 9", "convert their datum"],
     );
     // Another day, and another year.
     for day in ["2026-06-02", "2026-05-31"] {
@@ -289,7 +285,8 @@ fn positions_that_are_not_of_the_plan_are_refused() {
             "42 s since line ",
             "in `zig-zag-steep` of step ",
             "at most 30 s in a maneuver",
-            "--max-gap-s",
+            "give a log without the gap",
+            "--done STEPS --from LON,LAT,HEADING",
         ],
     );
     check(
@@ -308,10 +305,7 @@ fn positions_that_are_not_of_the_plan_are_refused() {
     let end = left[left.len() - 1];
     left.extend((1..200).map(|k| [end[0] + f64::from(k), end[1] - 2e-5 * f64::from(k), end[2]]));
     check(&seconds(&left), &["m from the end of the plan, ", "up to the end", "cut the log where it ends"]);
-    // A gap that is allowed, and one outside of maneuvers.
-    let gap = changed(&|_, row| (row[0] < begins_s + 50.0 || row[0] > begins_s + 90.0).then_some(row));
-    put(&folder, "positions.csv", &gap);
-    run(&folder, &format!("{FOLLOW} --max-gap-s 60")).succeeds();
+    // A gap outside of maneuvers is none of these.
     put(&folder, "positions.csv", &changed(&|_, row| (row[0] < 150.0 || row[0] > 250.0).then_some(row)));
     run(&folder, FOLLOW).succeeds();
 }
@@ -378,10 +372,15 @@ fn positions_that_are_no_positions_are_refused() {
 fn files_and_flags_that_make_no_sense_are_refused() {
     let (folder, planned) = planned(&[]);
     put(&folder, "positions.csv", &seconds(&along(&planned.track, 100.0, 1, 3.0)));
-    for flag in ["--within-m=0", "--within-m=-3", "--max-gap-s=0", "--max-gap-s=nan"] {
-        let name = flag.split('=').next().unwrap();
-        run(&folder, &format!("{FOLLOW} {flag}")).refuses(2, &[name]);
+    refused(&folder, 2, &format!("{FOLLOW} --done 1"), &["--from", "file positions.csv", "leave --done out"]);
+    refused(&folder, 2, &FOLLOW.replace("--rest-of plan.json ", ""), &["--rest-of"]);
+    refused(&folder, 2, &FOLLOW.replace("--from positions.csv ", ""), &["--from"]);
+    for line in [FOLLOW, &FOLLOW.replace("--rest-of plan.json ", "")] {
+        refused(&folder, 2, &format!("{line} --design design.json"), &["--design"]);
     }
+    let before =
+        FOLLOW.replace("plan --rest-of plan.json --from", "plan follow --plan plan.json --positions");
+    refused(&folder, 2, &before, &["'follow'"]);
     run(&folder, &FOLLOW.replace("--out rest/plan.json", "--out positions.csv")).refuses(2, &["--out"]);
     run(&folder, &FOLLOW.replace("--out rest/plan.json", "--out rest/follow.json")).refuses(2, &["--out"]);
     refused(&folder, 1, &FOLLOW.replace("positions.csv", "absent.csv"), &["absent.csv"]);
@@ -405,7 +404,7 @@ fn the_model_identified_so_far_takes_the_vessels_place() {
     }
     let pool = "estimate pool --vessel vessel.toml --trajectories campaign.parquet --out estimates.parquet";
     run(&folder, pool).succeeds();
-    let line = FOLLOW.replace("--vessel vessel.toml", "--model model.json --beyond-range");
+    let line = FOLLOW.replace("--vessel vessel.toml", "--model model.json --allow=beyond-range");
     run(&folder, &format!("{line} --set plan.safety.standard_errors=2")).succeeds();
     let rest = json(&folder, "rest/plan.json");
     assert_eq!(rest["data"]["voyage"]["check"]["standard_errors"], 2.0);
@@ -514,7 +513,7 @@ fn law_logs_that_contradict_themselves_or_the_plan_are_refused_and_their_healthy
         ),
         (
             columns(track, &frozen, heading, |_| 1.5),
-            &["no motion since line", "her speed is 1.5 m/s", "plan resume --done STEPS --from"],
+            &["no motion since line", "her speed is 1.5 m/s", "--done STEPS --from LON,LAT,HEADING"],
         ),
         (
             table(&rows, |at_s| format!("{}", 1_780_300_800.0 + at_s)),
@@ -524,7 +523,7 @@ fn law_logs_that_contradict_themselves_or_the_plan_are_refused_and_their_healthy
         (table(&rows, |at_s| format!("{}", 1e3 * at_s)), &["`time`", "as of milliseconds"]),
         (
             seconds(&changed(&|_, [t, lon, lat]| [t, lon, lat + 120.0 * north_deg])),
-            &["all positions are", "--within-m 1"],
+            &["all positions are", "the antenna's place"],
         ),
         (seconds(&rows).replace(".", ","), &["line 2", "cells", "decimal commas need semicolons"]),
     ];
@@ -532,11 +531,6 @@ fn law_logs_that_contradict_themselves_or_the_plan_are_refused_and_their_healthy
         put(&folder, "positions.csv", &text);
         refused(&folder, 3, FOLLOW, &[&["positions.csv"], pieces].concat());
     }
-    // A displacement is allowed by word.
-    let displaced = changed(&|_, [t, lon, lat]| [t, lon, lat + 120.0 * north_deg]);
-    put(&folder, "positions.csv", &seconds(&displaced));
-    let ran = run(&folder, &format!("{FOLLOW} --within-m 180"));
-    assert!(ran.stderr.contains("all positions are"), "{ran}");
 }
 
 #[test]

@@ -165,9 +165,8 @@ fn law_the_rest_of_a_plan_has_the_rest_of_its_information() {
     let follow = |rows: &[String]| {
         let head = "time,longitude_deg,latitude_deg\n".to_owned();
         put(&again, "positions.csv", &rows.iter().fold(head, |text, row| text + row + "\n"));
-        let line =
-            PLAN.replace("--out plan.json", "--out rest/plan.json").replacen("plan ", "plan follow ", 1);
-        run(&again, &format!("{line} --plan plan.json --positions positions.csv")).succeeds();
+        let line = PLAN.replace("--out plan.json", "--out rest/plan.json");
+        run(&again, &format!("{line} --rest-of plan.json --from positions.csv")).succeeds();
         json(&again, "rest/follow.json")["data"].clone()
     };
     let whole = follow(&rows);

@@ -39,7 +39,7 @@ fn a_vessel_that_cannot_hold_its_track_is_refused_in_one_line() {
     ] {
         let folder = ship(keys);
         let code = if keys.contains("lag_s") { 4 } else { 3 };
-        refused(&folder, code, &format!("{PLAN} --allow-mixed"), &pieces);
+        refused(&folder, code, &format!("{PLAN} --allow=mixed"), &pieces);
     }
 }
 
@@ -48,7 +48,7 @@ fn law_actuators_of_a_plan_take_commands_when_their_hold_ends() {
     let folder = small_with(&[]);
     let text = std::fs::read_to_string(folder.path().join("vessel.toml")).unwrap();
     put(&folder, "vessel.toml", &text.replace("unit = \"kN", "hold_s = 3.0\nunit = \"kN"));
-    run(&folder, &format!("{PLAN} --allow-mixed")).succeeds();
+    run(&folder, &format!("{PLAN} --allow=mixed")).succeeds();
     let planned = Planned::of(&folder);
     let voyage = planned.voyage();
     assert_eq!(voyage["check"]["safe"], true);

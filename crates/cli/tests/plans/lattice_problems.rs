@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use crate::planned::{PLAN, small};
+use crate::planned::{PLAN, small, small_with};
 use crate::support::*;
 
 pub const SOLVE: &str = "plan --problem problem.json --out plan.json";
@@ -180,13 +180,16 @@ fn a_problem_that_is_not_there_and_one_over_itself_are_told() {
 }
 
 #[test]
-fn law_an_exported_problem_has_the_plans_cost() {
+fn law_a_kept_problem_has_the_plans_cost() {
     let folder = small();
-    run(&folder, &format!("{PLAN} --export-problem problem.json")).succeeds();
-    for taken in ["dictionary.parquet", "plan.toml", "./plan.json", "track.geojson"] {
-        let line = format!("{PLAN} --export-problem {taken}");
-        refused(&folder, 2, &line, &["--export-problem", "also an input or another output"]);
-    }
+    run(&folder, &format!("{PLAN} --keep problem")).succeeds();
+    refused(&folder, 2, &format!("{PLAN} --keep all"), &["--keep", "[possible values: problem]"]);
+    let line = PLAN.replace("--out plan.json", "--keep problem --out problem.json");
+    refused(&folder, 2, &line, &["--out: found problem.json", "written beside it"]);
+    // A chart with its name.
+    let taken = small_with(&[("land.geojson", "problem.json")]);
+    fs::rename(taken.path().join("land.geojson"), taken.path().join("problem.json")).unwrap();
+    refused(&taken, 2, &format!("{PLAN} --keep problem"), &["--out: found problem.json", "would replace"]);
     let planned = json(&folder, "plan.json");
     run(&folder, "plan --problem problem.json --out again.json").succeeds();
     let again = json(&folder, "again.json");
@@ -195,6 +198,6 @@ fn law_an_exported_problem_has_the_plans_cost() {
         (&again["data"]["cost"], &again["data"]["counts"]),
         (&planned["data"]["cost"], &planned["data"]["counts"])
     );
-    let both = run(&folder, "plan --problem problem.json --export-problem other.json --out x.json");
+    let both = run(&folder, "plan --problem problem.json --keep problem --out x.json");
     assert!(both.code == Some(2), "{both}");
 }

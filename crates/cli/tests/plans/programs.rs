@@ -44,7 +44,7 @@ duration_s = 180.0
 executed = "feedback"
 "#;
 
-const SIMULATE: &str = "simulate dictionary --vessel vessel.toml --dictionary dictionary.toml --out dictionary.parquet --allow-unreached";
+const SIMULATE: &str = "simulate dictionary --vessel vessel.toml --dictionary dictionary.toml --out dictionary.parquet --allow=unreached";
 
 /// A study off Helsinki with these maneuvers of [`DICTIONARY`], once each, and `dictionary.toml` in which `from` is turned into `to`.
 fn study(names: &[&str], [from, to]: [&str; 2]) -> TempDir {
@@ -202,9 +202,9 @@ fn law_the_rest_of_a_trial_is_sailed_by_programs_too() {
     let mode = planned.steps()[first]["to"]["mode"].as_str().unwrap();
     let from = ["longitude_deg", "latitude_deg", "heading_deg"].map(|key| number(key).to_string()).join(",");
     let rest = BY_PROGRAMS
-        .replace("plan --vessel", "plan resume --vessel")
+        .replace("plan --vessel", "plan --rest-of plan.json --vessel")
         .replace("--out plan.json", "--out rest.json");
-    run(&folder, &format!("{rest} --plan plan.json --done {} --from {from},{mode}", first + 1)).succeeds();
+    run(&folder, &format!("{rest} --done {} --from {from},{mode}", first + 1)).succeeds();
     let legs = json(&folder, "rest.json")["data"]["voyage"]["legs"].clone();
     let informative = |legs: &[Value]| -> Vec<(Value, f64)> {
         let own = legs.iter().filter(|leg| leg["informative"] == true);

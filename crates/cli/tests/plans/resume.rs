@@ -1,4 +1,4 @@
-//! `plan resume`: the rest of a plan from where the ship is.
+//! `plan --rest-of` from a place: the rest of a plan from where the ship is.
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -12,7 +12,7 @@ fn resume(folder: &TempDir, done: usize, from: &str) -> Ran {
     run(
         folder,
         &format!(
-            "plan resume --plan plan.json --done {done} --from {from} --vessel vessel.toml --trajectories dictionary.parquet \
+            "plan --rest-of plan.json --done {done} --from {from} --vessel vessel.toml --trajectories dictionary.parquet \
              --config plan.toml --out rest.json"
         ),
     )
@@ -91,5 +91,11 @@ fn a_resume_that_makes_no_sense_is_refused() {
         let ran = resume(&folder, 1, wrong);
         assert!(ran.code == Some(2) && ran.stderr.contains("LONGITUDE,LATITUDE,HEADING"), "{ran}");
     }
+    let line = "plan --rest-of plan.json --from -24.985,60.0,0 --vessel vessel.toml --trajectories dictionary.parquet --config plan.toml \
+                --out rest.json";
+    refused(&folder, 2, line, &["--done: found none", "how many steps", "add --done STEPS"]);
+    let before = line.replace("plan --rest-of plan.json", "plan resume --plan plan.json --done 1");
+    refused(&folder, 2, &before, &["'resume'"]);
+    refused(&folder, 2, "plan --problem plan.json --done 1 --out rest.json", &["--done"]);
     assert!(!folder.path().join("rest.json").exists());
 }

@@ -31,7 +31,7 @@ fn a_plan_that_fails_its_check_is_refused_and_writes_nothing() {
 #[test]
 fn a_plan_that_fails_its_check_and_is_allowed_says_so_in_every_output() {
     let folder = strained();
-    run(&folder, &format!("{PLAN} --allow-unsafe")).succeeds();
+    run(&folder, &format!("{PLAN} --allow=unsafe")).succeeds();
     let planned = Planned::of(&folder);
     let check = &planned.voyage()["check"];
     assert_eq!(check["safe"], false, "{check}");
@@ -280,7 +280,7 @@ fn charted_points_and_lines_are_obstacles_as_deep_and_wide_as_they_are_dangerous
     // 33 m north of the start: within 50 m, the default, but not within 5 m and a margin of 20 m of a hull 30 m long.
     let near = ["`start`", "m from an obstacle", "the nearest clear node is"];
     for kind in ["land", "no-go", "danger", "depth\"\nleast = \"VALSOU"] {
-        refused(&dangers(&format!("kind = \"{kind}\""), "3.5"), 4, &format!("{PLAN} --allow-unsafe"), &near);
+        refused(&dangers(&format!("kind = \"{kind}\""), "3.5"), 4, &format!("{PLAN} --allow=unsafe"), &near);
     }
     refused(&dangers("kind = \"danger\"", "null"), 4, PLAN, &near);
     run(&dangers("kind = \"danger\"", "8.5"), PLAN).succeeds();

@@ -127,7 +127,7 @@ fn other_files_in_the_plans_place_are_refused() {
     refused(&folder, 3, SIMULATE, &["plan.json"]);
     let folder = sailed(2);
     put(&folder, "vessel.toml", "preset = \"ljungberg-model-ship\"\n");
-    refused(&folder, 3, &format!("{SIMULATE} --allow-mixed"), &["track.parquet", "kN", "N"]);
+    refused(&folder, 3, &format!("{SIMULATE} --allow=mixed"), &["track.parquet", "kN", "N"]);
     refused(&sailed(2), 2, &SIMULATE.replace("planned.parquet", "plan.json"), &["--out", "plan.json"]);
 }
 

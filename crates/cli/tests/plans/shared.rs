@@ -84,8 +84,8 @@ fn followed(case: &str) -> Option<TempDir> {
     Some(folder)
 }
 
-const FOLLOW: &str = "plan follow --plan plan.json --vessel vessel.toml --trajectories dictionary.parquet --config plan.toml \
-     --set plan.safety.runs=8 --out rest/plan.json --positions ";
+const FOLLOW: &str = "plan --rest-of plan.json --vessel vessel.toml --trajectories dictionary.parquet --config plan.toml \
+     --set plan.safety.runs=8 --out rest/plan.json --from ";
 
 #[test]
 fn logs_that_leave_the_place_of_a_ship_in_doubt_are_refused() {

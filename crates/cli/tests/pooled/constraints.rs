@@ -9,7 +9,7 @@ use crate::{CROSS, POOL};
 
 const PRESET: &str = include_str!("../../../ship/presets/ljungberg-model-ship.toml");
 /// A few runs, scored with a vessel that they were not simulated with.
-const FEW: &str = "--runs random/0,random/1,optimized/2 --allow-mixed";
+const FEW: &str = "--runs random/0,random/1,optimized/2 --allow=mixed";
 
 /// Writes the preset that vessel.toml names, the lines after `term` of each parameter replaced.
 fn written(folder: &TempDir, changes: &[(&str, &str)], more: &str) {
@@ -79,7 +79,7 @@ fn a_model_carries_what_was_fixed_tied_and_at_a_bound_and_the_next_estimate_star
     }
     run(
         &folder,
-        "simulate dictionary --model model.json --dictionary dictionary.toml --beyond-range --out d.parquet",
+        "simulate dictionary --model model.json --dictionary dictionary.toml --allow=beyond-range --out d.parquet",
     )
     .succeeds();
     run(&folder, "moments --model model.json --trajectories d.parquet --out moments.json").succeeds();
@@ -91,7 +91,7 @@ fn a_model_carries_what_was_fixed_tied_and_at_a_bound_and_the_next_estimate_star
 fn runs_one_by_one_and_cross_validation_keep_to_the_constraints() {
     let folder = with(&["campaign.parquet"]);
     written(&folder, &CONSTRAINED, "");
-    run(&folder, &format!("{ESTIMATE} --allow-mixed")).succeeds();
+    run(&folder, &format!("{ESTIMATE} --allow=mixed")).succeeds();
     let estimate = json(&folder, "estimate.json");
     for design in estimate["data"]["designs"].as_array().unwrap() {
         let parameters = design["parameters"].as_array().unwrap();
@@ -102,7 +102,7 @@ fn runs_one_by_one_and_cross_validation_keep_to_the_constraints() {
         assert!(parameters.iter().all(|p| p["name"] == "N_uv" || p.get("at_bound").is_none()));
     }
     assert_eq!(estimate["data"]["constrained"][0]["estimate"], -0.01);
-    run(&folder, &format!("{CROSS} --allow-mixed --out crossval.json")).succeeds();
+    run(&folder, &format!("{CROSS} --allow=mixed --out crossval.json")).succeeds();
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn the_constant_is_estimated_as_the_intercept_that_it_is() {
     refused(
         &folder,
         3,
-        &format!("{ESTIMATE} --allow-mixed --mean-removal batch"),
+        &format!("{ESTIMATE} --allow=mixed --mean-removal batch"),
         &["`Y_0`", "every segment"],
     );
     refused(
@@ -176,8 +176,8 @@ fn constraints_that_cannot_be_are_refused() {
     refused(&folder, 3, &format!("{line} --prior 0.1"), &["`N_uv`", "`bounds` beside a prior"]);
 }
 
-const SEARCHED: &str = "estimate search --vessel vessel.toml --trajectories campaign.parquet --fitted-window-s 20 --every-s 15 \
-     --window-s 25 --folds 3 --terms terms.toml --runs random/0,random/1,optimized/0 --allow-mixed --out search.json";
+const SEARCHED: &str = "estimate search --vessel vessel.toml --trajectories campaign.parquet --fitted-window-s 20 \
+     --window-s 25 --folds 3 --terms terms.toml --runs random/0,random/1,optimized/0 --allow=mixed --out search.json";
 const TERMS: &str = "surge = [\"u |u|\", \"1\"]\nsway = [\"v |v|\", \"u r\"]\nyaw = [\"r |r|\"]\n";
 
 /// Mean fit of the base structure over the recordings that were left out.
@@ -205,7 +205,7 @@ fn a_search_keeps_what_is_fixed_tied_and_bounded_to_the_bit() {
         let terms = |d: usize| model["data"]["degrees"][d]["parameters"].as_array().unwrap().clone();
         let count = |d: usize, term: &str| terms(d).iter().filter(|p| p["term"] == term).count();
         assert_eq!([count(0, "u |u|"), count(1, "u r"), count(1, "1")], [1; 3]);
-        run(&folder, "simulate dictionary --model model.json --dictionary dictionary.toml --beyond-range --out d.parquet")
+        run(&folder, "simulate dictionary --model model.json --dictionary dictionary.toml --allow=beyond-range --out d.parquet")
             .succeeds();
     }
 }

@@ -34,36 +34,15 @@ fn every_run_is_left_out_once_and_windows_are_side_by_side() {
 #[test]
 fn folds_are_dealt_in_turns() {
     let folder = with(&["campaign.parquet"]);
-    run(&folder, &format!("{CROSS} --folds 2 --estimators ls --out crossval.json")).succeeds();
+    run(&folder, &format!("{CROSS} --folds 2 --estimator ls --out crossval.json")).succeeds();
     assert_eq!(json(&folder, "crossval.json")["data"]["folds"], 2);
     assert_eq!(estimators(&folder)[0]["sources"].as_array().unwrap().len(), 4);
 }
 
 #[test]
-fn folds_can_be_named() {
-    let folder = with(&["campaign.parquet"]);
-    let line =
-        format!("{CROSS} --estimators ls --out crossval.json --fold random/1,optimized/3 --fold random/0");
-    run(&folder, &line).succeeds();
-    assert_eq!(json(&folder, "crossval.json")["data"]["folds"], 2);
-    let found = estimators(&folder);
-    let left_out: Vec<&str> =
-        found[0]["sources"].as_array().unwrap().iter().map(|s| s["source"].as_str().unwrap()).collect();
-    assert_eq!(left_out, ["optimized/3", "random/0", "random/1"]);
-    refused(
-        &folder,
-        3,
-        &line.replace("random/0 ", "random/0").replace("--fold random/0", "--fold random/9"),
-        &["`random/9`", "did you mean"],
-    );
-    refused(&folder, 3, &format!("{line},random/1"), &["`random/1`", "two folds", "--fold"]);
-    refused(&folder, 2, &format!("{line} --folds 2"), &["--folds", "cannot be used with"]);
-}
-
-#[test]
 fn an_estimator_that_cannot_be_simulated_is_told_and_not_recommended() {
     let folder = with(&["dictionary.parquet"]);
-    let line = "validate cross --vessel vessel.toml --trajectories dictionary.parquet --runs 0,1,2 --estimators iv --out c.json";
+    let line = "validate cross --vessel vessel.toml --trajectories dictionary.parquet --runs 0,1,2 --estimator iv --out c.json";
     let said = run(&folder, line).succeeds();
     let data = json(&folder, "c.json")["data"].clone();
     assert_eq!(
@@ -77,7 +56,7 @@ fn an_estimator_that_cannot_be_simulated_is_told_and_not_recommended() {
 fn the_report_of_pooled_runs_shows_them_and_what_is_missing() {
     let folder = with(&["campaign.parquet"]);
     run(&folder, &format!("{} --bootstrap 9 --out estimates.parquet", crate::POOL)).succeeds();
-    run(&folder, &format!("{CROSS} --estimators ls,iv --out crossval.json")).succeeds();
+    run(&folder, &format!("{CROSS} --estimator ls,iv --out crossval.json")).succeeds();
     run(&folder, REPORT).succeeds();
     let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
     for piece in

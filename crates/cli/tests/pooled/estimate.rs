@@ -77,7 +77,7 @@ fn results_do_not_depend_on_threads() {
         format!(
             "{POOL} --runs random/0,random/1 --estimator output-error --nominal least-squares --bootstrap 20 --out estimates.parquet"
         ),
-        format!("{} --estimators ls,auto --out crossval.json", crate::CROSS),
+        format!("{} --estimator ls,auto --out crossval.json", crate::CROSS),
         format!("{} --out selection.parquet", crate::SELECTION),
     ] {
         let made = |threads: u32| {
@@ -171,7 +171,7 @@ fn runs_that_are_read_again_give_the_same_bytes() {
     craft::read(&path, "trajectories").in_blocks_of(3 * 1001).write(&path);
     for flags in ["iv --mean-removal batch", "iv --nominal least-squares --part-s 20 --bootstrap 2"] {
         let made = |memory: &str| {
-            let line = format!("{POOL} --allow-mixed --estimator {flags} {memory} --out estimates.parquet");
+            let line = format!("{POOL} --allow=mixed --estimator {flags} {memory} --out estimates.parquet");
             run(&folder, &line).succeeds();
             ["estimates.parquet", "estimate.json", "trust.json"]
                 .map(|name| std::fs::read(folder.path().join(name)).unwrap())
@@ -187,7 +187,7 @@ fn estimates_that_do_not_fit_into_memory_are_refused_before_the_work() {
     let mut campaign = craft::read(&path, "trajectories").in_blocks_of(1001);
     campaign.blocks.truncate(2 * RUNS as usize);
     campaign.write(&path);
-    let tiny = "--part-s 0.125 --allow-mixed --memory-mib 12 --threads 1";
+    let tiny = "--part-s 0.125 --allow=mixed --memory-mib 12 --threads 1";
     let selection = SELECTION.replace("--part-s 25", "");
     for (line, amount) in [
         (format!("{POOL} --bootstrap 9"), "48 runs of 48000 samples in all"),
@@ -210,7 +210,7 @@ fn what_is_not_excited_is_not_answered_and_the_rest_is() {
     let twice = "\n[[surge]]\nparameter = \"X_again\"\nterm = \"u |u|\"\nnominal = -0.01\n";
     put(&folder, "vessel.toml", &(vessel + twice));
     let said =
-        run(&folder, &format!("{POOL} --runs random/0,random/1 --allow-mixed --out estimates.parquet"))
+        run(&folder, &format!("{POOL} --runs random/0,random/1 --allow=mixed --out estimates.parquet"))
             .succeeds();
     assert!(said.stdout.contains("not identifiable: surge: "), "{said}");
     let status: Vec<Value> = degrees(&folder).iter().map(|d| d["status"].clone()).collect();
@@ -229,7 +229,7 @@ fn terms_that_the_model_lacks_are_added_and_delivered() {
     let preset = include_str!("../../../ship/presets/ljungberg-model-ship.toml");
     let poorer: Vec<&str> = preset.split("\n\n").filter(|block| !block.contains("\"Y_v\"")).collect();
     std::fs::write(folder.path().join("poorer.toml"), poorer.join("\n\n")).unwrap();
-    let line = format!("{POOL} --runs random/6,random/7,random/8 --estimator output-error --allow-mixed")
+    let line = format!("{POOL} --runs random/6,random/7,random/8 --estimator output-error --allow=mixed")
         .replace("vessel.toml", "poorer.toml");
     run(&folder, &format!("{line} --out estimates.parquet")).succeeds();
     let before = json(&folder, "model.json");
@@ -246,7 +246,7 @@ fn terms_that_the_model_lacks_are_added_and_delivered() {
     assert_eq!(named(&model), named(&before) + added.len());
     let first = model["data"]["statements"][0].as_str().unwrap().to_owned();
     assert!(first.contains(" added in ") && first.contains(" without it): "), "{first}");
-    let simulate = "simulate dictionary --model model.json --dictionary dictionary.toml --beyond-range --out again.parquet --allow-mixed";
+    let simulate = "simulate dictionary --model model.json --dictionary dictionary.toml --allow=beyond-range --out again.parquet --allow=mixed";
     run(&folder, simulate).succeeds();
     run(&folder, &format!("{line} --add-terms 51 --out estimates.parquet"))
         .refuses(2, &["--add-terms", "51"]);

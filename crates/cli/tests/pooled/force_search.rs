@@ -7,7 +7,7 @@ use crate::support::*;
 
 const DICTIONARY: &str =
     "simulate dictionary --vessel vessel.toml --dictionary dictionary.toml --out d.parquet";
-const SEARCH: &str = "estimate search --vessel vessel.toml --trajectories d.parquet --allow-mixed --folds 4 \
+const SEARCH: &str = "estimate search --vessel vessel.toml --trajectories d.parquet --allow=mixed --folds 4 \
      --fitted-window-s 40 --window-s 60";
 
 /// The tanker KVLCC2 at 1 Hz.
@@ -81,7 +81,7 @@ fn law_a_force_that_the_ship_lacks_is_found_and_followed_better_on_recordings_le
     // The ship stands for vessel.toml, and the page shows how she was found.
     let line = "simulate dictionary --vessel model.json --dictionary dictionary.toml --out again.parquet";
     run(&folder, line).succeeds();
-    run(&folder, "report --study . --results . --allow-mixed --out report.html").succeeds();
+    run(&folder, "report --study . --results . --allow=mixed --out report.html").succeeds();
     let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
     for piece in ["The search for forces", "whole search", "Found without a fold", "4 of 4"] {
         assert!(page.contains(piece), "{piece}");
@@ -111,11 +111,10 @@ fn law_a_right_ship_is_delivered_as_she_was_by_any_number_of_threads() {
 fn what_a_search_for_forces_cannot_take_is_refused_in_one_line() {
     let folder = zigzags_of(&tanker());
     let line = |flags: &str| format!("{SEARCH} {flags} --out search.json");
-    for flags in ["--rudder delta", "--compact", "--average 3", "--bootstrap 10", "--every-s 10"] {
+    for flags in ["--compact", "--average 3", "--bootstrap 10"] {
         let flag = flags.split(' ').next().unwrap();
         refused(&folder, 2, &line(flags), &[flag, "a ship with forces", "terms per sample", "leave it out"]);
     }
-    refused(&folder, 2, &line("--prior-weight=-1"), &["--prior-weight", "a number from 0"]);
     refused(&folder, 2, &line("--add-terms 0"), &["--add-terms"]);
     let few = line("--runs 0,1,2");
     refused(&folder, 3, &few, &["d.parquet: recordings", "3", "at least as many as folds, 4"]);
@@ -133,8 +132,5 @@ fn what_a_search_for_forces_cannot_take_is_refused_in_one_line() {
         unit = \"1/s\"\n[[surge]]\nparameter = \"a\"\nterm = \"u\"\nnominal = -0.1\n[[sway]]\nparameter = \"b\"\nterm = \"v\"\n\
         nominal = -0.1\n[[yaw]]\nparameter = \"c\"\nterm = \"r\"\nnominal = -0.1\n";
     put(&folder, "vessel.toml", terms);
-    for flags in ["--add-terms 2", "--prior-weight 2", "--measured-starts"] {
-        let flag = flags.split(' ').next().unwrap();
-        refused(&folder, 2, &line(flags), &[flag, "terms per sample", "one with forces"]);
-    }
+    refused(&folder, 2, &line("--add-terms 2"), &["--add-terms", "terms per sample", "one with forces"]);
 }

@@ -9,7 +9,7 @@ const DICTIONARY: &str =
     "simulate dictionary --vessel vessel.toml --dictionary dictionary.toml --out d.parquet";
 const LOGGED: &str = "estimate pool --vessel vessel.toml --trajectories trajectories.parquet";
 /// The runs follow another guess of the ship.
-const POOL: &str = "estimate pool --vessel vessel.toml --trajectories d.parquet --allow-mixed";
+const POOL: &str = "estimate pool --vessel vessel.toml --trajectories d.parquet --allow=mixed";
 
 /// The tanker KVLCC2 at 2 Hz, and her zig-zags.
 fn trial() -> TempDir {
@@ -74,7 +74,7 @@ fn exported(folder: &TempDir, sway: &Value) {
 fn a_fit_of_forces_is_compared_simulated_and_judged_in_place_of_vessel_toml() {
     let folder = trial();
     put(&folder, "vessel.toml", GUESS);
-    let said = run(&folder, &format!("{POOL} --prior-weight 0.01 --out model.json")).succeeds();
+    let said = run(&folder, &format!("{POOL} --prior 0.01 --out model.json")).succeeds();
     assert!(said.stdout.contains("output-error from "), "{said}");
     let own = parameters(&folder, "model.json");
     assert_eq!(own.len(), 26);
@@ -86,7 +86,7 @@ fn a_fit_of_forces_is_compared_simulated_and_judged_in_place_of_vessel_toml() {
     assert_eq!(sway["si_unit"], "N per (m/s × m/s)");
     run(
         &folder,
-        "validate compare --model model.json --trajectories d.parquet --allow-mixed --window-s 50 --out compare.json",
+        "validate compare --model model.json --trajectories d.parquet --allow=mixed --window-s 50 --out compare.json",
     )
     .succeeds();
     let found = fits(&folder, "compare.json");
@@ -112,7 +112,7 @@ fn a_fit_of_forces_is_compared_simulated_and_judged_in_place_of_vessel_toml() {
     exported(&folder, sway);
     // The same files again, and with one thread, are the same bytes.
     let first = bytes(&folder, "model.json");
-    run(&folder, &format!("{POOL} --prior-weight 0.01 --threads 1 --out model.json")).succeeds();
+    run(&folder, &format!("{POOL} --prior 0.01 --threads 1 --out model.json")).succeeds();
     assert_eq!(first, bytes(&folder, "model.json"));
 }
 
@@ -157,8 +157,7 @@ fn fits_of_forces_that_cannot_be_are_refused_in_one_line() {
         ("--bootstrap 10", ["--bootstrap", "terms per sample"]),
         ("--add-terms 2 --prior former.json", ["--add-terms beside a former fit", "terms per sample"]),
         ("--window-s 0.1", ["--window-s", "at least a sample"]),
-        ("--prior-weight=-1", ["--prior-weight", "a number from 0"]),
-        ("--prior 2 --prior-weight 1", ["--prior-weight", "beside a number as --prior"]),
+        ("--prior=-1", ["--prior", "a number from 0"]),
     ] {
         refused(&folder, 2, &format!("{POOL} {flags} --out model.json"), &words);
     }
@@ -257,19 +256,12 @@ fn a_window_that_depends_on_its_start_beyond_all_numbers_is_named_with_its_recor
     let all = [("swings", format!("{kept}{swings}")), ("straight", straight.to_owned())];
     let all = all.map(|(name, own)| format!("[[maneuver]]\nname = \"{name}\"\n{own}{approach}"));
     put(&folder, "dictionary.toml", &all.concat());
-    run(&folder, &format!("{DICTIONARY} --allow-unreached")).succeeds();
+    run(&folder, &format!("{DICTIONARY} --allow=unreached")).succeeds();
     // Straight ahead she stays where she is, to all digits, and a start off it grows to more than any number.
     put(&folder, "vessel.toml", &of_yaw(0.3));
-    for flags in ["", "--no-criticism "] {
-        let line = format!("{POOL} {flags}--window-s 600 --out model.json");
-        refused(
-            &folder,
-            4,
-            &line,
-            &["d.parquet", "in `1`, the state at 0 s", "take shorter windows", "--window-s"],
-        );
-    }
-    run(&folder, &format!("{POOL} --no-criticism --window-s 100 --out model.json")).succeeds();
+    let words = ["d.parquet", "in `1`, the state at 0 s", "take shorter windows", "--window-s"];
+    refused(&folder, 4, &format!("{POOL} --window-s 600 --out model.json"), &words);
+    run(&folder, &format!("{POOL} --window-s 100 --out model.json")).succeeds();
 }
 
 /// A line of the preset with its numbers known.
@@ -338,11 +330,7 @@ fn recordings_left_out_of_the_kvlcc2_are_followed_by_forces() {
     let Some(folder) = logged(&vessel, &ingest, "kvlcc2_hsva") else { return };
     let test = "kvlcc2_hsva_Z_10_05,kvlcc2_hsva_Z_20_10_S,kvlcc2_hsva_Z_35_05";
     let flags = "--recordings ingest.json";
-    run(
-        &folder,
-        &format!("{LOGGED} {flags} --leave-out {test} --window-s 150 --measured-starts --out model.json"),
-    )
-    .succeeds();
+    run(&folder, &format!("{LOGGED} {flags} --leave-out {test} --window-s 150 --out model.json")).succeeds();
     run(
         &folder,
         &format!("validate compare --model model.json --trajectories trajectories.parquet {flags} --runs {test} --out compare.json"),
@@ -391,13 +379,11 @@ fn exchanged_thrusters_are_named_and_a_late_rudder_is_told_with_its_time() {
         first["turned"].as_str().unwrap().contains("exchanged, the inputs of `port` and `starboard`"),
         "{own}"
     );
-    run(&folder, &format!("{line} --no-criticism")).succeeds();
-    assert!(json(&folder, "model.json")["data"]["forces"].get("criticism").is_none());
     // Simulations hold inputs during samples, so in simulated runs none acts late. In a table without true states, which is a log,
     // inputs are linear between samples: held ones act half a sample late.
     let folder = long_trial();
     put(&folder, "vessel.toml", GUESS);
-    run(&folder, &format!("{POOL} --prior-weight 0.01 --out model.json")).succeeds();
+    run(&folder, &format!("{POOL} --prior 0.01 --out model.json")).succeeds();
     let late = json(&folder, "model.json")["data"]["forces"]["criticism"]["late"][0].clone();
     assert!(
         late["late_s"].as_f64().unwrap().abs() < 0.01 && late["p_value"].as_f64().unwrap() > 0.05,
@@ -405,7 +391,7 @@ fn exchanged_thrusters_are_named_and_a_late_rudder_is_told_with_its_time() {
     );
     let table = folder.path().join("d.parquet");
     craft::read(&table, "trajectories").without(&["u", "v", "r"]).write(&table);
-    let said = run(&folder, &format!("{POOL} --prior-weight 0.01 --out model.json")).succeeds();
+    let said = run(&folder, &format!("{POOL} --prior 0.01 --out model.json")).succeeds();
     let found = json(&folder, "model.json");
     let late = &found["data"]["forces"]["criticism"]["late"][0];
     let off = late["late_s"].as_f64().unwrap() - 0.25;
@@ -414,9 +400,9 @@ fn exchanged_thrusters_are_named_and_a_late_rudder_is_told_with_its_time() {
         "{late}"
     );
     assert!(said.stdout.contains("`delta` acts 0.2"), "{said}");
-    run(&folder, "validate compare --model model.json --trajectories d.parquet --allow-mixed --window-s 50 --out compare.json")
+    run(&folder, "validate compare --model model.json --trajectories d.parquet --allow=mixed --window-s 50 --out compare.json")
         .succeeds();
-    run(&folder, "report --study . --results . --allow-mixed --out report.html").succeeds();
+    run(&folder, "report --study . --results . --allow=mixed --out report.html").succeeds();
     let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
     assert!(page.contains("What is wrong with the model") && page.contains("Fits best as"), "{}", page.len());
 }
@@ -453,7 +439,7 @@ fn captive_values_stand_beside_estimates_and_sums_are_of_what_was_sailed() {
     let folder = trial();
     put(&folder, "vessel.toml", GUESS);
     put(&folder, "reference.toml", CAPTIVE);
-    let line = format!("{POOL} --prior-weight 0.01 --reference reference.toml --out model.json");
+    let line = format!("{POOL} --prior 0.01 --reference reference.toml --out model.json");
     let said = run(&folder, &line).succeeds();
     assert!(
         said.stdout.contains("sums along v = -0.") && said.stdout.contains("of 13 captive values"),
@@ -476,9 +462,9 @@ fn captive_values_stand_beside_estimates_and_sums_are_of_what_was_sailed() {
     }
     let a = own["sailed"]["drift"].as_f64().unwrap();
     assert!((-0.6..-0.2).contains(&a), "{a}");
-    run(&folder, "validate compare --model model.json --trajectories d.parquet --allow-mixed --window-s 50 --out compare.json")
+    run(&folder, "validate compare --model model.json --trajectories d.parquet --allow=mixed --window-s 50 --out compare.json")
         .succeeds();
-    run(&folder, "report --study . --results . --allow-mixed --out report.html").succeeds();
+    run(&folder, "report --study . --results . --allow=mixed --out report.html").succeeds();
     let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
     for words in ["Yasukawa and Yoshimura 2015", "Captive tests", "within", "outside", "sway, cubic"] {
         assert!(page.contains(words), "{words}");
@@ -502,7 +488,7 @@ fn captive_values_stand_beside_estimates_and_sums_are_of_what_was_sailed() {
         );
     }
     // They change no estimate.
-    run(&folder, &format!("{POOL} --prior-weight 0.01 --out alone.json")).succeeds();
+    run(&folder, &format!("{POOL} --prior 0.01 --out alone.json")).succeeds();
     let alone = parameters(&folder, "alone.json");
     assert!(alone.iter().zip(all).all(|(alone, own)| alone["value"] == own["value"]));
     put(&folder, "wrong.toml", "source = \"S\"\n[derivatives]\nY_vw = 1.0\n");
@@ -528,9 +514,9 @@ fn forces_and_terms_are_averaged_and_each_is_scored_beside() {
     run(&folder, &format!("{POOL} --out model.json")).succeeds();
     put(&folder, "terms.toml", TERMS);
     std::fs::create_dir(folder.path().join("terms")).unwrap();
-    let terms = "estimate pool --vessel terms.toml --trajectories d.parquet --allow-mixed --estimator ls";
+    let terms = "estimate pool --vessel terms.toml --trajectories d.parquet --allow=mixed --estimator ls";
     run(&folder, &format!("{terms} --out terms/")).succeeds();
-    let line = "validate compare --trajectories d.parquet --allow-mixed --window-s 50 --model";
+    let line = "validate compare --trajectories d.parquet --allow=mixed --window-s 50 --model";
     run(&folder, &format!("{line} model.json --average terms/model.json --out average.json")).succeeds();
     let both = json(&folder, "average.json")["data"].clone();
     let names: Vec<&str> =
@@ -558,8 +544,8 @@ fn forces_and_terms_are_averaged_and_each_is_scored_beside() {
 fn recordings_are_left_out_of_fits_of_forces() {
     let folder = trial();
     put(&folder, "vessel.toml", GUESS);
-    let line = "validate cross --vessel vessel.toml --trajectories d.parquet --allow-mixed --window-s 50";
-    run(&folder, &format!("{line} --prior-weight 0.01 --folds 2 --out crossval.json")).succeeds();
+    let line = "validate cross --vessel vessel.toml --trajectories d.parquet --allow=mixed --window-s 50";
+    run(&folder, &format!("{line} --prior 0.01 --folds 2 --out crossval.json")).succeeds();
     let found = json(&folder, "crossval.json")["data"].clone();
     assert_eq!((&found["forces"], &found["prior"], &found["folds"]), (&true.into(), &0.01.into(), &2.into()));
     let own = &found["estimators"][0];
@@ -568,8 +554,8 @@ fn recordings_are_left_out_of_fits_of_forces() {
     assert!(own["errors"]["fit_r"].as_f64().unwrap() > 90.0, "{own}");
     // A fold is the fit without its runs.
     let fold = "--runs 1,3 --out compare.json";
-    run(&folder, &format!("{POOL} --prior-weight 0.01 --leave-out 1,3 --out model.json")).succeeds();
-    let compare = "validate compare --model model.json --trajectories d.parquet --allow-mixed --window-s 50";
+    run(&folder, &format!("{POOL} --prior 0.01 --leave-out 1,3 --out model.json")).succeeds();
+    let compare = "validate compare --model model.json --trajectories d.parquet --allow=mixed --window-s 50";
     run(&folder, &format!("{compare} {fold}")).succeeds();
     let alone = json(&folder, "compare.json")["data"]["models"][0]["recordings"].clone();
     for own in own["sources"].as_array().unwrap() {
@@ -580,7 +566,7 @@ fn recordings_are_left_out_of_fits_of_forces() {
         }
     }
     let computes = ["vessel.toml", "`ls` computes"];
-    refused(&folder, 3, &format!("{line} --estimators ls --out c.json"), &computes);
+    refused(&folder, 3, &format!("{line} --estimator ls --out c.json"), &computes);
     refused(&folder, 2, &format!("{line} --nominal least-squares --out c.json"), &["--nominal"]);
     put(&folder, "vessel.toml", TERMS);
     refused(&folder, 2, &format!("{line} --fitted-window-s 50 --out c.json"), &["--fitted-window-s"]);

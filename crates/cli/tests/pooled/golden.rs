@@ -35,7 +35,7 @@ fn numbers() -> Map<String, Value> {
     let runs: Vec<String> = ["optimized", "random"].into_iter().flat_map(numbered).collect();
     let runs = format!("--runs {}", runs.join(","));
     run(&folder, &format!("{POOL} {runs} --bootstrap 20 --out estimates.parquet")).succeeds();
-    run(&folder, &format!("{CROSS} --estimators ls,iv --out crossval.json")).succeeds();
+    run(&folder, &format!("{CROSS} --estimator ls,iv --out crossval.json")).succeeds();
     run(&folder, &format!("{SELECTION} {runs} --estimator ls --out selection.parquet")).succeeds();
     let pointed = |(name, file, pointer): (&str, &str, &str)| {
         let found = json(&folder, file);

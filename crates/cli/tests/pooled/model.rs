@@ -89,7 +89,7 @@ fn a_model_stands_for_a_vessel_in_every_stage() {
         format!("{} --estimator ls", MODEL.replace("vessel.toml", model).replace("estimates", out))
     };
     run(&folder, &again("vessel.toml", "first")).succeeds();
-    run(&folder, &format!("{} --allow-mixed", again("first-model.json", "second"))).succeeds();
+    run(&folder, &format!("{} --allow=mixed", again("first-model.json", "second"))).succeeds();
     let degrees = |name: &str| json(&folder, name)["data"]["degrees"].as_array().unwrap().clone();
     for (first, second) in degrees("first-model.json").iter().zip(degrees("second-model.json")) {
         let number = |value: &Value| value.as_f64().unwrap();
@@ -140,10 +140,11 @@ fn where_a_model_leaves_what_it_was_fitted_on_is_told() {
     // No trial is designed there unless requested, and then the results say so.
     let simulate = "simulate dictionary --dictionary dictionary.toml --out dictionary.parquet";
     let narrow = format!("{simulate} --vessel narrow.json");
-    let pieces = ["maneuver `", "0.7980 to 0.9020, about what the logs of the model cover", "--beyond-range"];
+    let pieces =
+        ["maneuver `", "0.7980 to 0.9020, about what the logs of the model cover", "--allow=beyond-range"];
     refused(&folder, 3, &narrow, &pieces);
     let leaves = "u leaves the 0.8000 to 0.9000 m/s";
-    let said = run(&folder, &format!("{narrow} --beyond-range")).succeeds();
+    let said = run(&folder, &format!("{narrow} --allow=beyond-range")).succeeds();
     assert!(said.stdout.contains(leaves), "{said}");
     run(&folder, "moments --model narrow.json --trajectories dictionary.parquet --out narrow-moments.json")
         .succeeds();
@@ -237,7 +238,7 @@ fn logs_of_another_structure_say_which_channel_is_missing() {
     // One of another ship.
     put(&folder, "other.toml", include_str!("../../../../pipelines/kvlcc2/vessel.toml"));
     let line =
-        "estimate pool --model other.toml --trajectories campaign.parquet --out e.parquet --allow-mixed";
+        "estimate pool --model other.toml --trajectories campaign.parquet --out e.parquet --allow=mixed";
     refused(&folder, 3, line, &["campaign.parquet", "column"]);
     // One of another unit.
     put(
@@ -251,7 +252,7 @@ fn logs_of_another_structure_say_which_channel_is_missing() {
 #[test]
 fn the_page_shows_what_is_left_of_errors_tracks_and_the_delivered_model() {
     let folder = with(&["campaign.parquet"]);
-    run(&folder, &format!("{CROSS} --estimators ls,iv --out crossval.json")).succeeds();
+    run(&folder, &format!("{CROSS} --estimator ls,iv --out crossval.json")).succeeds();
     run(&folder, &format!("{MODEL} --estimator iv")).succeeds();
     run(&folder, COMPARE).succeeds();
     let data = json(&folder, "compare.json")["data"].clone();
@@ -436,7 +437,7 @@ fn a_covariance_that_is_not_positive_is_refused_for_a_plan() {
     put(&folder, "plan.toml", PLAN_TOML);
     let plan = |vessel: &str| {
         format!(
-            "plan --vessel {vessel} --trajectories none.parquet --config plan.toml --beyond-range --out plan.json"
+            "plan --vessel {vessel} --trajectories none.parquet --config plan.toml --allow=beyond-range --out plan.json"
         )
     };
     // Its own covariance is positive: only the maneuvers are missing.

@@ -52,7 +52,7 @@ fn recordings_left_out_of_the_esso_osaka_are_followed_better_than_the_baseline()
     let Some(folder) = ingested("esso-osaka", "esso_osaka") else { return };
     let line = format!(
         "validate cross {LOGGED} --recordings ingest.json --nominal least-squares --window-s 100 \
-         --estimators ls,iv,output-error --out crossval.json"
+         --estimator ls,iv,output-error --out crossval.json"
     );
     let said = run(&folder, &line).succeeds();
     let data = json(&folder, "crossval.json")["data"].clone();
@@ -174,9 +174,8 @@ fn the_method_of_least_error_for_the_kvlcc2_reaches_the_baseline() {
 #[test]
 fn a_structure_found_for_the_kvlcc2_follows_runs_that_were_left_out_of_the_search() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
-    // One run left out at a time; a third of the usual windows, which is enough here.
-    let line =
-        format!("estimate search {LOGGED} --recordings ingest.json --window-s 100 --folds 13 --every-s 60");
+    // One run left out at a time.
+    let line = format!("estimate search {LOGGED} --recordings ingest.json --window-s 100 --folds 13");
     let said = run(&folder, &format!("{line} --out search.json")).succeeds();
     let nested = json(&folder, "search.json")["data"]["nested"].clone();
     let fits = |of: &str| ["fit_u", "fit_v", "fit_r"].map(|fit| nested[of][fit].as_f64().unwrap());
@@ -219,7 +218,7 @@ fn the_report_of_measured_logs_shows_what_they_tell() {
     let recorded = format!("{LOGGED} --recordings ingest.json --nominal least-squares --part-s 100");
     run(&folder, &format!("estimate pool {recorded} --estimator iv --bootstrap 20 --out estimates.parquet"))
         .succeeds();
-    run(&folder, &format!("validate cross {recorded} --estimators ls,iv --folds 3 --out crossval.json"))
+    run(&folder, &format!("validate cross {recorded} --estimator ls,iv --folds 3 --out crossval.json"))
         .succeeds();
     run(&folder, REPORT).succeeds();
     let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();

@@ -58,7 +58,7 @@ fn a_nominal_file_that_is_none_is_refused() {
     refused(&folder, 3, &line("estimate.json"), &["estimate.json", "data.designs", "3 designs"]);
     run(&folder, &format!("{POOL} --runs random/0,random/1 --out estimates.parquet")).succeeds();
     put(&folder, "vessel.toml", include_str!("../../../../pipelines/kvlcc2/vessel.toml"));
-    let mixed = format!("{} --allow-mixed", line("estimate.json"));
+    let mixed = format!("{} --allow=mixed", line("estimate.json"));
     refused(&folder, 3, &mixed, &["estimate.json", "no estimate"]);
     put(&folder, "vessel.toml", "preset = \"ljungberg-model-ship\"\n");
     refused(&folder, 1, &format!("{POOL} --recordings none.json --out estimates.parquet"), &["none.json"]);
@@ -70,14 +70,14 @@ fn a_nominal_model_that_diverges_is_told_with_part_and_sample() {
     let folder = with(&["campaign.parquet"]);
     put(&folder, "vessel.toml", "preset = \"ljungberg-model-ship\"\n[nominal]\nX_u = 2.5\n");
     let pieces = ["of random/0 diverges at sample", "surge", "--part-s", "--estimator ls"];
-    refused(&folder, 4, &format!("{POOL} --runs random/0 --allow-mixed --out estimates.parquet"), &pieces);
+    refused(&folder, 4, &format!("{POOL} --runs random/0 --allow=mixed --out estimates.parquet"), &pieces);
     refused(
         &folder,
         4,
-        &format!("{SELECTION} --allow-mixed --out selection.parquet"),
+        &format!("{SELECTION} --allow=mixed --out selection.parquet"),
         &["diverges at sample"],
     );
-    run(&folder, &format!("{POOL} --runs random/0 --allow-mixed --estimator auto --out estimates.parquet"))
+    run(&folder, &format!("{POOL} --runs random/0 --allow=mixed --estimator auto --out estimates.parquet"))
         .succeeds();
     let said = json(&folder, "trust.json")["data"]["statements"][0].clone();
     assert!(said.as_str().unwrap().contains("diverges"), "{said}");

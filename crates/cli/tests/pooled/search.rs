@@ -7,7 +7,7 @@ use crate::support::*;
 
 /// Searches with short windows, so that few runs are enough.
 const SEARCH: &str = "estimate search --vessel vessel.toml --trajectories campaign.parquet --fitted-window-s 20 \
-     --every-s 10 --window-s 25 --folds 3";
+     --window-s 25 --folds 3";
 const RUNS: &str = "--runs random/0,random/1,random/2,random/3,optimized/0,optimized/1";
 
 /// A campaign with sensor noise and current of `std`.
@@ -29,6 +29,16 @@ fn without(folder: &TempDir, parameters: &[&str]) {
     put(folder, "vessel.toml", &kept.join("\n[["));
 }
 
+/// Adds `roles` of the inputs to vessel.toml, in order.
+fn in_roles(folder: &TempDir, roles: &[&str]) {
+    let mut text = std::fs::read_to_string(folder.path().join("vessel.toml")).unwrap();
+    for (i, role) in roles.iter().enumerate().filter(|(_, role)| !role.is_empty()) {
+        let name = format!("name = \"tau{}\"\n", i + 1);
+        text = text.replace(&name, &format!("{name}role = \"{role}\"\n"));
+    }
+    put(folder, "vessel.toml", &text);
+}
+
 fn mean(errors: &Value) -> f64 {
     ["fit_u", "fit_v", "fit_r"].map(|fit| errors[fit].as_f64().unwrap()).iter().sum::<f64>() / 3.0
 }
@@ -42,7 +52,7 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
     assert!(mean(&exact["search"]) > mean(&exact["base"]) - 1.0, "{exact}");
     // Without the quadratic term, which would replace it.
     without(&folder, &["X_u", "X_uu"]);
-    let said = run(&folder, &format!("{line} --allow-mixed")).succeeds();
+    let said = run(&folder, &format!("{line} --allow=mixed")).succeeds();
     let document = json(&folder, "search.json");
     let nested = &document["data"]["nested"];
     // As good as with the exact structure.
@@ -56,14 +66,14 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
     assert_eq!(recordings.len(), 6);
     // A list of terms replaces the library.
     put(&folder, "terms.toml", "surge = [\"u\", \"u |u|\", \"1\"]\n");
-    run(&folder, &format!("{line} --allow-mixed --terms terms.toml")).succeeds();
+    run(&folder, &format!("{line} --allow=mixed --terms terms.toml")).succeeds();
     let listed = json(&folder, "search.json")["data"]["terms"].as_array().unwrap().len();
     let degrees = json(&folder, "model.json")["data"]["degrees"].clone();
     let written = degrees.as_array().unwrap().iter().map(|d| d["parameters"].as_array().unwrap().len());
     assert_eq!(listed, written.sum::<usize>());
     put(&folder, "terms.toml", "surge = [\"u w\"]\n");
-    refused(&folder, 3, &format!("{line} --allow-mixed --terms terms.toml"), &["terms.toml", "`w`"]);
-    run(&folder, &format!("{line} --allow-mixed")).succeeds();
+    refused(&folder, 3, &format!("{line} --allow=mixed --terms terms.toml"), &["terms.toml", "`w`"]);
+    run(&folder, &format!("{line} --allow=mixed")).succeeds();
     // The model is validated by recordings that were left out; none is as long as a stretch.
     let model = json(&folder, "model.json");
     assert_eq!(model["data"]["rejected"], false);
@@ -76,14 +86,14 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
         model["data"]["statements"].to_string().contains("not rejected by the recordings that were left out")
     );
     // The page shows the search.
-    run(&folder, &format!("{REPORT} --allow-mixed")).succeeds();
+    run(&folder, &format!("{REPORT} --allow=mixed")).succeeds();
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
     for piece in ["<section id=\"search\">", "Score against the ridge", "whole search", "X_u"] {
         assert!(page.contains(piece), "{piece}");
     }
     // The delivered model is what stands in the document, and others can run it.
     let line =
-        "validate compare --model model.json --trajectories campaign.parquet --window-s 25 --allow-mixed";
+        "validate compare --model model.json --trajectories campaign.parquet --window-s 25 --allow=mixed";
     run(&folder, &format!("{line} --out compare.json")).succeeds();
     // Bands are from the errors on left-out recordings, and contain most of the fitted samples.
     let bands = json(&folder, "compare.json")["data"]["bands"].clone();
@@ -120,11 +130,11 @@ fn terms_that_no_recording_tells_apart_are_fixed_and_said_and_the_next_design_do
     let told =
         format!("fixed in model.json, so that the next experiment is designed for the others: `{name}`");
     assert!(said.stdout.contains(&told) && model["statements"].to_string().contains(&told), "{said}");
-    let dictionary = "simulate dictionary --model model.json --dictionary dictionary.toml --beyond-range --out next.parquet";
+    let dictionary = "simulate dictionary --model model.json --dictionary dictionary.toml --allow=beyond-range --out next.parquet";
     let moments = "moments --model model.json --trajectories next.parquet --out moments.json";
     let design = "design --moments moments.json --seed 1 --out design.json";
     for line in [dictionary, moments, design] {
-        run(&folder, &format!("{line} --allow-mixed")).succeeds();
+        run(&folder, &format!("{line} --allow=mixed")).succeeds();
     }
     // Without that there is none.
     let mut free = model;
@@ -133,9 +143,9 @@ fn terms_that_no_recording_tells_apart_are_fixed_and_said_and_the_next_design_do
     }
     unsealed(&folder, "model.json", "model.json", free);
     for line in [dictionary, moments] {
-        run(&folder, &format!("{line} --allow-mixed")).succeeds();
+        run(&folder, &format!("{line} --allow=mixed")).succeeds();
     }
-    refused(&folder, 4, &format!("{design} --allow-mixed"), &["a direction that no maneuver excites"]);
+    refused(&folder, 4, &format!("{design} --allow=mixed"), &["a direction that no maneuver excites"]);
 }
 
 #[test]
@@ -151,15 +161,13 @@ fn law_the_ridge_is_chosen_on_windows_whatever_the_score_is_taken_on() {
     assert_eq!(windows["candidates"], whole["candidates"]);
     assert!(windows["ridge"] == whole["ridge"] && windows["nested"] != whole["nested"]);
     assert!(whole["statements"].to_string().contains("the ridge was chosen over windows"), "{whole}");
-    let flags = format!("{SEARCH} {RUNS} --out search.json");
-    refused(&folder, 3, &format!("{flags} --wind gale"), &["vessel.toml", "channel `gale`"]);
 }
 
 #[test]
 fn few_terms_do_what_many_do() {
     let folder = measured("0.01");
     without(&folder, &["X_u", "X_uu"]);
-    let line = format!("{SEARCH} {RUNS} --allow-mixed --out search.json");
+    let line = format!("{SEARCH} {RUNS} --allow=mixed --out search.json");
     run(&folder, &line).succeeds();
     let many = json(&folder, "search.json")["data"].clone();
     run(&folder, &format!("{line} --compact --bootstrap 2 --threads 1")).succeeds();
@@ -190,7 +198,7 @@ fn few_terms_do_what_many_do() {
     assert!(own["standard_error"].is_null() && model["covariance"].is_null(), "{own}");
     let said = few["statements"].to_string();
     assert!(said.contains("2 searches over recordings drawn again"), "{said}");
-    run(&folder, &format!("{REPORT} --allow-mixed")).succeeds();
+    run(&folder, &format!("{REPORT} --allow=mixed")).succeeds();
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
     assert!(page.contains("Score against the number of terms") && page.contains("Chosen without a fold"));
     assert!(page.contains("Chosen again") && page.contains("97.5 %"));
@@ -204,10 +212,11 @@ fn few_terms_do_what_many_do() {
 fn averaged() -> (TempDir, String) {
     let folder = measured("0.01");
     without(&folder, &["X_u", "X_uu"]);
+    in_roles(&folder, &["", "", "rudder"]);
     let terms =
         "surge = [\"u\", \"u |u|\", \"v r\"]\nsway = [\"v |v|\", \"r |r|\"]\nyaw = [\"v |v|\", \"r |r|\"]\n";
     put(&folder, "terms.toml", terms);
-    (folder, format!("{SEARCH} {RUNS} --allow-mixed --terms terms.toml --out search.json"))
+    (folder, format!("{SEARCH} {RUNS} --allow=mixed --terms terms.toml --out search.json"))
 }
 
 /// Writes `data` as an average, or as the model of one.
@@ -219,7 +228,7 @@ pub fn unsealed(folder: &TempDir, of: &str, name: &str, data: Value) {
 }
 
 const TRY: &str =
-    "validate compare --trajectories campaign.parquet --window-s 25 --allow-mixed --out compare.json";
+    "validate compare --trajectories campaign.parquet --window-s 25 --allow=mixed --out compare.json";
 
 #[test]
 fn several_models_are_found_averaged_and_tried_together() {
@@ -241,6 +250,8 @@ fn several_models_are_found_averaged_and_tried_together() {
     let number = |value: &Value| value.as_f64().unwrap();
     assert!(u["chosen"].as_u64().unwrap() > 0 && number(&u["lowest"]) <= number(&u["mean"]), "{u}");
     let members = json(&folder, "average.json")["data"]["members"].as_array().unwrap().clone();
+    // A channel stays what it is.
+    assert_eq!(members[0]["model"]["inputs"][2]["role"], "rudder");
     // Seven tenths of six.
     let drawn: Vec<&Vec<Value>> = members.iter().map(|own| own["found_on"].as_array().unwrap()).collect();
     assert!(drawn.len() == 3 && drawn.iter().all(|own| own.len() == 4), "{drawn:?}");
@@ -249,7 +260,7 @@ fn several_models_are_found_averaged_and_tried_together() {
     assert_eq!(compared["models"][0]["name"], "average of models");
     assert_eq!(compared["spread"]["models"], 3);
     assert!(number(&compared["bands"]["inside_u"]) >= number(&compared["spread"]["inside_u"]));
-    run(&folder, &format!("{REPORT} --allow-mixed")).succeeds();
+    run(&folder, &format!("{REPORT} --allow=mixed")).succeeds();
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
     for piece in ["The average", "In so many models", "average of models", "how far the models are apart"] {
         assert!(page.contains(piece), "{piece}");
@@ -336,7 +347,7 @@ fn what_is_written_takes_no_place_of_what_is_read() {
         "estimate --model model.json --trajectories campaign.parquet --out estimates.parquet",
         "estimate pool --model model.json --trajectories campaign.parquet --out estimates.parquet",
     ] {
-        refused(&folder, 2, &format!("{stage} --allow-mixed"), &["--out", "model.json", "also an input"]);
+        refused(&folder, 2, &format!("{stage} --allow=mixed"), &["--out", "model.json", "also an input"]);
     }
 }
 
@@ -346,11 +357,29 @@ fn a_search_without_an_answer_is_refused() {
     let few = format!("{SEARCH} --runs random/0,random/1 --out search.json");
     refused(&folder, 3, &few, &["campaign.parquet", "recordings", "2", "folds, 3", "--recordings"]);
     let line = |flags: &str| format!("{SEARCH} {RUNS} {flags} --out search.json");
-    refused(&folder, 3, &line("--rudder delta"), &["vessel.toml", "channel `delta`"]);
-    let short = line("").replace("--every-s 10", "--every-s 0.01");
-    refused(&folder, 2, &short, &["--every-s", "0.01"]);
+    let short = line("").replace("--fitted-window-s 20", "--fitted-window-s 0.01");
+    refused(&folder, 2, &short, &["--fitted-window-s", "0.01"]);
     let long = line("").replace("--window-s 25", "--window-s 2500");
     refused(&folder, 3, &long, &["campaign.parquet", "windows", "--window-s"]);
+}
+
+#[test]
+fn a_channel_that_cannot_be_what_it_says_is_refused() {
+    let folder = with(&["campaign.parquet"]);
+    let line = format!("{SEARCH} {RUNS} --allow=mixed --out search.json");
+    for (roles, told) in [
+        (&["ruder"][..], &["`ruder`", "`rudder`"][..]),
+        (&["port"], &["input `tau1`, `role`", "`port` without", "as many `port` as `starboard`", "line "]),
+        (&["starboard", "port", "port"], &["input `tau3`, `role`", "`port` without"]),
+        (&["port", "", "starboard"], &["input `tau3`, `role`", "`N m`", "`tau1` in `N`", "one unit"]),
+        (&["wind", "wind"], &["input `tau2`, `role`", "`wind`, which `tau1` is too", "one channel"]),
+        (&["wind-from"], &["input `tau1`, `role`", "`wind-from` in `N`", "an angle in `rad`"]),
+        (&["", "wind"], &["input `tau2`, `role`", "`wind` without a channel of its direction", "wind-from"]),
+    ] {
+        without(&folder, &[]);
+        in_roles(&folder, roles);
+        refused(&folder, 3, &line, &[&["vessel.toml: "], told].concat());
+    }
 }
 
 #[test]

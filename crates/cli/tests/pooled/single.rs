@@ -1,11 +1,11 @@
-//! The model of a single run: delivered for the only run of a table, or for one by name.
+//! The model of a single run: delivered for the only run that is estimated.
 
 use serde_json::Value;
 
 use crate::support::*;
 
 const ONE: &str =
-    "estimate --vessel vessel.toml --trajectories campaign.parquet --model-of optimized/3 --out one.parquet";
+    "estimate --vessel vessel.toml --trajectories campaign.parquet --runs optimized/3 --out one.parquet";
 const OWN: &str = "validate compare --model one-model.json --trajectories campaign.parquet --runs optimized/3 --out compare.json";
 
 fn numbers(model: &Value, of: &str) -> Vec<f64> {
@@ -70,12 +70,22 @@ fn the_only_run_of_a_table_delivers_its_model_and_others_simulate_it() {
 }
 
 #[test]
-fn of_many_runs_the_one_that_is_asked_for_is_delivered() {
+fn of_many_runs_those_that_are_named_are_estimated_and_one_alone_is_delivered() {
     let folder = with(&["campaign.parquet"]);
+    let estimates = || -> Vec<(String, Option<f64>)> {
+        let table = craft::read(&folder.path().join("estimates.parquet"), "estimates");
+        let [design, parameter] = [0, 4].map(|index: usize| &table.blocks[0].columns[index]);
+        (0..design.len())
+            .map(|row| (design.text_at(row).unwrap().to_owned(), parameter.value_at(row)))
+            .collect()
+    };
     run(&folder, ESTIMATE).succeeds();
     assert!(!folder.path().join("model.json").exists());
-    let line = format!("{ESTIMATE} --model-of optimized/3");
+    let all = estimates();
+    let line = format!("{ESTIMATE} --runs optimized/3");
     run(&folder, &line).succeeds();
+    let of_design = all.into_iter().filter(|(design, _)| design == "optimized");
+    assert_eq!(estimates(), of_design.skip(3).take(1).collect::<Vec<_>>());
     let model = json(&folder, "model.json");
     assert_eq!(model["data"]["recordings"][0]["source"], "optimized/3");
     assert!(model["data"]["statements"][0].as_str().unwrap().contains("run optimized/3 alone"));
@@ -90,10 +100,10 @@ fn of_many_runs_the_one_that_is_asked_for_is_delivered() {
         &line.replace("ed/3", "ed/333"),
         &["campaign.parquet", "run `optimized/333`", "did you mean"],
     );
-    refused(&folder, 3, &line.replace("optimized/3", "3"), &["run `3`", "3 of that number"]);
-    refused(&folder, 2, &format!("{line} --shard 1/2"), &["--model-of", "--shard"]);
-    // The model of an earlier estimate does not belong to the next.
-    run(&folder, ESTIMATE).succeeds();
+    refused(&folder, 2, &format!("{line} --shard 1/2"), &["--runs", "--shard"]);
+    // The model of an earlier estimate does not belong to the next, of run 3 of every design.
+    run(&folder, &line.replace("optimized/3", "3")).succeeds();
+    assert_eq!(estimates().len(), 3);
     assert!(!folder.path().join("model.json").exists());
 }
 
@@ -103,7 +113,7 @@ fn a_model_that_others_wrote_stays_and_one_that_is_read_is_not_replaced() {
     put(&folder, "model.json", "mine");
     run(&folder, ESTIMATE).succeeds();
     assert_eq!(bytes(&folder, "model.json"), b"mine");
-    run(&folder, &format!("{ESTIMATE} --model-of optimized/3")).succeeds();
+    run(&folder, &format!("{ESTIMATE} --runs optimized/3")).succeeds();
     for stage in ["estimate", "estimate pool"] {
         let line =
             format!("{stage} --model model.json --trajectories campaign.parquet --out estimates.parquet");

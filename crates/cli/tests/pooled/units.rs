@@ -27,7 +27,7 @@ fn every_number_has_a_unit_and_every_unit_a_number() {
     let folder = with(&["campaign.parquet"]);
     run(&folder, &format!("{POOL} --runs random/0,random/1 --bootstrap 9 --out estimates.parquet"))
         .succeeds();
-    run(&folder, &format!("{CROSS} --estimators ls,iv --out crossval.json")).succeeds();
+    run(&folder, &format!("{CROSS} --estimator ls,iv --out crossval.json")).succeeds();
     fs::copy(repository().join("pipelines/model-ship/reference.toml"), folder.path().join("reference.toml"))
         .unwrap();
     run(&folder, &format!("{SELECTION} --reference reference.toml --out selection.parquet")).succeeds();

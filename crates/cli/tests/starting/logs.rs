@@ -211,8 +211,7 @@ fn logs_of_a_ship_with_forces_come_to_their_page_by_two_commands() {
     logs_of_runs(&folder, &[("n1_radps", "n1"), ("n2_rps", "n2")]);
     let ran = run(&folder, "new mine --vessel otter --logs logs").succeeds();
     assert!(ran.stdout.contains("8 logs") && ran.stdout.contains("0 channels missing"), "{ran}");
-    run(&folder, "run mine --out out --quiet --setting SEARCH_FLAGS=--window-s=10 --setting TEST=")
-        .succeeds();
+    run(&folder, "run mine --out out --quiet --set study.search.window_s=10 --set study.test=[]").succeeds();
     let model = json(&folder, "out/measured/model.json");
     assert_eq!(model["data"]["estimator"], "output-error");
     let page = String::from_utf8(bytes(&folder, "out/measured/report.html")).unwrap();
@@ -268,7 +267,8 @@ fn five_logs_and_a_wind_without_direction_give_the_core_of_a_ship_without_forces
     assert!(ran.stdout.contains("5 logs") && ran.stdout.contains(said), "{ran}");
     let ingest = String::from_utf8(bytes(&folder, "mine/ingest.toml")).unwrap();
     assert!(ingest.contains("not used: no direction of the wind is logged"), "{ingest}");
-    let ran = run(&folder, "run mine --out out --quiet --setting BOOTSTRAP=20 --setting TEST=").succeeds();
+    let ran = run(&folder, "run mine --out out --quiet --set study.pool.bootstrap=20 --set study.test=[]")
+        .succeeds();
     let model = json(&folder, "out/measured/model.json")["data"].clone();
     assert_eq!(model["estimator"], "prediction-error");
     let terms = |d: usize| -> Vec<String> {
@@ -291,7 +291,7 @@ fn logs_too_short_to_show_their_steps_give_times_above_zero() {
     fs::write(folder.path().join("logs/a.nmea"), sentence).unwrap();
     for preset in ["coaster", "kvlcc2-l7"] {
         run(&folder, &format!("new {preset} --vessel {preset} --logs logs")).succeeds();
-        for name in ["ingest.toml", "study.mk"] {
+        for name in ["ingest.toml", "study.toml"] {
             let text = String::from_utf8(bytes(&folder, &format!("{preset}/{name}"))).unwrap();
             let zero = |line: &&str| {
                 line.split([' ', '=']).any(|word| ["0", "0.0"].contains(&word)) && !line.starts_with('#')

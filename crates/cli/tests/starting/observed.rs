@@ -43,8 +43,8 @@ fn of_logs() -> TempDir {
     let folder = logged("heading", "heading");
     run(&folder, "new mine --vessel model-ship --logs logs").succeeds();
     edit(&folder, "mine/next/dictionary.toml", "candidates = 200", "candidates = 60");
-    let text = String::from_utf8(bytes(&folder, "mine/study.mk")).unwrap();
-    put(&folder, "mine/study.mk", &format!("{text}NEXT_FLAGS = --starts 0\n"));
+    let text = String::from_utf8(bytes(&folder, "mine/study.toml")).unwrap();
+    put(&folder, "mine/study.toml", &format!("{text}[next]\nstarts = 0\n"));
     folder
 }
 
@@ -118,7 +118,7 @@ fn run_traced(folder: &TempDir, study: &str, line: &str) {
         |key: &String| top.join(key.replace("{study}", study).replace("{out}", "out")).canonicalize().ok();
     let known: BTreeSet<PathBuf> = inputs.iter().chain(&outputs).filter_map(path).collect();
     // Those that say which stages there are, and which have run, are read every time.
-    let own = ["out/run.json", "study.mk"];
+    let own = ["out/run.json", "study.toml"];
     let is_missed = |path: &&PathBuf| !known.contains(*path) && !own.iter().any(|name| path.ends_with(name));
     let missed: Vec<&PathBuf> = opened.iter().filter(is_missed).collect();
     assert!(missed.is_empty() && opened.len() > 3, "{missed:?} of {opened:?}");
@@ -312,7 +312,7 @@ fn placeholders_stand_only_in_what_the_program_wrote() {
     fs::create_dir_all(folder.path().join("victim/p")).unwrap();
     put(&folder, "victim/p/plan.json", "mine");
     fs::rename(folder.path().join("plan.toml"), folder.path().join("plan-{logs}.toml")).unwrap();
-    put(&folder, "study.mk", "LOGS = /../../../../../../victim/p\n");
+    put(&folder, "study.toml", "logs = \"/../../../../../../victim/p\"\n");
     fs::create_dir_all(folder.path().join("out/a/b/c/d/e")).unwrap();
     std::os::unix::fs::symlink("a/b/c/d/e", folder.path().join("out/plan-")).unwrap();
     run(&folder, "run . --out out --quiet --stage plan-{logs}").succeeds();
@@ -325,7 +325,7 @@ fn nothing_is_written_outside_the_folder_of_the_results() {
     let folder = written(2);
     fs::create_dir(folder.path().join("victim")).unwrap();
     put(&folder, "victim/estimates.parquet", "mine");
-    // A link within the results, one in place of a file, a flag of study.mk
+    // A link within the results, one in place of a file, a key of study.toml
     fs::create_dir(folder.path().join("out")).unwrap();
     let link = |to: &str, name: &str| std::os::unix::fs::symlink(to, folder.path().join(name)).unwrap();
     link("../victim", "out/figures");
@@ -355,10 +355,10 @@ fn what_is_no_file_or_too_long_is_refused_by_name_and_without_waiting() {
     for (device, piece) in
         [("/dev/zero", "a device"), ("/dev/stdin", "an ordinary file"), ("pipe.toml", "a pipe")]
     {
-        put(&folder, "study.mk", &format!("DICTIONARY = {device}\n"));
+        put(&folder, "study.toml", &format!("dictionary = \"{device}\"\n"));
         run(&folder, "run . --out out --quiet --stage design").refuses(3, &[device, piece]);
     }
-    fs::remove_file(folder.path().join("study.mk")).unwrap();
+    fs::remove_file(folder.path().join("study.toml")).unwrap();
     for name in ["dictionary.toml", "vessel.toml"] {
         let whole = bytes(&folder, name);
         fs::File::options().write(true).open(folder.path().join(name)).unwrap().set_len(2 << 30).unwrap();
@@ -366,10 +366,10 @@ fn what_is_no_file_or_too_long_is_refused_by_name_and_without_waiting() {
             .refuses(3, &[name, "2147483648 bytes", "shorten"]);
         fs::write(folder.path().join(name), whole).unwrap();
     }
-    fs::File::create(folder.path().join("study.mk")).unwrap().set_len(2 << 30).unwrap();
-    run(&folder, "run . --out out --quiet --stage design").refuses(3, &["study.mk", "2147483648 bytes"]);
+    fs::File::create(folder.path().join("study.toml")).unwrap().set_len(2 << 30).unwrap();
+    run(&folder, "run . --out out --quiet --stage design").refuses(3, &["study.toml", "2147483648 bytes"]);
     // A text that names a path is no input.
-    put(&folder, "study.mk", "MOMENTS_FLAGS = --instruments nominal\nDESIGN_FLAGS = --for iv\n");
+    put(&folder, "study.toml", "[moments]\ninstruments = \"nominal\"\n[design]\nfor = \"iv\"\n");
     edit(&folder, "campaign.toml", "seed = 1", "name = \"/proc/self\"\nseed = 1");
     run(&folder, "run . --out out --quiet --stage design").succeeds();
 }

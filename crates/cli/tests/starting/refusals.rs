@@ -119,7 +119,7 @@ fn a_study_that_lacks_a_file() {
 fn logs_that_are_not_there() {
     let folder = with(&[]);
     put(&folder, "ingest.toml", "sample_rate_hz = 1.0\nmax_gap_s = 1.0\nfile = []\n");
-    refused(&folder, 3, "run . --out out", &["./logs: --logs: found no such folder", "LOGS = <folder>"]);
+    refused(&folder, 3, "run . --out out", &["./logs: --logs: found no such folder", "logs = \"<folder>\""]);
     refused(
         &folder,
         3,
@@ -131,26 +131,39 @@ fn logs_that_are_not_there() {
 #[test]
 fn settings_that_no_stage_has() {
     let folder = with(&[]);
+    let line = "run . --out out";
     for (text, pieces) in [
-        ("DESIGN_FLAG = --segments 5\n", ["study.mk: `DESIGN_FLAG`: found", "did you mean DESIGN_FLAGS?"]),
-        ("all: it\n", ["study.mk: line: found `all: it`", "correct or remove it"]),
+        ("[design]\nsegmnts = 5\n", ["study.toml: key: found `segmnts` (line 2", "did you mean `segments`?"]),
+        ("[desing]\nsegments = 5\n", ["study.toml: key: found `desing` (line 1", "did you mean `design`?"]),
+        ("[design]\nsegments = \"5\"\n", ["string \"5\" (line 2", "a whole number"]),
+        ("[design]\ntolerance = true\n", ["boolean `true`", "a number"]),
+        ("[design]\narrange = \"yes\"\n", ["string \"yes\" (line 2", "true or false"]),
+        ("[design]\ncriterion = \"dd\"\n", ["`dd` (line 2", "`d-hessian`"]),
+        ("[design]\nmoments = \"other.json\"\n", ["found `moments`", "known"]),
+        ("[design]\nout = \"/tmp\"\n", ["found `out`", "key"]),
+        ("[plan]\nset = [\"plan.cell_m=1\"]\n", ["found `set`", "key"]),
+        ("test = \"one\"\n", ["study.toml", "sequence"]),
         (
-            "DESIGN_FLAGS = $(shell date)\n",
-            ["study.mk: `DESIGN_FLAGS`: found `$(shell date)`", "write the value out"],
+            "[design]\nsegments = 0\nsegment_samples = 5\n",
+            ["study.toml: flags of `design`: found", "--segments"],
         ),
+        ("[design]\nsegments = 5\n", ["study.toml: flags of `design`: found", "--segment-samples"]),
+        ("segments = 5\n", ["study.toml: key: found `segments`", "known keys"]),
     ] {
-        put(&folder, "study.mk", text);
-        refused(&folder, 3, "run . --out out", &pieces);
+        put(&folder, "study.toml", text);
+        refused(&folder, 3, line, &pieces);
     }
-    put(&folder, "study.mk", "");
-    for (line, piece) in [
-        ("run . --out out --setting DESIGN_FLAG=1", "--setting: `DESIGN_FLAG`: found a setting of no stage"),
-        ("run . --out out --setting SEED", "--setting: line: found `SEED`"),
+    std::fs::remove_file(folder.path().join("study.toml")).unwrap();
+    for (changed, piece) in [
+        ("study.design.segmnts=5", "did you mean `segments`?"),
+        ("study.design.segments=five", "a whole number"),
+        ("study.desing.segments=5", "did you mean `design`?"),
     ] {
-        refused(&folder, 2, line, &[piece]);
+        refused(&folder, 3, &format!("{line} --set {changed}"), &["study.toml", piece]);
     }
-    put(&folder, "study.mk", "DESIGN_FLAGS = --segmnts 5\n");
-    refused(&folder, 2, "run . --out out", &["study.mk: flags of design: ", "--segmnts"]);
+    refused(&folder, 2, &format!("{line} --setting DESIGN_FLAGS=1"), &["--setting", "--set study.design."]);
+    put(&folder, "study.mk", "DESIGN_FLAGS = --segments 5\n");
+    refused(&folder, 3, line, &["study.mk: file: found settings as text", "study.toml", "docs/own-ship.md"]);
 }
 
 #[test]

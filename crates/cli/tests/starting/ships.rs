@@ -58,16 +58,15 @@ fn law_a_scaled_ship_turns_and_checks_as_her_model_does() {
     put(&folder, "model.toml", "preset = \"kvlcc2-l7\"\n");
     judge(&folder, "model.toml", [7.0, 1.179, 10.4]);
     let first = FIGURES.map(|(name, own)| figure(&folder, name, own));
-    let said =
-        run(&folder, "scale --vessel kvlcc2-l7 --length 320 --density 1025 --out ship.toml").succeeds();
+    let said = run(&folder, "new ship --vessel kvlcc2-l7 --scale length_m=320,density_kg_m3=1025").succeeds();
     assert!(said.stdout.contains("7.9715 m/s"), "{said}");
     let root = (320.0_f64 / 7.0).sqrt();
-    judge(&folder, "ship.toml", [320.0, 1.179 * root, 10.4 / root]);
+    judge(&folder, "ship/vessel.toml", [320.0, 1.179 * root, 10.4 / root]);
     for ((name, own), first) in FIGURES.into_iter().zip(first) {
         let found = figure(&folder, name, own);
         assert!((found - first).abs() <= 1e-9 * first.abs().max(1.0), "{name} {own}: {found} {first}");
     }
-    assert_eq!(plain(&folder, "ship.toml").matches("prior = ").count(), 26);
+    assert_eq!(plain(&folder, "ship/vessel.toml").matches("prior = ").count(), 26);
 }
 
 /// Whether two texts are the same but for roundings in the last digits of numbers.
@@ -88,12 +87,13 @@ fn law_there_and_back_is_the_same_file() {
     let folder = TempDir::new().unwrap();
     let back = |ship: &str, own: &str, other: &str| {
         let scale = |vessel: &str, length: &str, out: &str| {
-            run(&folder, &format!("scale --vessel {vessel} --length {length} --out {out}")).succeeds();
-            plain(&folder, out)
+            _ = std::fs::remove_dir_all(folder.path().join(out));
+            run(&folder, &format!("new {out} --vessel {vessel} --scale length_m={length}")).succeeds();
+            plain(&folder, &format!("{out}/vessel.toml"))
         };
-        let first = scale(ship, own, "first.toml");
-        assert_ne!(first, scale(ship, other, "other.toml"));
-        (first, scale("other.toml", own, "back.toml"))
+        let first = scale(ship, own, "first");
+        assert_ne!(first, scale(ship, other, "other"));
+        (first, scale("other/vessel.toml", own, "back"))
     };
     let (first, again) = back("kvlcc2-l7", "7", "320");
     assert_eq!(first, again);
@@ -117,9 +117,10 @@ fn a_scaled_fit_has_its_estimates_and_priors_from_its_errors() {
     run(&folder, "simulate dictionary --vessel vessel.toml --dictionary dictionary.toml --out d.parquet")
         .succeeds();
     run(&folder, "estimate pool --vessel vessel.toml --trajectories d.parquet --out model.json").succeeds();
-    run(&folder, "scale --vessel model.json --length 320 --out ship.toml").succeeds();
+    run(&folder, "new ship --vessel model.json --scale length_m=320").succeeds();
     let parameters = json(&folder, "model.json")["data"]["forces"]["parameters"].as_array().unwrap().clone();
-    let text = plain(&folder, "ship.toml");
+    let text = plain(&folder, "ship/vessel.toml");
+    let text = text.split("[value]").next().unwrap();
     assert!(!text.contains("value = "), "{text}");
     for own in
         parameters.iter().filter(|own| own["unit"] == "1" && !own["name"].as_str().unwrap().contains('.'))
@@ -131,7 +132,7 @@ fn a_scaled_fit_has_its_estimates_and_priors_from_its_errors() {
     }
     run(
         &folder,
-        "validate merit --vessel ship.toml --dictionary dictionary.toml --length-m 320 --out m.json",
+        "validate merit --vessel ship/vessel.toml --dictionary dictionary.toml --length-m 320 --out m.json",
     )
     .refuses(3, &["dictionary.toml"]);
 }
@@ -139,17 +140,19 @@ fn a_scaled_fit_has_its_estimates_and_priors_from_its_errors() {
 #[test]
 fn law_guesses_of_published_ships_turn_and_check_within_what_ships_do() {
     let folder = TempDir::new().unwrap();
-    for (flags, length) in [
-        ("--length 320 --beam 58 --draught 20.8 --block 0.81 --speed 7.97", 320.0),
-        ("--length 160.93 --beam 23.17 --draught 8.23 --block 0.6 --speed 7.7175", 160.93),
-        ("--length 100 --beam 16 --draught 6 --block 0.7", 100.0),
-        ("--length 7 --beam 1.27 --draught 0.455 --block 0.81 --density 1000 --speed 1.179", 7.0),
+    let vessel = "guessed/vessel.toml";
+    for (dimensions, length) in [
+        ("length_m=320,beam_m=58,draught_m=20.8,block=0.81,speed_m_s=7.97", 320.0),
+        ("length_m=160.93,beam_m=23.17,draught_m=8.23,block=0.6,speed_m_s=7.7175", 160.93),
+        ("length_m=100,beam_m=16,draught_m=6,block=0.7", 100.0),
+        ("length_m=7,beam_m=1.27,draught_m=0.455,block=0.81,density_kg_m3=1000,speed_m_s=1.179", 7.0),
     ] {
-        let said = run(&folder, &format!("guess {flags} --out vessel.toml --json")).succeeds();
-        let text = String::from_utf8(bytes(&folder, "vessel.toml")).unwrap();
+        _ = std::fs::remove_dir_all(folder.path().join("guessed"));
+        let said = run(&folder, &format!("new guessed --guess {dimensions}")).succeeds();
+        let text = String::from_utf8(bytes(&folder, vessel)).unwrap();
         let n = text.split("at n = ").nth(1).and_then(|own| own.split(' ').next()).unwrap();
-        let speed = number(&folder, "vessel.toml", "speed_m_s");
-        judge(&folder, "vessel.toml", [length, speed, n.parse().unwrap()]);
+        let speed = number(&folder, vessel, "speed_m_s");
+        judge(&folder, vessel, [length, speed, n.parse().unwrap()]);
         let [advance, diameter, first, second] = FIGURES.map(|(name, own)| figure(&folder, name, own));
         // IMO MSC.137(76): 4.5 and 5 lengths, 25° and 40°; no ship turns in less than two lengths.
         assert!(
@@ -164,52 +167,59 @@ fn law_guesses_of_published_ships_turn_and_check_within_what_ships_do() {
             "{text}"
         );
     }
-    run(&folder, "scale --vessel vessel.toml --length 14 --out larger.toml").succeeds();
+    run(&folder, &format!("new larger --vessel {vessel} --scale length_m=14")).succeeds();
 }
 
 #[test]
 fn what_cannot_be_scaled_or_guessed_is_refused_in_one_line() {
     let folder = TempDir::new().unwrap();
     put(&folder, "terms.toml", "preset = \"ljungberg-model-ship\"\n");
-    let scale = "scale --out out.toml --vessel";
     for (flags, code, pieces) in [
         (
-            "kvlcc2-l7 --length 320 --draught 22",
+            "kvlcc2-l7 --scale length_m=320,draught_m=22",
             3,
-            ["kvlcc2-l7: the draught: found 22 m, expected 21.0286", "guess"],
+            ["kvlcc2-l7: the draught: found 22 m, expected 21.0286", "--guess"],
         ),
-        ("kvlcc2-l7 --length 320 --beam 58", 2, ["--beam: found a hull form", "seatrial guess"]),
-        ("kvlcc2-l7 --length 320 --block 0.8", 2, ["--block", "seatrial guess"]),
-        ("kvlcc2-l7 --length 0", 3, ["`the length`: found 0", "0.1 to 1000 m"]),
-        ("kvlcc2-l7 --length 320 --density 1", 3, ["`the density`: found 1", "900 to 1100"]),
-        ("kvlcc2 --length 320", 3, ["`preset`: found `kvlcc2`", "did you mean `kvlcc2-l7`"]),
-        ("terms.toml --length 320", 3, ["terms.toml: `model`: found terms per sample", "forces"]),
-        ("none.toml --length 320", 1, ["none.toml", "No such file"]),
+        ("kvlcc2-l7 --scale length_m=320,beam_m=58", 2, ["--scale: key: found `beam_m`", "`draught_m`"]),
+        ("kvlcc2-l7 --scale lenght_m=320", 2, ["--scale: key: found `lenght_m`", "did you mean `length_m`?"]),
+        ("kvlcc2-l7 --scale draught_m=20", 2, ["--scale", "`length_m`"]),
+        ("kvlcc2-l7 --scale length_m=long", 2, ["--scale", "long"]),
+        ("kvlcc2-l7 --scale length_m=0", 3, ["`the length`: found 0", "0.1 to 1000 m"]),
+        ("kvlcc2-l7 --scale length_m=320,density_kg_m3=1", 3, ["`the density`: found 1", "900 to 1100"]),
+        ("kvlcc2 --scale length_m=320", 3, ["`preset`: found `kvlcc2`", "did you mean `kvlcc2-l7`"]),
+        ("terms.toml --scale length_m=320", 3, ["terms.toml: `model`: found terms per sample", "forces"]),
+        ("none.toml --scale length_m=320", 1, ["none.toml", "No such file"]),
     ] {
-        refused(&folder, code, &format!("{scale} {flags}"), &pieces);
+        refused(&folder, code, &format!("new mine --vessel {flags}"), &pieces);
     }
-    let guess = "guess --out out.toml --length 320 --draught 20.8";
-    for (flags, pieces) in [
-        ("--beam 58 --block 1.2", ["guess: `the block coefficient`: found 1.2", "0.3 to 0.95"]),
-        ("--beam 400 --block 0.8", ["guess: the beam: found 400", "2.5 to 12 beams"]),
-        ("--beam 58 --block 0.8 --mass 1e6", ["guess: the mass: found 1000000", "displaced water"]),
-        ("--beam 58 --block 0.8 --speed 50", ["guess: the speed: found 50", "Froude"]),
-        ("--beam 58 --block 0.8 --propeller-diameter 30", ["propeller's diameter: found 30", "draughts"]),
+    let main = "length_m=320,draught_m=20.8";
+    for (more, pieces) in [
+        ("beam_m=58,block=1.2", ["--guess: `the block coefficient`: found 1.2", "0.3 to 0.95"]),
+        ("beam_m=400,block=0.8", ["--guess: the beam: found 400", "2.5 to 12 beams"]),
+        ("beam_m=58,block=0.8,mass_kg=1e6", ["--guess: the mass: found 1000000", "displaced water"]),
+        ("beam_m=58,block=0.8,speed_m_s=50", ["--guess: the speed: found 50", "Froude"]),
+        ("beam_m=58,block=0.8,propeller_diameter_m=30", ["propeller's diameter: found 30", "draughts"]),
+        ("beam_m=58", ["--guess", "`block`"]),
+        ("beam_m=58,block=0.8,speed=8", ["--guess: key: found `speed`", "did you mean `speed_m_s`?"]),
     ] {
-        refused(&folder, 2, &format!("{guess} {flags}"), &pieces);
+        refused(&folder, 2, &format!("new mine --guess {main},{more}"), &pieces);
     }
-    // Not over the ship that was read.
-    run(&folder, "scale --vessel mariner --length 40 --out ship.toml").succeeds();
-    refused(&folder, 2, "scale --vessel ship.toml --length 80 --out ship.toml", &["--out", "also an input"]);
+    assert!(!folder.path().join("mine").exists());
+    for (gone, remedy) in [("guess", "--guess length_m="), ("scale", "--scale length_m=")] {
+        refused(&folder, 2, &format!("{gone} --length 320 --out vessel.toml"), &[gone, "it is gone", remedy]);
+    }
+    // A ship without a rudder has her file alone.
+    let ran = run(&folder, "new larger --vessel otter --scale length_m=3").succeeds();
+    assert!(ran.stdout.contains("vessel.toml;") && ran.stdout.contains("write dictionary.toml"), "{ran}");
 }
 
 #[test]
 fn a_guess_comes_to_its_page_by_two_commands() {
     let folder = TempDir::new().unwrap();
-    run(&folder, "guess --length 3 --beam 0.5 --draught 0.2 --block 0.75 --out guessed.toml").succeeds();
-    run(&folder, "new mine --vessel guessed.toml").succeeds();
+    let guess = "--guess length_m=3,beam_m=0.5,draught_m=0.2,block=0.75";
+    run(&folder, &format!("new mine {guess}")).succeeds();
     let number = |name: &str, key: &str| number(&folder, name, key);
-    assert_eq!(number("mine/dictionary.toml", "speed_m_s"), number("guessed.toml", "speed_m_s"));
+    assert_eq!(number("mine/dictionary.toml", "speed_m_s"), number("mine/vessel.toml", "speed_m_s"));
     assert_eq!(number("mine/vessel.toml", "\"X_0\""), -number("mine/vessel.toml", "\"X_0\"").abs());
     let short = "--set campaign.realizations=1 --set campaign.duration_s=150";
     let ran = run(&folder, &format!("run mine --quiet {short}")).succeeds();
@@ -218,7 +228,7 @@ fn a_guess_comes_to_its_page_by_two_commands() {
     assert!(merit["data"]["maneuvers"].as_array().unwrap().len() >= 8, "{merit}");
     // With a seed she is another ship of the same priors, and the same one again.
     let drawn = |seed: u64| {
-        let made = format!("new of-{seed} --vessel guessed.toml --seed {seed}");
+        let made = format!("new of-{seed} {guess} --seed {seed}");
         run(&folder, &made).succeeds();
         String::from_utf8(bytes(&folder, &format!("of-{seed}/vessel.toml"))).unwrap()
     };

@@ -86,7 +86,7 @@ fn every_hand_written_file_of_a_preset_is_commented() {
     for preset in PRESETS {
         let folder = tempfile::tempdir().unwrap();
         run(&folder, &format!("new mine --vessel {preset}")).succeeds();
-        for name in ["vessel.toml", "dictionary.toml", "campaign.toml", "study.mk"] {
+        for name in ["vessel.toml", "dictionary.toml", "campaign.toml", "study.toml"] {
             let text = String::from_utf8(bytes(&folder, &format!("mine/{name}"))).unwrap();
             let own = text.lines().find(|line| !line.starts_with("#:schema ")).unwrap_or_default();
             assert!(own.starts_with("# "), "{preset}/{name} begins with {own}");
@@ -161,12 +161,12 @@ fn the_trial_on_a_chart_begins_where_there_is_most_room() {
 }
 
 /// What the stages do without flags.
-const PAPERS: &str = "MOMENTS_FLAGS = --instruments nominal\nDESIGN_FLAGS = --for iv --criterion d-hessian\nESTIMATE_FLAGS = --estimator iv\n";
+const PAPERS: &str = "[moments]\ninstruments = \"nominal\"\n[design]\nfor = \"iv\"\ncriterion = \"d-hessian\"\n[estimate]\nestimator = \"iv\"\n";
 
 #[test]
 fn law_run_writes_the_bytes_that_the_stages_write() {
     let folder = written(4);
-    put(&folder, "study.mk", PAPERS);
+    put(&folder, "study.toml", PAPERS);
     for stage in STAGES {
         run(&folder, stage).succeeds();
     }
@@ -180,7 +180,7 @@ fn law_run_writes_the_bytes_that_the_stages_write() {
 #[test]
 fn law_what_is_up_to_date_is_not_run_again() {
     let folder = written(4);
-    put(&folder, "study.mk", PAPERS);
+    put(&folder, "study.toml", PAPERS);
     let all = ["dictionary", "moments", "design", "validation", "campaign", "estimate", "validate", "report"];
     assert_eq!(stages(&folder, "run . --out out"), all);
     let before = listing(&folder.path().join("out"));
@@ -191,7 +191,11 @@ fn law_what_is_up_to_date_is_not_run_again() {
     let of_the_campaign = ["validation", "campaign", "estimate", "validate", "report"];
     assert_eq!(stages(&folder, "run . --out out"), of_the_campaign);
     // A changed flag, a changed value
-    put(&folder, "study.mk", &PAPERS.replace("d-hessian", "d-hessian --segments 5 --segment-samples 200"));
+    put(
+        &folder,
+        "study.toml",
+        &PAPERS.replace("\n[estimate]", "\nsegments = 5\nsegment_samples = 200\n[estimate]"),
+    );
     assert_eq!(stages(&folder, "run . --out out"), ["design", "campaign", "estimate", "validate", "report"]);
     assert_eq!(stages(&folder, "run . --out out --set campaign.realizations=3"), of_the_campaign);
 }
@@ -240,22 +244,36 @@ fn a_stage_brings_those_that_it_needs_and_no_more() {
 }
 
 #[test]
+fn results_of_another_study_are_not_written_over() {
+    let folder = tempfile::tempdir().unwrap();
+    ["one", "two"].iter().for_each(|name| drop(run(&folder, &format!("new {name} --vessel model-ship"))));
+    assert_eq!(stages(&folder, "run one --out out --stage dictionary"), ["dictionary"]);
+    let before = listing(&folder.path().join("out"));
+    let pieces = ["out/run.json: `data.study`: found the results of another study", "with --out"];
+    refused(&folder, 3, "run two --out out --stage dictionary", &pieces);
+    assert_eq!(listing(&folder.path().join("out")), before);
+    // Moved together they belong together.
+    std::fs::create_dir(folder.path().join("below")).unwrap();
+    for name in ["one", "out"] {
+        std::fs::rename(folder.path().join(name), folder.path().join("below").join(name)).unwrap();
+    }
+    assert_eq!(stages(&folder, "run below/one --out below/out --stage dictionary"), [""; 0]);
+}
+
+#[test]
 fn a_setting_on_the_command_line_replaces_that_of_the_study() {
     let folder = written(4);
-    put(&folder, "study.mk", "DESIGN_FLAGS = --tolerance 1e-9\n");
+    put(&folder, "study.toml", "[design]\ntolerance = 1e-9\n");
     // The usual flags stay, as far as they go together.
     let usual = "--for output-error --criterion d";
+    let ship = "--vessel {study}/vessel.toml --dictionary {study}/dictionary.toml";
     for (own, whole) in [
-        (
-            "--tolerance=1e-7",
-            format!(
-                "{usual} --arrange --vessel {{study}}/vessel.toml --dictionary {{study}}/dictionary.toml --tolerance=1e-7"
-            ),
-        ),
-        ("--most-maneuvers=3", format!("{usual} --most-maneuvers=3")),
-        ("--criterion=a", "--criterion=a".to_owned()),
+        ("tolerance=1e-7", format!("{usual} --arrange --tolerance 0.0000001 {ship}")),
+        ("most_maneuvers=3", format!("{usual} --tolerance 0.000000001 --most-maneuvers 3")),
+        ("criterion=a", "--tolerance 0.000000001 --criterion a".to_owned()),
+        ("arrange=false", format!("{usual} --tolerance 0.000000001")),
     ] {
-        run(&folder, &format!("run . --out out --stage design --setting DESIGN_FLAGS={own}")).succeeds();
+        run(&folder, &format!("run . --out out --stage design --set study.design.{own}")).succeeds();
         let document = json(&folder, "out/run.json");
         let command = &document["data"]["stages"]["design"]["command"];
         let words = format!("design --moments {{out}}/moments.json {whole} --out {{out}}/design.json");

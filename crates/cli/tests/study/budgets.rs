@@ -112,9 +112,10 @@ fn swings_that_the_sampling_rate_does_not_show_are_refused() {
 #[test]
 fn rounds_whose_rows_do_not_fit_are_refused() {
     let folder = with(&[]);
-    let rounds = "duration_s = 90.0\nrounds = 3\nnominal_spread = 0.4\naccuracy = 0.5\n";
-    put(&folder, "sequential.toml", &format!("realizations = 1000000000\n{rounds}"));
-    let line = "sequential --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --config \
-        sequential.toml --out s.parquet";
-    refused(&folder, 3, line, &["sequential.toml", "`realizations`", "TiB of memory"]);
+    in_rounds(
+        &folder,
+        "realizations = 1000000000\nduration_s = 90.0\nrounds = 3\nnominal_spread = 0.4\naccuracy = 0.5\n",
+    );
+    let line = "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --out s.parquet";
+    refused(&folder, 3, line, &["campaign.toml", "`rounds.realizations`", "TiB of memory"]);
 }

@@ -88,7 +88,7 @@ fn shells_and_manuals_know_every_command() {
         }
     }
     run(&folder, "completions cshell").refuses(2, &["cshell", "bash"]);
-    run(&folder, "manual man/").succeeds();
+    run(&folder, "completions man man/").succeeds();
     for page in std::fs::read_dir(folder.path().join("man")).unwrap() {
         let name = page.unwrap().file_name().into_string().unwrap();
         assert!(!name.contains("help"), "{name}");

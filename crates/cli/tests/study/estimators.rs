@@ -7,8 +7,8 @@ use tempfile::TempDir;
 
 use crate::support::*;
 
-const COMPARE: &str = "estimate --vessel vessel.toml --trajectories campaign.parquet --compare --campaign campaign.toml \
-     --out estimates.parquet";
+const COMPARE: &str = "estimate --vessel vessel.toml --trajectories campaign.parquet \
+     --estimator ls,iv,output-error,prediction-error --campaign campaign.toml --out estimates.parquet";
 const NAMES: [&str; 4] = ["ls", "iv", "output-error", "prediction-error"];
 
 /// The small study with all estimators compared.
@@ -62,6 +62,12 @@ fn compare_has_a_row_per_run_and_estimator_and_alone_each_gives_the_same() {
             assert_eq!(a, b, "{name}, row {row}");
         }
     }
+    run(&folder, &format!("{ESTIMATE} --estimator output-error,ls,ls")).succeeds();
+    assert_eq!(
+        texts(&folder, "estimates.parquet", "estimates", 2)[..3],
+        ["output-error", "ls", "output-error"]
+    );
+    assert_eq!(json(&folder, "estimate.json")["data"]["estimator"], "output-error");
 }
 
 #[test]
@@ -143,7 +149,7 @@ fn prediction_error_finds_what_disturbs_the_runs() {
     let folder = with(&["design.json"]);
     edit(&folder, "campaign.toml", &format!("realizations = {RUNS}"), "realizations = 6");
     run(&folder, CAMPAIGN).succeeds();
-    let line = format!("{ESTIMATE} --estimator prediction-error --criticise never");
+    let line = format!("{ESTIMATE} --estimator prediction-error");
     run(&folder, &line).succeeds();
     let found = json(&folder, "estimate.json");
     let designs = found["data"]["designs"].as_array().unwrap();
@@ -163,7 +169,6 @@ fn names_and_silent_sensors_are_refused() {
         &format!("{ESTIMATE} --estimator auto"),
         &["--estimator", "auto", "prediction-error"],
     );
-    refused(&folder, 2, &format!("{ESTIMATE} --compare --estimator iv"), &["--compare", "--estimator"]);
     edit(&folder, "campaign.toml", "std_v_m_s = 0.15811388300841897", "std_v_m_s = 0.0");
     refused(&folder, 3, COMPARE, &["campaign.toml", "`measurement.std_v_m_s`", "found 0"]);
     edit(&folder, "campaign.toml", "kind = \"white\"", "kind = \"gauss-markov\"\ntime_constant_s = 0.0");
@@ -205,7 +210,7 @@ fn searches_that_end_nowhere_are_counted_and_reported() {
     assert!(lost > 0, "{ran}");
     let statuses = texts(&folder, "estimates.parquet", "estimates", 3);
     assert_eq!(statuses.iter().filter(|s| *s == "not converged").count() as u64, lost);
-    run(&folder, &format!("{VALIDATE} --allow-mixed")).succeeds();
+    run(&folder, &format!("{VALIDATE} --allow=mixed")).succeeds();
     let designs = json(&folder, "validation.json")["data"]["designs"].clone();
     let told: u64 = designs.as_array().unwrap().iter().map(|d| d["not_converged"].as_u64().unwrap()).sum();
     assert_eq!(told, lost);
@@ -257,9 +262,8 @@ fn runs_are_asked_what_the_model_lacks_where_disturbances_are_stated() {
     let right = rejected(&format!("{ESTIMATE} --campaign campaign.toml"));
     assert!(right.0 == Some(right.1) && right.1 <= RUNS, "{right:?}");
     let wrong = ESTIMATE.replace("vessel.toml", "poorer.toml");
-    let wrong = rejected(&format!("{wrong} --campaign campaign.toml --allow-mixed"));
+    let wrong = rejected(&format!("{wrong} --campaign campaign.toml --allow=mixed"));
     assert!(wrong.0 == Some(wrong.1) && wrong.1 > RUNS, "{wrong:?}");
-    assert_eq!(rejected(&format!("{ESTIMATE} --campaign campaign.toml --criticise never")), (None, 0));
     assert_eq!(rejected(ESTIMATE), (None, 0));
     let ran = run(&folder, ESTIMATE).succeeds();
     assert!(ran.stdout.contains(", model not criticised"), "{ran}");
@@ -281,10 +285,10 @@ fn results_name_what_was_unknown() {
     run(&folder, &there(&format!("{ESTIMATE} --estimator output-error {flags}"))).succeeds();
     run(&folder, &there(VALIDATE)).succeeds();
     let missing = way.replace("current", "undeclared");
-    run(&folder, &format!("report results --unknown {way} {missing} --out results.md")).succeeds();
-    let text = std::fs::read_to_string(folder.path().join("results.md")).unwrap();
-    let row = format!("| scenarios white | {RUNS} | 1 | `output-error {flags}` |");
-    for piece in [row.as_str(), "Not here: scenarios white unknown undeclared"] {
+    let unknown = [way, &missing].map(|way| folder.path().join(way)).to_vec();
+    let text = report::results::tables(&report::results::Folders { unknown, ..Default::default() }).unwrap();
+    let row = format!("scenarios white | {RUNS} | 1 | `output-error {flags}` |");
+    for piece in [row.as_str(), "scenarios white unknown undeclared"] {
         assert!(text.contains(piece), "{piece}: {text}");
     }
 }

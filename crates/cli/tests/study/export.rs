@@ -303,11 +303,12 @@ fn law_fmpy_runs_the_unit_as_simulate_does() {
 #[test]
 fn a_unit_is_the_same_twice_and_has_its_source_alone_where_there_is_no_compiler() {
     let ground = Ground::new();
-    let line = "export --vessel vessel.toml --to fmu --compiler no-such-compiler --json --out";
-    let ran = run(&ground.folder, &format!("{line} one")).succeeds();
+    let line = "export --vessel vessel.toml --to fmu --json --out";
+    let by = |compiler: &str, line: &str| run_with(&ground.folder, line, ("CC", compiler));
+    let ran = by("no-such-compiler", &format!("{line} one")).succeeds();
     let said: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
     assert_eq!((&said["built"], &said["files"][0]), (&false.into(), &"test_ship_2.fmu".into()));
-    let told = run(&ground.folder, &line.replace("--json --out", "--out two")).succeeds();
+    let told = by("no-such-compiler", &line.replace("--json --out", "--out two")).succeeds();
     assert!(told.stdout.contains("its source alone: found no C compiler `no-such-compiler`"), "{told}");
     assert_eq!(bytes(&ground.folder, "one/test_ship_2.fmu"), bytes(&ground.folder, "two/test_ship_2.fmu"));
     assert_eq!(unpacked(&ground.folder.path().join("one/test_ship_2.fmu")).len(), 4);
@@ -479,7 +480,7 @@ fn a_model_without_estimates_is_refused() {
 #[test]
 fn a_compiler_that_compiles_nothing_is_told() {
     let ground = Ground::new();
-    let line = "export --vessel vessel.toml --to fmu --compiler false --out fmu";
-    run(&ground.folder, line).refuses(1, &["false", "does not compile"]);
+    let line = "export --vessel vessel.toml --to fmu --out fmu";
+    run_with(&ground.folder, line, ("CC", "false")).refuses(1, &["false", "does not compile"]);
     assert!(!ground.folder.path().join("fmu").exists());
 }

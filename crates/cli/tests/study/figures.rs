@@ -184,7 +184,7 @@ fn figures_of_another_model_are_refused() {
     edit(&folder, "vessel.toml", "value = -0.41\nnominal = -0.48\n", "value = -0.41\nfixed = true\n");
     run(&folder, SLOPES).succeeds();
     let parameters = "merit.json: `data.slopes_at.parameters`: found no `N_rr`";
-    refused(&folder, 3, &format!("{line} --allow-mixed"), &[parameters]);
+    refused(&folder, 3, &format!("{line} --allow=mixed"), &[parameters]);
     edit(&folder, "vessel.toml", "value = 0.2\n", "value = 0.0\n");
     std::fs::remove_file(folder.path().join("merit.json")).unwrap();
     refused(&folder, 3, SLOPES, &["vessel.toml: parameter `X_vr`: found 0", "a step is relative to"]);
@@ -218,7 +218,6 @@ fn wishes_that_no_figure_meets_are_refused() {
     refuse(3, "--accuracy heel=2deg", &["merit.json: --accuracy: found `heel`"]);
     refuse(4, "--accuracy advance=1e-9m", &["--accuracy", "86400 s can reach"]);
     refuse(2, "--accuracy advance=2m --accuracy 0.1", &["--accuracy: found several, one a share"]);
-    refuse(2, "--accuracy advance=2m --per-parameter", &["--per-parameter", "expected a share"]);
     refuse(2, "--accuracy advance=-2m", &["--accuracy", "expected a number above 0"]);
     let line = "design --moments moments.json --out design.json";
     let without = ["--criterion: found figures without --figures", "add --figures merit.json"];

@@ -186,8 +186,6 @@ fn what_forces_do_not_have_is_refused_by_name() {
         CAMPAIGN.replace("simulate campaign", "monte-carlo").replace(" --out campaign.parquet", "")
     );
     refused(&folder, 3, &tally, &["vessel.toml", "`iv` computes", "take the estimator `output-error`"]);
-    refused(&folder, 2, &format!("{ESTIMATE} --model-of optimized/0"), &["--model-of", "`estimate pool`"]);
-    refused(&folder, 2, &format!("{ESTIMATE} --criticise always"), &["--criticise"]);
     let unstated = ESTIMATE.replace("--campaign campaign.toml", "");
     refused(&folder, 3, &unstated, &["campaign.parquet", "none stated", "add --campaign"]);
     refused(
@@ -203,8 +201,8 @@ fn what_forces_do_not_have_is_refused_by_name() {
 /// Stages that compute with terms alone, and what their remedies name.
 const OF_TERMS: [(&str, &str, &str); 3] = [
     (
-        "sequential --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --config sequential.toml --out s.parquet",
-        "`sequential` computes",
+        "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --out s.parquet",
+        "`trials in rounds` computes",
         "`monte-carlo --estimator output-error`",
     ),
     (
@@ -223,6 +221,7 @@ const OF_TERMS: [(&str, &str, &str); 3] = [
 fn what_serves_a_ship_with_forces_instead_of_stages_of_terms_is_true() {
     let folder = otter(2);
     std::fs::create_dir(folder.path().join("refined")).unwrap();
+    in_rounds(&folder, FEW_ROUNDS);
     for (line, computes, instead) in OF_TERMS {
         refused(&folder, 3, line, &["vessel.toml", computes, instead, "or give it a vessel with terms"]);
     }
@@ -233,6 +232,6 @@ fn what_serves_a_ship_with_forces_instead_of_stages_of_terms_is_true() {
         CAMPAIGN.replace("simulate campaign", "monte-carlo").replace("campaign.parquet", "tally.json");
     run(&folder, &format!("{tally} --estimator output-error")).succeeds();
     priors(&folder);
-    let cross = "validate cross --vessel vessel.toml --trajectories d.parquet --allow-mixed --window-s 10 --out crossval.json";
+    let cross = "validate cross --vessel vessel.toml --trajectories d.parquet --allow=mixed --window-s 10 --out crossval.json";
     run(&folder, cross).succeeds();
 }

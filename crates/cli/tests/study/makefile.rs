@@ -78,7 +78,7 @@ fn make_runs_the_study_that_is_named() {
         println!("skipped: there is no make");
         return;
     }
-    // A folder of logs, without a study.mk that includes the stages for them
+    // A folder of logs, without a study.toml
     let folder = tempfile::Builder::new().prefix("logged").tempdir().unwrap();
     for name in ["vessel.toml", "ingest.toml"] {
         put(&folder, name, "");
@@ -91,15 +91,20 @@ fn make_runs_the_study_that_is_named() {
         one_blank(&said).contains(&piece) && said.contains("Report: out/logged/measured/report.html"),
         "{said}"
     );
-    let further = ["STUDY=pipelines/smoke", "DESIGN_FLAGS=--segments 5", "STAGE=design", "FLAGS=--quiet"];
-    let piece =
-        "run pipelines/smoke --setting 'DESIGN_FLAGS=--segments 5' --quiet --stage design --out out/smoke";
+    let further = ["STUDY=pipelines/smoke", "STAGE=design", "FLAGS=--quiet"];
+    let piece = "run pipelines/smoke --quiet --stage design --out out/smoke";
     assert!(one_blank(&commands(&further)).contains(piece), "{}", commands(&further));
     let own = commands(&["STUDY=pipelines/smoke", "sequential"]);
-    for piece in ["--config pipelines/smoke/sequential.toml", "--results out/smoke/sequential"] {
+    for piece in ["monte-carlo --vessel pipelines/smoke/vessel.toml", "--results out/smoke/sequential"] {
         assert!(own.contains(piece), "no `{piece}` in\n{own}");
     }
-    assert!(commands(&["sequential"]).contains("--config pipelines/sequential/sequential.toml"));
+    assert!(commands(&["sequential"]).contains("--campaign pipelines/sequential/campaign.toml"));
+    // What was set so before study.toml is not passed over.
+    let (code, said) = made("DESIGN_FLAGS=--segments 5", false);
+    assert!(
+        code == Some(2) && said.contains("DESIGN_FLAGS: found it") && said.contains("--set study.design"),
+        "{said}"
+    );
     // A folder that is not there is named before anything is built.
     let (code, said) = made("STUDY=pipelines/none", false);
     assert!(code == Some(2) && said.contains("pipelines/none: found no such folder"), "{said}");

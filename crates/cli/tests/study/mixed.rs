@@ -17,10 +17,10 @@ fn mixed() -> TempDir {
 fn estimates_of_another_campaign_are_not_scored() {
     let folder = mixed();
     fs::remove_file(folder.path().join("scores.parquet")).unwrap();
-    let pieces = ["provenance", "another campaign than that of campaign.toml", "--allow-mixed"];
+    let pieces = ["provenance", "another campaign than that of campaign.toml", "--allow=mixed"];
     refused(&folder, 3, VALIDATE, &pieces);
     assert!(!folder.path().join("scores.parquet").exists());
-    run(&folder, &format!("{VALIDATE} --allow-mixed")).succeeds();
+    run(&folder, &format!("{VALIDATE} --allow=mixed")).succeeds();
     let settings = json(&folder, "validation.json")["settings"].clone();
     assert_eq!(settings["mixed"], serde_json::json!(["campaign"]));
 }
@@ -30,7 +30,7 @@ fn what_was_made_of_a_mixture_stays_labelled() {
     let folder = with(&MADE);
     edit(&folder, "dictionary.toml", "name = \"zig-zag", "# another\nname = \"zig-zag");
     refused(&folder, 3, CAMPAIGN, &["another dictionary than that of", "dictionary.toml"]);
-    run(&folder, &format!("{CAMPAIGN} --allow-mixed")).succeeds();
+    run(&folder, &format!("{CAMPAIGN} --allow=mixed")).succeeds();
     run(&folder, ESTIMATE).succeeds();
     assert_eq!(json(&folder, "estimate.json")["settings"]["mixed"], serde_json::json!(["dictionary"]));
 }
@@ -41,7 +41,7 @@ fn a_page_of_two_studies_is_refused_or_says_so() {
     fs::remove_file(folder.path().join("report.html")).unwrap();
     refused(&folder, 3, REPORT, &["another campaign than that of"]);
     assert!(!folder.path().join("report.html").exists());
-    run(&folder, &format!("{REPORT} --allow-mixed")).succeeds();
+    run(&folder, &format!("{REPORT} --allow=mixed")).succeeds();
     let page = fs::read_to_string(folder.path().join("report.html")).unwrap();
     assert!(page.contains("Mixed: this page shows files of different studies"));
     let folder = with(&MADE);

@@ -104,7 +104,7 @@ fn law_a_predicted_accuracy_holds_from_the_length_that_the_design_states() {
         let [took, from] = ["duration_s", "holds_from_s"].map(|key| found[key].as_f64().unwrap());
         assert_eq!(said.contains("too short"), took < from, "{said}");
         assert_eq!(found["statement"].as_str().unwrap().contains("errs more"), took < from, "{found}");
-        let length = format!("--allow-mixed --set campaign.duration_s={took}");
+        let length = format!("--allow=mixed --set campaign.duration_s={took}");
         run(&folder, &format!("{SETTINGS} {length}")).succeeds();
         let error = scored(&folder, "optimized")["parameter_error"]["median"].as_f64().unwrap();
         (took >= from, error / accuracy)

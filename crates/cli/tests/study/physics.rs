@@ -202,6 +202,7 @@ fn stages_that_need_terms_per_sample_refuse_a_ship_with_forces_by_name() {
     let folder = tanker("KVLCC2 L7", "KVLCC2", CIRCLE);
     run(&folder, DICTIONARY).succeeds();
     put(&folder, "campaign.toml", CAMPAIGN_FILE);
+    in_rounds(&folder, FEW_ROUNDS);
     std::fs::create_dir(folder.path().join("refined")).unwrap();
     std::fs::create_dir(folder.path().join("pool")).unwrap();
     std::fs::create_dir(folder.path().join("exported")).unwrap();
@@ -210,11 +211,9 @@ fn stages_that_need_terms_per_sample_refuse_a_ship_with_forces_by_name() {
         format!("moments {runs} --out moments.json"),
         format!("estimate {runs} --estimator ls --out estimates.parquet"),
         format!("estimate pool {runs} --estimator iv --out pool/"),
-        format!("validate cross {runs} --estimators iv --out crossval.json"),
+        format!("validate cross {runs} --estimator iv --out crossval.json"),
         format!("validate selection {runs} --design design.json --out selection.parquet"),
-        "sequential --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --config sequential.toml \
-         --out sequential.parquet"
-            .to_owned(),
+        format!("monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --out sequential.parquet"),
         "design refine --vessel vessel.toml --dictionary dictionary.toml --design design.json --campaign campaign.toml \
          --out refined/"
             .to_owned(),

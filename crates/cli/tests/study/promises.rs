@@ -13,7 +13,7 @@ const DESIGN: &str = "design --moments moments.json --for output-error --criteri
 const UPDATE: &str =
     "design update --design design.json --moments moments.json --model model.json --out update.json";
 /// Without what says which files belong together.
-const MIXED: &str = "design update --allow-mixed --design design.json --moments moments.json --model model.json --out update.json";
+const MIXED: &str = "design update --allow=mixed --design design.json --moments moments.json --model model.json --out update.json";
 
 const MANEUVERS: &str = "duration_s = 30.0\n
 [generate]\ncandidates = 80\nexecuted = \"inputs\"\nstart_m_s = [0.4, 0.8]\n
@@ -73,9 +73,9 @@ fn sailed() -> TempDir {
 
 /// Runs the designed trial once with the true vessel, and estimates it.
 fn trial(folder: &TempDir) {
-    let sail = "simulate campaign --allow-mixed --vessel true.toml --dictionary dictionary.toml --campaign campaign.toml --design \
+    let sail = "simulate campaign --allow=mixed --vessel true.toml --dictionary dictionary.toml --campaign campaign.toml --design \
          design.json --out campaign.parquet";
-    let estimate = "estimate --allow-mixed --vessel true.toml --trajectories campaign.parquet --campaign campaign.toml --estimator \
+    let estimate = "estimate --allow=mixed --vessel true.toml --trajectories campaign.parquet --campaign campaign.toml --estimator \
          output-error --out estimates.parquet";
     run(folder, sail).succeeds();
     run(folder, estimate).succeeds();
@@ -145,8 +145,9 @@ fn law_a_promise_by_a_guess_has_a_range_and_one_by_the_truth_has_none() {
 fn law_a_refined_design_promises_the_range_of_inputs_where_its_parameters_are_a_guess() {
     let folder = sailed();
     std::fs::create_dir(folder.path().join("refined")).unwrap();
-    let refine = "design refine --allow-mixed --vessel vessel.toml --dictionary dictionary.toml --design design.json --campaign \
-         campaign.toml --iterations 2 --out refined/";
+    let refine = "design refine --allow=mixed --vessel vessel.toml --dictionary dictionary.toml --design design.json --campaign \
+         campaign.toml --out refined/";
+    edit(&folder, "campaign.toml", "duration_s = 125.0", "duration_s = 20.0");
     // Motions by feedback are refined as inputs, too.
     for executed in ["inputs", "feedback"] {
         put(&folder, "dictionary.toml", &MANEUVERS.replace("\"inputs\"", &format!("\"{executed}\"")));
@@ -223,7 +224,7 @@ fn law_standard_maneuvers_are_not_played_by_inputs() {
         "dictionary.toml",
         &format!("duration_s = 40.0\n[[maneuver]]\n{zig_zag}\n[[maneuver]]\n{written}\n"),
     );
-    run(&folder, &format!("{DICTIONARY} --allow-unreached")).succeeds();
+    run(&folder, &format!("{DICTIONARY} --allow=unreached")).succeeds();
     run(&folder, MOMENTS).succeeds();
     let sampled = data(&folder, "moments.json")["sampled"].clone();
     let names: Vec<&Value> =

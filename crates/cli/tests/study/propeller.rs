@@ -106,7 +106,7 @@ fn trajectories_with_other_derived_channels_are_refused() {
     run(&folder, DICTIONARY).succeeds();
     edit(&folder, "vessel.toml", "n_ahead^2 delta", "n_ahead^3 delta");
     let pieces = ["dictionary.parquet", "column `stream`, row 0", "formula `n_ahead^3 delta`"];
-    refused(&folder, 3, &format!("{MOMENTS} --allow-mixed"), &pieces);
+    refused(&folder, 3, &format!("{MOMENTS} --allow=mixed"), &pieces);
 }
 
 /// The made-up ship without the terms that its maneuvers do not excite, and its maneuvers.
@@ -196,12 +196,12 @@ fn maneuvers_beyond_what_the_actuators_can_be_set_to_are_refused() {
 fn law_derived_channels_without_a_column_are_computed() {
     let folder = folder();
     run(&folder, DICTIONARY).succeeds();
-    run(&folder, &format!("{MOMENTS} --allow-mixed")).succeeds();
+    run(&folder, &format!("{MOMENTS} --allow=mixed")).succeeds();
     let with_columns = json(&folder, "moments.json")["data"]["maneuvers"].clone();
     // Under other names the file has columns of neither.
     let vessel = std::fs::read_to_string(folder.path().join("vessel.toml")).unwrap();
     put(&folder, "vessel.toml", &vessel.replace("stream", "race").replace("n_ahead", "forward"));
-    run(&folder, &format!("{MOMENTS} --allow-mixed")).succeeds();
+    run(&folder, &format!("{MOMENTS} --allow=mixed")).succeeds();
     let computed = json(&folder, "moments.json")["data"]["maneuvers"].clone();
     assert_eq!(with_columns, computed);
 }

@@ -199,7 +199,7 @@ fn fewer_samples_than_unknowns_are_refused() {
     refused(&folder, 3, MOMENTS, &pieces);
     edit(&folder, "campaign.toml", "duration_s = 125.0", "duration_s = 0.375");
     edit(&folder, "campaign.toml", "segments = 5", "segments = 1");
-    run(&folder, &format!("{CAMPAIGN} --allow-mixed")).succeeds();
+    run(&folder, &format!("{CAMPAIGN} --allow=mixed")).succeeds();
     refused(&folder, 3, ESTIMATE, &["campaign.parquet", "run 0", "3 samples", "lengthen the run"]);
 }
 
@@ -232,7 +232,7 @@ fn noisy_runs_that_excite_too_little_have_no_estimate() {
     design["seal"] = serde_json::Value::Null;
     design["data"]["shares"] = serde_json::json!({"accelerate": 0.5, "decelerate": 0.5});
     put(&folder, "design.json", &design.to_string());
-    run(&folder, &format!("{CAMPAIGN} --allow-mixed")).succeeds();
+    run(&folder, &format!("{CAMPAIGN} --allow=mixed")).succeeds();
     refused(&folder, 4, ESTIMATE, &["campaign.parquet", "parameter `", "add a maneuver"]);
 }
 
@@ -247,7 +247,7 @@ fn a_design_of_another_dictionary_is_refused() {
         CAMPAIGN,
         &["design.json: provenance", "another dictionary than that of dictionary.toml"],
     );
-    refused(&folder, 3, &format!("{CAMPAIGN} --allow-mixed"), &pieces);
+    refused(&folder, 3, &format!("{CAMPAIGN} --allow=mixed"), &pieces);
 }
 
 /// Refuses a damaged file.

@@ -188,19 +188,19 @@ fn a_nominal_model_that_diverges_is_refused_where_no_model_can_replace_it() {
     refused(
         &folder,
         3,
-        &format!("{MOMENTS} --allow-mixed"),
+        &format!("{MOMENTS} --allow=mixed"),
         &[&pieces[..], &["design dictionary", "run 0", "0.8 s"]].concat(),
     );
     // Over a run of a campaign its own model can, but not over one maneuver alone.
-    let said = run(&folder, &format!("{ESTIMATE} --allow-mixed")).succeeds().stdout;
+    let said = run(&folder, &format!("{ESTIMATE} --allow=mixed")).succeeds().stdout;
     assert!(said.contains("with instruments by output error: the nominal model diverges"), "{said}");
     refused(
         &folder,
         3,
-        "estimate --vessel vessel.toml --trajectories dictionary.parquet --out of-maneuvers.parquet --allow-mixed",
+        "estimate --vessel vessel.toml --trajectories dictionary.parquet --out of-maneuvers.parquet --allow=mixed",
         &[&pieces[..], &["design dictionary", "run 0", "0.8 s"]].concat(),
     );
-    run(&folder, &format!("{ESTIMATE} --estimator ls --allow-mixed")).succeeds();
+    run(&folder, &format!("{ESTIMATE} --estimator ls --allow=mixed")).succeeds();
 }
 
 #[test]
@@ -213,7 +213,7 @@ fn a_true_model_that_diverges_is_refused_with_maneuver_and_sample() {
     refused(
         &folder,
         3,
-        &format!("{CAMPAIGN} --allow-mixed"),
+        &format!("{CAMPAIGN} --allow=mixed"),
         &["vessel.toml", "design optimized, run 0", "diverges", "at sample"],
     );
 }
@@ -225,5 +225,5 @@ fn a_current_of_no_sea_is_refused_and_not_put_down_to_the_vessel() {
     refused(&folder, 3, CAMPAIGN, &["campaign.toml", "`current.std_m_s`", "0 to 15 m/s"]);
     edit(&folder, "campaign.toml", "std_m_s = 1e12", "std_m_s = 15");
     let pieces = ["campaign.toml", "`current.std_m_s`", "run 0, which diverges in it", "in still water"];
-    refused(&folder, 3, &format!("{CAMPAIGN} --allow-mixed"), &pieces);
+    refused(&folder, 3, &format!("{CAMPAIGN} --allow=mixed"), &pieces);
 }

@@ -9,8 +9,8 @@ use trial::rounds::Arm;
 
 use crate::support::*;
 
-const SEQUENTIAL: &str = "sequential --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --config \
-     sequential.toml --out sequential.parquet";
+const SEQUENTIAL: &str = "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml \
+     --out sequential.parquet";
 const CONFIG: &str =
     "realizations = 16\nduration_s = 90.0\nrounds = 3\nnominal_spread = 0.4\naccuracy = 0.5\n";
 
@@ -20,7 +20,7 @@ fn folder(config: &str) -> TempDir {
     for _ in 0..4 {
         edit(&folder, "campaign.toml", "0.15811388300841897", "0.025");
     }
-    put(&folder, "sequential.toml", config);
+    in_rounds(&folder, config);
     folder
 }
 
@@ -114,8 +114,8 @@ fn law_shards_gather_to_the_bytes_of_the_whole_and_to_no_others() {
     assert_eq!(all("sequential.parquet"), whole);
     run(&folder, &format!("{SEQUENTIAL} --gather {} {}", parts[0], parts[2])).refuses(3, &["no shard 2/3"]);
     run(&folder, &format!("{gather} --seed 9")).refuses(3, &["part-1.parquet", "`seed`", "as requested now"]);
-    edit(&folder, "sequential.toml", "accuracy = 0.5", "accuracy = 0.25");
-    run(&folder, &gather).refuses(3, &["sequential.toml", "another config", "part-1.parquet"]);
+    edit(&folder, "campaign.toml", "accuracy = 0.5", "accuracy = 0.25");
+    run(&folder, &gather).refuses(3, &["campaign.toml", "another campaign", "part-1.parquet"]);
 }
 
 #[test]
@@ -164,24 +164,49 @@ fn configurations_without_meaning_are_refused() {
     let folder = folder(CONFIG);
     let nominal = "accuracy = 0.5\ncrude_about = \"nominal\"";
     for (from, to, pieces) in [
-        ("rounds = 3", "rounds = 0", vec!["`rounds`", "found 0", "a whole number from 1"]),
-        ("rounds = 3", "rounds = 50", vec!["`rounds`", "50 rounds of 720 samples", "26 samples per round"]),
+        ("rounds = 3", "rounds = 0", vec!["`rounds.rounds`", "found 0", "a whole number from 1"]),
+        (
+            "rounds = 3",
+            "rounds = 50",
+            vec!["`rounds.rounds`", "50 rounds of 720 samples", "26 samples per round"],
+        ),
         ("rounds = 3", "rouns = 3", vec!["`rouns`", "did you mean `rounds`?"]),
-        ("accuracy = 0.5", "accuracy = nan", vec!["`accuracy`", "NaN"]),
-        ("nominal_spread = 0.4", "nominal_spread = -1.0", vec!["`nominal_spread`", "0 to 2"]),
+        ("accuracy = 0.5", "accuracy = nan", vec!["`rounds.accuracy`", "NaN"]),
+        ("nominal_spread = 0.4", "nominal_spread = -1.0", vec!["`rounds.nominal_spread`", "0 to 2"]),
         (
             "accuracy = 0.5",
             "accuracy = 0.5\ncrude_about = \"truth\"",
             vec!["`truth`", "`value`", "`nominal`"],
         ),
-        ("accuracy = 0.5", nominal, vec!["`floor.X_uu`", "`nominal` of `X_uu` is zero", "state it"]),
-        ("accuracy = 0.5", "accuracy = 0.5\n[floor]\nX_u = 0.0", vec!["`floor.X_u`", "found 0"]),
-        ("accuracy = 0.5", "accuracy = 0.5\n[floor]\nX_vv = 1.0", vec!["`X_vv`", "did you mean `X_"]),
+        ("accuracy = 0.5", nominal, vec!["`rounds.floor.X_uu`", "`nominal` of `X_uu` is zero", "state it"]),
+        (
+            "accuracy = 0.5",
+            "accuracy = 0.5\n[rounds.floor]\nX_u = 0.0",
+            vec!["`rounds.floor.X_u`", "found 0"],
+        ),
+        ("accuracy = 0.5", "accuracy = 0.5\n[rounds.floor]\nX_vv = 1.0", vec!["`X_vv`", "did you mean `X_"]),
     ] {
         assert!(CONFIG.contains(from));
-        put(&folder, "sequential.toml", &CONFIG.replace(from, to));
-        refused(&folder, 3, SEQUENTIAL, &[&["sequential.toml"], pieces.as_slice()].concat());
+        in_rounds(&folder, &CONFIG.replace(from, to));
+        refused(&folder, 3, SEQUENTIAL, &[&["campaign.toml"], pieces.as_slice()].concat());
     }
+}
+
+#[test]
+fn what_rounds_do_not_take_is_refused() {
+    let folder = folder(CONFIG);
+    for flag in ["--estimator ls", "--until 0.1", "--keep scores", "--mean-removal none"] {
+        let name = flag.split(' ').next().unwrap();
+        refused(&folder, 2, &format!("{SEQUENTIAL} {flag}"), &[name, "trials in rounds", "leave it out"]);
+    }
+    refused(
+        &folder,
+        2,
+        &SEQUENTIAL.replace("monte-carlo", "sequential"),
+        &["it is gone", "[rounds] of campaign.toml"],
+    );
+    let plain = written(2);
+    refused(&plain, 2, SEQUENTIAL, &["--design: found none"]);
 }
 
 #[test]
@@ -202,7 +227,7 @@ fn vessels_and_disturbances_that_the_study_is_not_for_are_refused() {
     for (from, to, code, pieces) in [
         ("value = -0.01\n", "", 3, vec!["vessel.toml", "X_uu", "`value`"]),
         ("value = -0.01\n", "value = 0.0\n", 3, vec!["vessel.toml", "X_uu", "relative"]),
-        ("nominal = -0.08", "nominal = 0.08", 4, vec!["no estimate in any of 2", "`duration_s`"]),
+        ("nominal = -0.08", "nominal = 0.08", 4, vec!["no estimate in any of 2", "`rounds.duration_s`"]),
     ] {
         assert!(vessel.contains(from));
         put(&folder, "vessel.toml", &vessel.replacen(from, to, 1));
@@ -212,7 +237,8 @@ fn vessels_and_disturbances_that_the_study_is_not_for_are_refused() {
 
 #[test]
 fn crude_models_about_the_nominal_one_take_floors_for_what_is_zero() {
-    let floors = "crude_about = \"nominal\"\n[floor]\nX_uu = 0.01\nX_vr = 0.05\nY_ur = 0.01\nN_uv = 0.03\n";
+    let floors =
+        "crude_about = \"nominal\"\n[rounds.floor]\nX_uu = 0.01\nX_vr = 0.05\nY_ur = 0.01\nN_uv = 0.03\n";
     let folder =
         folder(&format!("{}{floors}", CONFIG.replace("= 16", "= 8").replace("rounds = 3", "rounds = 2")));
     run(&folder, SEQUENTIAL).succeeds();

@@ -111,7 +111,7 @@ fn what_is_unusual_passes_if_it_is_accepted_and_what_no_ship_is_does_not() {
     // Every stage that reads a ship refuses her.
     let folder = tanker(&[("mass_kg = 3270.0", "mass_kg = 5771.0")]);
     for line in [
-        "scale --vessel vessel.toml --length 320 --out scaled.toml",
+        "new scaled --vessel vessel.toml --scale length_m=320",
         "export --vessel vessel.toml --to python --out model.py",
         MERIT,
     ] {
@@ -119,15 +119,18 @@ fn what_is_unusual_passes_if_it_is_accepted_and_what_no_ship_is_does_not() {
     }
     // What `guess` makes of dimensions at the ends of its range is a ship, and says what is unusual of her.
     for (dimensions, unusual) in [
-        ("--length 320 --beam 58 --draught 20.8 --block 0.81 --speed 15.5", "Froude number 0.28"),
-        ("--length 0.3 --beam 0.119 --draught 0.016 --block 0.94", "length over beam"),
-        ("--length 600 --beam 51 --draught 42 --block 0.31", "beam over draught"),
-        ("--length 320 --beam 58 --draught 20.8 --block 0.81", ""),
+        ("length_m=320,beam_m=58,draught_m=20.8,block=0.81,speed_m_s=15.5", "Froude number 0.28"),
+        ("length_m=0.3,beam_m=0.119,draught_m=0.016,block=0.94", "length over beam"),
+        ("length_m=600,beam_m=51,draught_m=42,block=0.31", "beam over draught"),
+        ("length_m=320,beam_m=58,draught_m=20.8,block=0.81", ""),
     ] {
-        let made = run(&folder, &format!("guess {dimensions} --out guess.toml")).succeeds();
+        for made in ["guessed", "scaled"] {
+            _ = std::fs::remove_dir_all(broad.path().join(made));
+        }
+        let made = run(&broad, &format!("new guessed --guess {dimensions}")).succeeds();
         assert!(made.stdout.contains(unusual), "{}", made.stdout);
         assert_eq!(made.stdout.contains("beyond the usual"), !unusual.is_empty(), "{}", made.stdout);
-        run(&folder, "scale --vessel guess.toml --length 10 --out scaled.toml").succeeds();
+        run(&broad, "new scaled --vessel guessed/vessel.toml --scale length_m=10").succeeds();
     }
 }
 

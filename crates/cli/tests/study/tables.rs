@@ -122,7 +122,7 @@ fn a_practice_that_the_ship_cannot_sail_is_named_and_left_out() {
     assert_eq!(played(&folder, "campaign.parquet"), vec![mild.clone(); RUNS as usize]);
     let wild: Vec<[f64; 3]> = mild.iter().map(|row| row.map(|force| 1e6 * force)).collect();
     put(&folder, "log.csv", &timed(&wild, 0.125));
-    let said = run(&folder, &format!("{CAMPAIGN} --allow-mixed")).succeeds().stdout;
+    let said = run(&folder, &format!("{CAMPAIGN} --allow=mixed")).succeeds().stdout;
     assert!(said.starts_with(&format!("campaign.parquet: {} runs", 2 * RUNS)), "{said}");
     assert!(
         said.contains(
@@ -145,7 +145,7 @@ fn a_dictionary_of_one_maneuver_has_no_practice_and_says_so() {
     design["data"]["shares"] = serde_json::json!({"decelerate": 1.0});
     design["seal"] = serde_json::Value::Null;
     put(&folder, "design.json", &design.to_string());
-    let said = run(&folder, &format!("{CAMPAIGN} --allow-mixed")).succeeds().stdout;
+    let said = run(&folder, &format!("{CAMPAIGN} --allow=mixed")).succeeds().stdout;
     assert!(said.contains("no practice trials, since they take two hand-written maneuvers or more, and the dictionary has only `decelerate`"), "{said}");
 }
 

@@ -117,9 +117,9 @@ fn motions_that_are_not_reached_are_refused_or_said() {
     let folder = coaster();
     one(&folder, &format!("{ZIG_ZAG}\nhelm = {{ delta = 0.01 }}"));
     let pieces =
-        ["maneuver `m`, heading to starboard", "found", "in 100 s", "expected 20.1°", "--allow-unreached"];
+        ["maneuver `m`, heading to starboard", "found", "in 100 s", "expected 20.1°", "--allow=unreached"];
     refused(&folder, 4, DICTIONARY, &pieces);
-    run(&folder, &format!("{DICTIONARY} --allow-unreached")).succeeds();
+    run(&folder, &format!("{DICTIONARY} --allow=unreached")).succeeds();
     let table = TableReader::open(folder.path().join("dictionary.parquet"), "trajectories", 1).unwrap();
     let words = table.provenance().settings["reached"]["m"].as_str().unwrap().to_owned();
     assert!(words.contains("heading to starboard") && words.contains("(wanted 20.1°)"), "{words}");
@@ -194,7 +194,7 @@ fn figures_that_cannot_be_told_are_refused() {
         "dictionary.toml",
         &format!("[[maneuver]]\nname = \"other\"\n{ZIG_ZAG}\nhelm = {{ delta = 0.35 }}\n"),
     );
-    let line = format!("{} --trajectories dictionary.parquet --allow-mixed", merit("100"));
+    let line = format!("{} --trajectories dictionary.parquet --allow=mixed", merit("100"));
     refused(&folder, 4, &line, &["no run of a standard maneuver", "`other`"]);
 }
 
@@ -352,7 +352,7 @@ fn oracle_overshoots_of_the_kvlcc2_are_those_of_its_logs() {
         run(&folder, &ingest).succeeds();
         run(
             &folder,
-            &format!("{MERIT} --length-m 7 --trajectories t.parquet --allow-mixed --out merit.json"),
+            &format!("{MERIT} --length-m 7 --trajectories t.parquet --allow=mixed --out merit.json"),
         )
         .succeeds();
         let found = json(&folder, "merit.json");
@@ -426,7 +426,7 @@ fn what_is_commanded_has_a_column_where_an_actuator_follows_it() {
     assert!(of_commands(&folder, "dictionary.parquet").is_empty());
     let folder = with_rudder("lag_s = 3.0");
     one(&folder, "kind = \"steady-turn\"\nspeed_m_s = 7.0\nyaw_rate_rad_s = 0.005\nduration_s = 300.0");
-    run(&folder, &format!("{DICTIONARY} --allow-unreached")).succeeds();
+    run(&folder, &format!("{DICTIONARY} --allow=unreached")).succeeds();
     assert!(of_commands(&folder, "dictionary.parquet").is_empty());
 }
 
@@ -486,7 +486,7 @@ fn inputs_of_one_side_are_kept_to_in_every_maneuver_or_refused() {
     refused(&folder, 3, DICTIONARY, &["maneuver `crash-stop`", "`inputs`", "n = -", "from 0 to 1.2"]);
     let keys = "kind = \"stop\"\nspeed_m_s = 7.0\nduration_s = 1500.0";
     one(&folder, keys);
-    run(&folder, &format!("{DICTIONARY} --allow-unreached")).succeeds();
+    run(&folder, &format!("{DICTIONARY} --allow=unreached")).succeeds();
     // Propulsion that cannot be stopped.
     edit(&folder, "vessel.toml", "range = [0.0, 1.2]", "range = [0.1, 1.2]");
     refused(&folder, 3, DICTIONARY, &["maneuver `m`", "`inputs`", "n = 0", "from 0.1 to 1.2"]);
@@ -497,7 +497,7 @@ fn inputs_of_one_side_are_kept_to_in_every_maneuver_or_refused() {
                 "kind = \"zig-zag\"\nspeed_m_s = 5.0\nyaw_rate_amplitude_rad_s = 0.004\nperiod_s = 120.0\nduration_s = 240.0\nexecuted = \"{executed}\""
             ),
         );
-        run(&folder, &format!("{DICTIONARY} --allow-unreached")).succeeds();
+        run(&folder, &format!("{DICTIONARY} --allow=unreached")).succeeds();
         let table = TableReader::open(folder.path().join("dictionary.parquet"), "trajectories", 1).unwrap();
         let n = table.read_block(0, &["n"]).unwrap().columns[0].as_f64().unwrap().to_vec();
         assert!(n[..n.len() - 1].iter().all(|n| (0.1..=1.2).contains(n)), "{executed}");

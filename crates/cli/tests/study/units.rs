@@ -93,8 +93,8 @@ fn a_request_to_end_ends_the_compiler_and_leaves_no_folder() {
     let program = folder.path().join("slow");
     for signal in ["TERM", "INT", "HUP"] {
         let mut command = Command::new(SEATRIAL);
-        command.args(["export", "--vessel", "vessel.toml", "--to", "fmu", "--out", "unit", "--compiler"]);
-        command.arg(&program).current_dir(&folder).env("TMPDIR", &place).stderr(Stdio::null());
+        command.args(["export", "--vessel", "vessel.toml", "--to", "fmu", "--out", "unit"]);
+        command.env("CC", &program).current_dir(&folder).env("TMPDIR", &place).stderr(Stdio::null());
         let mut child = command.spawn().unwrap();
         let pids = place.join("pids");
         let ids = || fs::read_to_string(&pids).unwrap_or_default();

@@ -239,6 +239,24 @@ pub fn run(folder: &TempDir, line: &str) -> Ran {
     finish(folder, line, command)
 }
 
+/// Trials in rounds, few and short.
+pub const FEW_ROUNDS: &str =
+    "realizations = 2\nduration_s = 60.0\nrounds = 2\nnominal_spread = 0.4\naccuracy = 0.5\n";
+
+/// Writes `rounds` as the trials in rounds of campaign.toml, in place of those that it has.
+pub fn in_rounds(folder: &TempDir, rounds: &str) {
+    let text = String::from_utf8(bytes(folder, "campaign.toml")).unwrap();
+    let campaign = text.split("\n[rounds]\n").next().unwrap();
+    put(folder, "campaign.toml", &format!("{campaign}\n[rounds]\n{rounds}"));
+}
+
+/// Runs a command line with a variable of the environment.
+pub fn run_with(folder: &TempDir, line: &str, (name, value): (&str, &str)) -> Ran {
+    let mut command = Command::new(SEATRIAL);
+    command.args(line.split_whitespace()).env(name, value);
+    finish(folder, line, command)
+}
+
 /// Runs a command line where no file can grow beyond 32 KiB, as on a full disk.
 pub fn run_on_full_disk(folder: &TempDir, line: &str) -> Ran {
     let mut command = Command::new("sh");

@@ -204,9 +204,8 @@ fn law_the_time_for_a_figure_falls_as_the_square_of_its_error() {
             dictionary: &dictionary,
             lengths: &[20.0; 4],
             criterion: &criterion,
-            errors: Errors::of_figures(&dictionary, &meat, own, &[(slopes.clone(), error)]),
+            errors: Errors::of_figures(&dictionary, own, &[(slopes.clone(), error)]),
             wanted,
-            least_largest: false,
             stock: None,
         };
         let shortest = question.shortest(&Options::default()).unwrap();

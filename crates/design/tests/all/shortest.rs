@@ -24,14 +24,13 @@ fn law_the_time_for_an_accuracy_falls_as_its_square_and_what_exists_limits_it() 
     let Criterion::Covariance(own) = &criterion else { panic!() };
     let asked = |accuracy: f64, longest_s: f64, stock: Option<&Stock>| {
         let wanted = Wanted { accuracy, of: AccuracyOf::Overall, longest_s };
-        let errors = Errors::new(&dictionary, meat, own, &[1.0], wanted.of);
+        let errors = Errors::new(&dictionary, own, &[1.0]);
         let question = Question {
             dictionary: &dictionary,
             lengths: &[20.0, 20.0],
             criterion: &criterion,
             errors,
             wanted,
-            least_largest: false,
             stock,
         };
         question.shortest(&Options::default())

@@ -122,9 +122,8 @@ fn oracle_the_curve_of_an_accuracy_goes_from_a_sixteenth_of_the_time_to_sixteen_
         dictionary: &dictionary,
         lengths: &[20.0, 20.0],
         criterion: &criterion,
-        errors: Errors::new(&dictionary, &dictionary.information, own, &[1.0], wanted.of),
+        errors: Errors::new(&dictionary, own, &[1.0]),
         wanted,
-        least_largest: false,
         stock: None,
     };
     let shortest = question.shortest(&Options::default()).unwrap();

@@ -213,32 +213,16 @@ impl RunEstimators<'_> {
     }
 }
 
-refusal::choices! {
-    /// Which runs are asked what the model lacks.
-    pub enum Asked {
-        /// Those whose disturbances are stated.
-        Stated = "stated",
-        /// All; noise that is not stated is looked for in every run, which takes a third of a second for each.
-        Always = "always",
-        /// None.
-        Never = "never",
-    }
-}
-
 impl RunEstimators<'_> {
-    /// Whether runs are tested; those of a ship with forces are not. The noise of a sensor is never exactly zero.
-    pub fn asks(&self, asked: Asked) -> bool {
-        if self.vessel.model.forces.is_some() {
-            return false;
-        }
+    /// Whether runs are tested: those whose disturbances are stated, but of no ship with forces. The noise of a sensor is never
+    /// exactly zero.
+    pub fn asks(&self) -> bool {
         let stated = self.levels.is_some_and(|levels| levels.measurement.iter().all(|std| *std > 0.0));
-        asked == Asked::Always || (stated && asked == Asked::Stated)
+        stated && self.vessel.model.forces.is_none()
     }
 
     /// Seconds of a test per row and thread, order of magnitude; see [`crate::Estimator::seconds_per_row`].
-    pub fn seconds_per_row_asked(&self) -> f64 {
-        if self.asks(Asked::Stated) { 6e-6 } else { 2.5e-4 }
-    }
+    pub const SECONDS_PER_ROW_ASKED: f64 = 6e-6;
 
     /// Tests on every run by itself what the model lacks; the estimates of runs that reject it are marked. Estimates
     /// are first refined under the noise, so that the verdict depends on model and run, not on the estimator, and one
@@ -271,7 +255,7 @@ impl RunEstimators<'_> {
                 runs: &views,
                 rate_hz: self.vessel.sample_rate_hz,
                 known_start: self.initial == InitialState::Known,
-                levels: self.levels.filter(|_| self.asks(Asked::Stated)),
+                levels: self.levels,
                 names: &[],
             };
             for (run, criticism) in asked.iter().zip(criticise_each(&subject, thetas)) {

@@ -1,6 +1,6 @@
 use refusal::Invalid;
 use ship::model::terms::{add, listed};
-use ship::model::{Degree, DegreeOfFreedom, DerivedSpec, Factor, Formula, Model, Term};
+use ship::model::{ChannelRole, Degree, DegreeOfFreedom, DerivedSpec, Factor, Formula, Model, Term};
 
 use super::roles::Roles;
 
@@ -55,13 +55,14 @@ fn meant(symbolic: &[Factor], roles: &Roles) -> Vec<Vec<Factor>> {
     let ahead = symbolic.iter().filter(|f| f.variable == AHEAD).count();
     let mut all = vec![Vec::new()];
     let mut rest: Vec<Factor> = symbolic.to_vec();
-    if ahead > 0 && roles.ahead.is_empty() && !roles.thrusts.is_empty() {
+    let thrusts = roles.of(ChannelRole::Thrust);
+    if ahead > 0 && roles.of(ChannelRole::Ahead).is_empty() && !thrusts.is_empty() {
         // Thrust is proportional to the square of the propeller's speed: other powers have no meaning.
         if ahead != 2 {
             return Vec::new();
         }
         let thrust = |variable: &usize| vec![Factor { variable: *variable, modulus: false }];
-        all = roles.thrusts.iter().map(thrust).collect();
+        all = thrusts.iter().map(thrust).collect();
         rest.retain(|factor| factor.variable != AHEAD);
     }
     let before = all[0].len();
@@ -83,11 +84,13 @@ fn meant(symbolic: &[Factor], roles: &Roles) -> Vec<Vec<Factor>> {
 
 impl Roles {
     fn playing(&self, symbol: usize) -> Vec<usize> {
-        let (rudders, differences) = (&self.rudders, &self.differences);
-        let of_propellers = [&self.propellers, &self.ahead, &self.astern];
-        let others = [rudders, &self.even, &self.odd, differences];
-        let channels = symbol.checked_sub(3).and_then(|i| of_propellers.into_iter().chain(others).nth(i));
-        channels.map_or_else(|| vec![symbol], Clone::clone)
+        use ChannelRole::{Ahead, Astern, Even, Odd, Propeller, Rudder};
+        let roles = [Propeller, Ahead, Astern, Rudder, Even, Odd];
+        match symbol.checked_sub(3).map(|i| roles.get(i)) {
+            None => vec![symbol],
+            Some(Some(role)) => self.of(*role).to_vec(),
+            Some(None) => self.differences.clone(),
+        }
     }
 }
 
@@ -119,7 +122,7 @@ impl<'a> Made<'a> {
         while self.model.variables.iter().any(|taken| taken.name == name) {
             name.push_str("_more");
         }
-        self.specs.push(DerivedSpec { name, unit, formula });
+        self.specs.push(DerivedSpec { name, unit, formula, role: None });
         self.model.variables.len() + self.specs.len() - 1
     }
 
@@ -134,28 +137,27 @@ impl<'a> Made<'a> {
 /// Adds the roles of the sums and differences of pairs of thrusters: of thrusts their sum and difference; of
 /// propeller speeds n the sum, and the sum and difference of n |n|, to which thrusts are proportional.
 fn with_pairs(made: &mut Made, mut roles: Roles) -> Roles {
-    for [port, starboard] in roles.pairs.clone() {
+    let sides = [ChannelRole::Port, ChannelRole::Starboard].map(|side| roles.of(side).to_vec());
+    for (&port, &starboard) in sides[0].iter().zip(&sides[1]) {
         let [p, s] = [port, starboard].map(|variable| made.model.variables[variable].name.as_str());
         let unit = made.model.variables[port].unit.as_str();
         let named = |what: &str| format!("{p}_{what}_{s}");
         let sum = made.channel(named("plus"), unit.to_owned(), format!("{p} + {s}"));
         if unit.ends_with('N') {
             let difference = made.channel(named("minus"), unit.to_owned(), format!("{p} - {s}"));
-            roles.thrusts.push(sum);
+            roles.add(ChannelRole::Thrust, sum);
             roles.differences.push(difference);
         } else {
             let square = format!("({unit})^2");
             let [together, against] = [("pushes_with", "+"), ("pushes_against", "-")].map(|(what, sign)| {
                 made.channel(named(what), square.clone(), format!("{p} |{p}| {sign} {s} |{s}|"))
             });
-            roles.propellers.push(sum);
-            roles.even.push(together);
+            roles.add(ChannelRole::Propeller, sum);
+            roles.add(ChannelRole::Even, together);
             roles.differences.push(against);
         }
     }
-    if roles.ahead.is_empty() && roles.astern.is_empty() {
-        roles.ahead.clone_from(&roles.propellers);
-    }
+    roles.take_speeds_ahead();
     roles
 }
 
@@ -174,8 +176,10 @@ const PRODUCTS: [(&str, i32, i32, bool); 7] = [
 
 /// Adds the roles of channels derived from the wind, if there is one; those of the model are not derived again.
 fn with_wind(made: &mut Made, mut roles: Roles) -> Roles {
-    let (Some(wind), Some(from)) = (roles.wind, roles.wind_from) else { return roles };
-    let [wind, from] = [wind, from].map(|variable| &made.model.variables[variable]);
+    let channel = |role| Some(&made.model.variables[*roles.of(role).first()?]);
+    let [Some(wind), Some(from)] = [ChannelRole::Wind, ChannelRole::WindFrom].map(channel) else {
+        return roles;
+    };
     for (called, cosines, sines, even) in PRODUCTS {
         let factor = |function: &str, power: i32| match power {
             0 => String::new(),
@@ -187,8 +191,7 @@ fn with_wind(made: &mut Made, mut roles: Roles) -> Roles {
             continue;
         }
         let (name, unit) = (format!("{}_{called}", wind.name), format!("({})^2", wind.unit));
-        let side = if even { &mut roles.even } else { &mut roles.odd };
-        side.push(made.channel(name, unit, formula));
+        roles.add(if even { ChannelRole::Even } else { ChannelRole::Odd }, made.channel(name, unit, formula));
     }
     roles
 }
@@ -202,20 +205,21 @@ fn with_wind(made: &mut Made, mut roles: Roles) -> Roles {
 pub fn core(model: &Model, roles: &Roles, reversing: &[usize]) -> Result<(Model, Roles), Invalid> {
     let (model, roles) = with_astern(model, roles.clone(), reversing)?;
     let (model, roles) = with_channels(&model, &roles)?;
-    let steered = [&roles.rudders[..], &roles.differences].concat();
-    if model.forces.is_none() && steered.is_empty() {
+    let rudders = roles.of(ChannelRole::Rudder);
+    if model.forces.is_none() && rudders.is_empty() && roles.differences.is_empty() {
         return Ok((model, roles));
     }
     let name = |variable: &usize| model.variables[*variable].name.as_str();
     let with = |first: &[&str], more: Vec<String>| {
         first.iter().map(|&term| term.to_owned()).chain(more).collect::<Vec<_>>()
     };
-    let speeds = roles.propellers.iter().map(|n| format!("{0} |{0}|", name(n)));
+    let speeds = roles.of(ChannelRole::Propeller).iter().map(|n| format!("{0} |{0}|", name(n)));
     // Inputs of which nothing is known may drive.
     let inputs = 3..3 + model.inputs;
-    let thrusts = roles.thrusts.iter().chain(roles.even.iter().filter(|channel| inputs.contains(channel)));
+    let unknown = roles.of(ChannelRole::Even).iter().filter(|channel| inputs.contains(channel));
+    let thrusts = roles.of(ChannelRole::Thrust).iter().chain(unknown);
     let thrusts = thrusts.map(|channel| name(channel).to_owned());
-    let rudders = roles.rudders.iter().map(|rudder| format!("u^2 {}", name(rudder)));
+    let rudders = rudders.iter().map(|rudder| format!("u^2 {}", name(rudder)));
     let differences = roles.differences.iter().map(|difference| name(difference).to_owned());
     let surge = with(&["u", "u |u|"], speeds.chain(thrusts).collect());
     let (sway, yaw) = (with(&["v", "u r"], Vec::new()), with(&["r"], rudders.chain(differences).collect()));
@@ -226,20 +230,22 @@ pub fn core(model: &Model, roles: &Roles, reversing: &[usize]) -> Result<(Model,
 
 /// The channels of propellers ahead and astern that are derived of those `reversing`, where none has these roles.
 fn with_astern(model: &Model, mut roles: Roles, reversing: &[usize]) -> Result<(Model, Roles), Invalid> {
-    let single: Vec<usize> = roles.propellers.iter().copied().filter(|p| reversing.contains(p)).collect();
-    let apart = roles.ahead.iter().any(|c| !roles.propellers.contains(c)) || !roles.astern.is_empty();
+    let [speeds, ahead, astern] =
+        [ChannelRole::Propeller, ChannelRole::Ahead, ChannelRole::Astern].map(|role| roles.of(role));
+    let single: Vec<usize> = speeds.iter().copied().filter(|p| reversing.contains(p)).collect();
+    let apart = ahead.iter().any(|c| !speeds.contains(c)) || !astern.is_empty();
     if single.is_empty() || apart {
         return Ok((model.clone(), roles));
     }
     let mut made = Made::new(model);
-    roles.ahead.retain(|channel| !single.contains(channel));
+    roles.channels[ChannelRole::Ahead as usize].retain(|channel| !single.contains(channel));
     for propeller in single {
         let (name, unit) = (&model.variables[propeller].name, &model.variables[propeller].unit);
         let mut of = |what: &str, part: &str| {
             made.channel(format!("{name}_{what}"), unit.clone(), format!("{part}({name})"))
         };
-        roles.ahead.push(of("ahead", "positive"));
-        roles.astern.push(of("reverse", "negative"));
+        roles.add(ChannelRole::Ahead, of("ahead", "positive"));
+        roles.add(ChannelRole::Astern, of("reverse", "negative"));
     }
     Ok((made.finish()?, roles))
 }

@@ -1,31 +1,12 @@
 use refusal::Invalid;
-use ship::model::Model;
+use ship::model::{ChannelRole, Model};
 
-/// The roles of a model's channels in the library: indices of its variables, or as a user names them.
+/// The channels of a model by their roles in the library, as indices of its variables.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Roles<C = usize> {
-    /// Rudders, or channels that steer like one.
-    pub rudders: Vec<C>,
-    /// Propeller speeds with their signs.
-    pub propellers: Vec<C>,
-    /// Propeller speeds when ahead, else 0.
-    pub ahead: Vec<C>,
-    /// Propeller speeds when astern, else 0.
-    pub astern: Vec<C>,
-    /// Thrusts, if no propeller speed is known.
-    pub thrusts: Vec<C>,
-    /// Thrusters on either side, port and starboard: propeller speeds or thrusts.
-    pub pairs: Vec<[C; 2]>,
+pub struct Roles {
+    pub(super) channels: [Vec<usize>; ChannelRole::ALL.len()],
     /// Differences of thrusters: port less starboard.
-    pub differences: Vec<C>,
-    /// Speed of the relative wind.
-    pub wind: Option<C>,
-    /// Direction that the relative wind comes from, from the bow to starboard.
-    pub wind_from: Option<C>,
-    /// Disturbances that a reflection does not change.
-    pub even: Vec<C>,
-    /// Disturbances whose sign a reflection changes.
-    pub odd: Vec<C>,
+    pub differences: Vec<usize>,
 }
 
 /// The parts of names that distinguish channels of port and starboard.
@@ -35,82 +16,79 @@ const SPEEDS: [&str; 5] = ["1/s", "rpm", "1/min", "rad/s", "Hz"];
 const FORCES: [&str; 2] = ["N", "kN"];
 
 impl Roles {
-    /// Takes the `named` roles and infers the others from the units and names of the channels. Radians are rudders,
-    /// 1/s and rpm propellers, N and kN thrusts. Thrusters of one unit whose names differ only in the side, or that
+    /// Takes the roles that the vessel's file states and infers the others from the units and names of the channels. Radians are
+    /// rudders, 1/s and rpm propellers, N and kN thrusts. Thrusters of one unit whose names differ only in the side, or that
     /// `model` ties to each other, are pairs. Measured disturbances called wind are its speed and angle by their
     /// units; of others `…_x` is even, the rest odd. Other inputs may act on all degrees of freedom.
     ///
     /// # Errors
-    /// A name that no channel has; a wind with only its speed or only its angle named, if the other is not found.
-    pub fn new(model: &Model, named: &Roles<String>) -> Result<Self, Invalid> {
-        let names = || model.variables.iter().skip(3).map(|v| v.name.as_str());
-        let place = |name: &String| {
-            let unknown = || Invalid::unknown(format!("channel `{name}`"), name, names());
-            names().position(|known| known == name).map(|i| i + 3).ok_or_else(unknown)
-        };
-        let all = |list: &[String]| list.iter().map(place).collect::<Result<Vec<_>, _>>();
-        let one = |name: &Option<String>| name.as_ref().map(place).transpose();
-        let pair = |[port, starboard]: &[String; 2]| Ok([place(port)?, place(starboard)?]);
-        let mut roles = Self {
-            rudders: all(&named.rudders)?,
-            propellers: all(&named.propellers)?,
-            ahead: all(&named.ahead)?,
-            astern: all(&named.astern)?,
-            thrusts: all(&named.thrusts)?,
-            pairs: named.pairs.iter().map(pair).collect::<Result<_, _>>()?,
-            differences: Vec::new(),
-            wind: one(&named.wind)?,
-            wind_from: one(&named.wind_from)?,
-            even: all(&named.even)?,
-            odd: all(&named.odd)?,
-        };
+    /// A wind with only its speed or only its angle stated, if the other is not found.
+    pub fn new(model: &Model) -> Result<Self, Invalid> {
+        let mut roles = Self::default();
+        model.roles.iter().for_each(|(variable, role)| roles.add(*role, *variable));
         roles.pair(model);
         for variable in 3..model.variables.len() {
-            if !roles.all().contains(&variable) {
+            if !roles.has(variable) {
                 roles.guess(model, variable);
             }
         }
-        // Without channels for ahead and astern the speeds themselves stand for both.
-        if roles.ahead.is_empty() && roles.astern.is_empty() {
-            roles.ahead.clone_from(&roles.propellers);
-        }
-        match (roles.wind, roles.wind_from, &named.wind, &named.wind_from) {
-            (Some(_), None, Some(name), _) => return Err(half_a_wind(name, "--wind-from", "direction")),
-            (None, Some(_), _, Some(name)) => return Err(half_a_wind(name, "--wind", "speed")),
+        roles.take_speeds_ahead();
+        for (role, other, lacking, alone) in [
+            (ChannelRole::Wind, ChannelRole::WindFrom, "direction", ChannelRole::Even),
+            (ChannelRole::WindFrom, ChannelRole::Wind, "speed", ChannelRole::Odd),
+        ] {
+            let Some(&half) = roles.of(role).first().filter(|_| roles.of(other).is_empty()) else { continue };
+            if model.roles.contains_key(&half) {
+                let without = format!("`{role}` without a channel of its {lacking}");
+                let remedy = format!("add `role = \"{other}\"` to that, or declare it as [[measured]]");
+                let both = "both speed and direction of the relative wind";
+                return Err(model.refused_role(half, without, both, &remedy));
+            }
             // If found by its name alone, it is a disturbance like any other: a reflection keeps a speed and changes
             // the sign of an angle.
-            (speed, None, ..) => roles.even.extend(speed),
-            (None, angle, ..) => roles.odd.extend(angle),
-            _ => {}
+            roles.add(alone, half);
         }
         Ok(roles)
     }
 
-    fn all(&self) -> Vec<usize> {
-        let inputs = [&self.rudders, &self.propellers, &self.ahead, &self.astern, &self.thrusts];
-        let lists = inputs.into_iter().chain([&self.even, &self.odd]);
-        let single = [self.wind, self.wind_from].into_iter().flatten();
-        single.chain(self.pairs.iter().flatten().copied()).chain(lists.flatten().copied()).collect()
+    /// The channels of `role`; those of port and starboard are pairs.
+    pub fn of(&self, role: ChannelRole) -> &[usize] {
+        &self.channels[role as usize]
+    }
+
+    pub(super) fn add(&mut self, role: ChannelRole, variable: usize) {
+        self.channels[role as usize].push(variable);
+    }
+
+    fn has(&self, variable: usize) -> bool {
+        self.channels.iter().flatten().any(|taken| *taken == variable)
+    }
+
+    /// Without channels for ahead and astern the speeds themselves stand for both.
+    pub(super) fn take_speeds_ahead(&mut self) {
+        if self.of(ChannelRole::Ahead).is_empty() && self.of(ChannelRole::Astern).is_empty() {
+            self.channels[ChannelRole::Ahead as usize] = self.of(ChannelRole::Propeller).to_vec();
+        }
     }
 
     fn pair(&mut self, model: &Model) {
         let thruster =
             |i: &usize| [&SPEEDS[..], &FORCES].concat().contains(&model.variables[*i].unit.as_str());
-        let free: Vec<usize> =
-            (3..3 + model.inputs).filter(|i| thruster(i) && !self.all().contains(i)).collect();
+        let free: Vec<usize> = (3..3 + model.inputs).filter(|i| thruster(i) && !self.has(*i)).collect();
         for (i, port) in free.iter().enumerate() {
             let other = |starboard: &usize| {
-                let taken = |variable: &usize| self.pairs.iter().flatten().any(|paired| paired == variable);
-                model.variables[*port].unit == model.variables[*starboard].unit
-                    && !taken(port)
-                    && !taken(starboard)
+                let alike = model.variables[*port].unit == model.variables[*starboard].unit;
+                alike && !self.has(*port) && !self.has(*starboard)
             };
             let of_name = |starboard: &&usize| other(starboard) && sides(model, *port, **starboard).is_some();
             let tied = |starboard: &&usize| other(starboard) && mirrored(model, *port, **starboard);
-            if let Some(starboard) = free.iter().find(of_name) {
-                self.pairs.extend(sides(model, *port, *starboard));
-            } else if let Some(starboard) = free[i + 1..].iter().find(tied) {
-                self.pairs.push([*port, *starboard]);
+            let pair = match free.iter().find(of_name) {
+                Some(starboard) => sides(model, *port, *starboard),
+                None => free[i + 1..].iter().find(tied).map(|starboard| [*port, *starboard]),
+            };
+            if let Some([port, starboard]) = pair {
+                self.add(ChannelRole::Port, port);
+                self.add(ChannelRole::Starboard, starboard);
             }
         }
     }
@@ -123,35 +101,36 @@ impl Roles {
             return;
         }
         let speed = SPEEDS.contains(&unit);
-        if speed && name.contains("ahead") {
-            self.ahead.push(variable);
+        let role = if speed && name.contains("ahead") {
+            ChannelRole::Ahead
         } else if speed && (name.contains("astern") || name.contains("reverse")) {
-            self.astern.push(variable);
+            ChannelRole::Astern
         } else if speed {
-            self.propellers.push(variable);
+            ChannelRole::Propeller
         } else if FORCES.contains(&unit) {
-            self.thrusts.push(variable);
+            ChannelRole::Thrust
         } else if unit == "rad" || unit == "deg" {
-            self.rudders.push(variable);
+            ChannelRole::Rudder
         } else if !measured || name.ends_with("_x") {
             // An unknown input may act on every degree of freedom.
-            self.even.push(variable);
+            ChannelRole::Even
         } else {
-            self.odd.push(variable);
-        }
+            ChannelRole::Odd
+        };
+        self.add(role, variable);
     }
 
     /// Takes a measured disturbance as the wind's speed or angle; returns whether it is one.
     fn blows(&mut self, name: &str, unit: &str, variable: usize) -> bool {
         let component = name.ends_with("_x") || name.ends_with("_y");
         let role = match unit {
-            "rad" => &mut self.wind_from,
-            "m/s" if !component => &mut self.wind,
+            "rad" => ChannelRole::WindFrom,
+            "m/s" if !component => ChannelRole::Wind,
             _ => return false,
         };
-        let blows = name.contains("wind") && role.is_none();
+        let blows = name.contains("wind") && self.of(role).is_empty();
         if blows {
-            *role = Some(variable);
+            self.add(role, variable);
         }
         blows
     }
@@ -183,13 +162,4 @@ fn mirrored(model: &Model, port: usize, starboard: usize) -> bool {
         })
     };
     tied(0, 1.0) && tied(2, -1.0)
-}
-
-fn half_a_wind(name: &str, flag: &str, other: &str) -> Invalid {
-    Invalid::new(
-        format!("wind `{name}`"),
-        format!("no channel of its {other}"),
-        "both speed and direction of the relative wind",
-        format!("name the {other} with {flag}, or declare it as [[measured]]"),
-    )
 }

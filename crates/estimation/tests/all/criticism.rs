@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use estimation::criticism::{Absent, Criticism, Subject, criticise, criticise_each};
 use estimation::pooled::{Judgement, Pool, Resampling, enriched};
 use estimation::predictor::{Flow, InitialState, NoiseModel};
-use estimation::runs::{AdditionalUnknowns, Asked, RunEstimators};
+use estimation::runs::{AdditionalUnknowns, RunEstimators};
 use estimation::{EstimateStatus, Estimator};
 use regression::MeanRemoval;
 use regression::pooled::PooledRuns;
@@ -218,9 +218,9 @@ fn runs_that_reject_the_model_say_so_with_every_estimator() {
     let right = statuses(runs(&[]));
     assert!(right.iter().filter(|status| **status == EstimateStatus::Identified).count() >= 4, "{right:?}");
     assert!(right.chunks(2).all(|own| own[0] == own[1]), "one verdict for a run: {right:?}");
-    assert!(estimators.asks(Asked::Stated) && !estimators.asks(Asked::Never));
+    assert!(estimators.asks());
     let silent = NoiseModel { measurement: [NOISE, NOISE, 0.0], ..STATED };
-    assert!(!RunEstimators { levels: Some(silent), ..estimators }.asks(Asked::Stated));
+    assert!(!RunEstimators { levels: Some(silent), ..estimators }.asks());
 }
 
 /// An estimate at a bound is tested as delivered: held there, not as it would be without the bound.

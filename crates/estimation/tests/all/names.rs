@@ -1,6 +1,5 @@
 //! Names in files are those on the command line.
 
-use estimation::runs::Asked;
 use estimation::{EstimateStatus, Estimator, ScoreStatus};
 use serde::Serialize;
 
@@ -15,5 +14,4 @@ fn choices_are_called_in_files_what_their_names_say() {
     check(&Estimator::ALL, Estimator::name);
     check(&EstimateStatus::ALL, EstimateStatus::name);
     check(&ScoreStatus::ALL, ScoreStatus::name);
-    check(&Asked::ALL, Asked::name);
 }

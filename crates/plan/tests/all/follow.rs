@@ -59,7 +59,7 @@ fn positions(track: &PlannedTrack, apart: usize, noise_m: f64, late_s: f64) -> V
 }
 
 fn limits(planned: &Planned, track: &PlannedTrack) -> FollowLimits {
-    FollowLimits::of(&planned.prepared.brief.task, track, 30.0)
+    FollowLimits::of(&planned.prepared.brief.task, track)
 }
 
 /// Where a ship is by her positions up to a time.

@@ -169,6 +169,16 @@ impl<R: Recorded> PooledRuns<R> {
         if self.runs.is_empty() { Err(SelectError::NoneLeft) } else { Ok(()) }
     }
 
+    /// The selected runs.
+    ///
+    /// # Errors
+    /// A block that cannot be read.
+    pub fn kept(&self) -> Result<Vec<Run>, R::Error> {
+        let (wanted, mut all) = ((0..self.runs.len()).collect::<Vec<_>>(), Vec::new());
+        self.visit(&wanted, |i| *i, |_, run| all.push(run.clone()))?;
+        Ok(all)
+    }
+
     /// Whether a run of this number is selected.
     pub fn has(&self, number: i32) -> bool {
         self.runs.iter().any(|run| run.number == number)

@@ -36,6 +36,7 @@ pub fn model(terms: [&[&str]; 3]) -> Model {
         variables,
         inputs: 2,
         simulated: BTreeMap::new(),
+        roles: BTreeMap::new(),
         derived: Vec::new(),
         degrees,
         constant: [0.0; 3],

@@ -56,7 +56,7 @@ pub(super) fn planned(study: &Study, main: &PlannedTrial, figures: &mut Figures)
         @if let Some(check) = voyage.map(|voyage| &voyage.check).filter(|check| !check.safe) {
             p.caution {
                 b { "Unsafe." }
-                " The plan fails its own check and was written by " code { "--allow-unsafe" } " only: " (check.faults.join(", ")) "."
+                " The plan fails its own check and was written by " code { "--allow=unsafe" } " only: " (check.faults.join(", ")) "."
             }
         }
         @if !main.stale.is_empty() {

@@ -204,7 +204,7 @@ fn a_plan_that_is_not_proved_or_not_clear_is_not_praised() {
             "feasible at most 1 basic move dearer than the best",
             "no plan costs less than 3 basic moves",
             "the hull touches an obstacle",
-            "Unsafe. The plan fails its own check and was written by --allow-unsafe only: 2 of 64 runs aground",
+            "Unsafe. The plan fails its own check and was written by --allow=unsafe only: 2 of 64 runs aground",
             "Unsafe: 2 of 64 runs aground (3.1 %, 0.9 to 10.7 %).",
             "64 simulations of the whole plan (seed 1)",
             "within 35.0 % of the nominal ones",

@@ -3,6 +3,8 @@
 use std::f64::consts::PI;
 
 use refusal::{Invalid, check_ranges};
+use schemars::JsonSchema;
+use serde::Deserialize;
 
 use crate::forces::{
     AddedMass, CrossflowSpec, Description, Inflow, Number, NumberSpec, PropellerSpec, RudderSpec, ShipSpec,
@@ -34,8 +36,14 @@ pub fn usual_froude(block: f64) -> f64 {
     FASTER * ayre(block.clamp(0.3, 0.85))
 }
 
+/// Density of sea water \[kg/m³\].
+fn sea_water() -> f64 {
+    1025.0
+}
+
 /// What is known of a ship before her first trial.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct MainDimensions {
     /// Length between perpendiculars \[m\].
     pub length_m: f64,
@@ -45,7 +53,8 @@ pub struct MainDimensions {
     pub draught_m: f64,
     /// Block coefficient: displaced volume over length, beam and draught.
     pub block: f64,
-    /// Density of the water \[kg/m³\].
+    /// Density of the water \[kg/m³\]; that of the sea without it.
+    #[serde(default = "sea_water")]
     pub density_kg_m3: f64,
     /// Service speed \[m/s\]; that of usual ships of this block coefficient without it.
     pub speed_m_s: Option<f64>,

@@ -4,6 +4,8 @@ use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::model::ChannelRole;
+
 /// The actuator of an input.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Actuator {
@@ -235,4 +237,7 @@ pub struct InputSpec {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(max = 1e4), extend("exclusiveMinimum" = 0.0))]
     pub hold_s: Option<f64>,
+    /// What it is to a search for terms; found by unit and name without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub role: Option<ChannelRole>,
 }

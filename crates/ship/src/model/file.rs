@@ -9,7 +9,8 @@ use crate::forces::{Forces, TermSpec};
 use crate::model::equation::{Equation, Parts};
 use crate::model::physics::{self, Kind, VesselFile, missing, moved, preset};
 use crate::model::{
-    Actuator, Constrained, DegreeOfFreedom, InputSpec, Model, RateChange, Term, Unusual, Variable, Written,
+    Actuator, ChannelRole, Constrained, DegreeOfFreedom, InputSpec, Model, RateChange, Term, Unusual,
+    Variable, Written,
 };
 
 /// Which of the two parameter sets is meant.
@@ -94,10 +95,11 @@ impl Vessel {
         check_name("`name` of the vessel", &name)?;
         let names: Vec<&str> = variables.iter().map(|v| v.name.as_str()).collect();
         let derived = derive(&file.derived, &names, first_derived(&file))?;
-        let simulated = simulated(&file)?;
+        let (simulated, roles) = (simulated(&file), roles(&file));
         let inputs = file.input.len();
         let (constant, pace) = (file.constant, RateChange::Own);
-        let model = Model { variables, inputs, simulated, derived, degrees, constant, forces, pace };
+        let model = Model { variables, inputs, simulated, roles, derived, degrees, constant, forces, pace };
+        model.check_roles()?;
         let vessel = Self {
             name,
             sample_rate_hz: rate,
@@ -291,9 +293,17 @@ fn first_derived(file: &VesselFile) -> usize {
 }
 
 /// Values of measured disturbances in simulated trials, by index among the variables.
-fn simulated(file: &VesselFile) -> Result<BTreeMap<usize, f64>, Invalid> {
+fn simulated(file: &VesselFile) -> BTreeMap<usize, f64> {
     let places = (3 + file.input.len()..).zip(&file.measured);
-    Ok(places.filter_map(|(place, measured)| Some((place, measured.simulated?))).collect())
+    places.filter_map(|(place, measured)| Some((place, measured.simulated?))).collect()
+}
+
+/// What channels are said to be, by index among the variables.
+fn roles(file: &VesselFile) -> BTreeMap<usize, ChannelRole> {
+    let inputs = file.input.iter().map(|input| input.role);
+    let measured = file.measured.iter().map(|channel| channel.role);
+    let written = inputs.chain(measured).chain(file.derived.iter().map(|channel| channel.role));
+    (3..).zip(written).filter_map(|(place, role)| Some((place, role?))).collect()
 }
 
 /// The trajectories' own columns.

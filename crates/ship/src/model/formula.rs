@@ -1,12 +1,40 @@
 use std::collections::BTreeMap;
 
 use numerics::Arithmetic;
-use refusal::{Invalid, foreign, nearest};
+use refusal::{Invalid, choices, foreign, nearest};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::forces::{MOST_FACTORS, parse_power};
+
+choices! {
+    /// What a channel is to a search for terms.
+    pub enum ChannelRole {
+        /// It steers.
+        Rudder = "rudder",
+        /// A propeller's speed with its sign.
+        Propeller = "propeller",
+        /// A propeller's speed where it goes ahead, else 0.
+        Ahead = "ahead",
+        /// A propeller's speed where it goes astern, else 0.
+        Astern = "astern",
+        /// A thrust, where no propeller's speed is known.
+        Thrust = "thrust",
+        /// A thruster on port, by its speed or thrust; the first is a pair with the first on starboard, and so on.
+        Port = "port",
+        /// A thruster on starboard, by its speed or thrust.
+        Starboard = "starboard",
+        /// The speed of the relative wind.
+        Wind = "wind",
+        /// The angle that the relative wind comes from, from the bow to starboard.
+        WindFrom = "wind-from",
+        /// A disturbance that a reflection between port and starboard leaves as it is.
+        Even = "even",
+        /// A disturbance whose sign a reflection changes.
+        Odd = "odd",
+    }
+}
 
 /// A function of a channel, before it is multiplied with the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -292,6 +320,9 @@ pub struct DerivedSpec {
     pub unit: String,
     /// What it is.
     pub formula: String,
+    /// What it is to a search for terms; found by unit and name without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub role: Option<ChannelRole>,
 }
 
 /// A derived channel with its parsed formula.

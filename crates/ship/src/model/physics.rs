@@ -14,7 +14,7 @@ use crate::forces::{
     Channel, CrossflowSpec, Description, Forces, PropellerSpec, RudderSpec, ShipSpec, TermSpec, ThrusterSpec,
     WindSpec,
 };
-use crate::model::{Actuator, DerivedSpec, InputSpec, Variable};
+use crate::model::{Actuator, ChannelRole, DerivedSpec, InputSpec, Variable};
 
 /// Most steps of the integration in a sample.
 const MOST_STEPS: f64 = 1e4;
@@ -297,6 +297,9 @@ pub struct MeasuredSpec {
     /// What it is wherever a trial is simulated, in its unit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub simulated: Option<f64>,
+    /// What it is to a search for terms; found by unit and name without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub role: Option<ChannelRole>,
 }
 
 /// The refusal of a file without `key`.

@@ -6,7 +6,7 @@ use refusal::Invalid;
 
 use super::formula::derive;
 use crate::forces::{Forces, Parameter};
-use crate::model::{DerivedChannel, DerivedSpec, Product, Term};
+use crate::model::{ChannelRole, DerivedChannel, DerivedSpec, Product, Term};
 
 /// Surge, sway or yaw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,6 +92,8 @@ pub struct Model {
     pub inputs: usize,
     /// Values of measured disturbances in simulated trials, by index among the variables.
     pub simulated: BTreeMap<usize, f64>,
+    /// What the vessel's file says that channels are, by index among the variables.
+    pub roles: BTreeMap<usize, ChannelRole>,
     /// Channels that are computed from others, each after its sources.
     pub derived: Vec<DerivedChannel>,
     /// Surge, sway, yaw.
@@ -355,6 +357,48 @@ impl Model {
                 "add `simulated = 0.0` if simulated trials have none of it, or compute it by [[derived]]",
             )),
         }
+    }
+
+    /// The refusal of the role of `variable`.
+    pub fn refused_role(&self, variable: usize, found: String, expected: &str, remedy: &str) -> Invalid {
+        let table = match variable.checked_sub(3 + self.inputs) {
+            None => "input",
+            Some(i) if i < self.measured().len() => "measured",
+            Some(_) => "derived",
+        };
+        Invalid::new(format!("{table} `{}`, `role`", self.variables[variable].name), found, expected, remedy)
+    }
+
+    /// Refuses roles that their channels cannot have.
+    pub(crate) fn check_roles(&self) -> Result<(), Invalid> {
+        let of = |role: ChannelRole| {
+            let stated = self.roles.iter().filter(move |(_, stated)| **stated == role);
+            stated.map(|(i, _)| (*i, &self.variables[*i])).collect::<Vec<_>>()
+        };
+        let from = of(ChannelRole::WindFrom);
+        for several in [&of(ChannelRole::Wind), &from] {
+            if let [(_, first), (i, _), ..] = several[..] {
+                let twice = format!("`{}`, which `{}` is too", self.roles[&i], first.name);
+                return Err(self.refused_role(i, twice, "one channel of it", "remove one of them"));
+            }
+        }
+        if let Some((i, angle)) = from.iter().find(|(_, angle)| angle.unit != "rad") {
+            let given = format!("`wind-from` in `{}`", angle.unit);
+            return Err(self.refused_role(*i, given, "an angle in `rad`", "log it in radians"));
+        }
+        let (port, starboard) = (of(ChannelRole::Port), of(ChannelRole::Starboard));
+        let paired = port.len().min(starboard.len());
+        if let Some((i, _)) = port.get(paired).or(starboard.get(paired)) {
+            let alone = format!("`{}` without a thruster on the other side", self.roles[i]);
+            let expected = "as many `port` as `starboard`, in the same order";
+            return Err(self.refused_role(*i, alone, expected, "state the other side, too"));
+        }
+        let differ = port.iter().zip(&starboard).find(|((_, one), (_, other))| one.unit != other.unit);
+        differ.map_or(Ok(()), |((_, one), (i, other))| {
+            let units =
+                format!("`starboard` in `{}`, and its pair `{}` in `{}`", other.unit, one.name, one.unit);
+            Err(self.refused_role(*i, units, "one unit", "state both in the same unit"))
+        })
     }
 
     /// The model with the channels of `specs` after its own.

@@ -220,17 +220,12 @@ pub struct SequencePart {
     pub samples: u64,
 }
 
-/// Shares of few maneuvers, each for a while at least.
+/// Shares of few maneuvers.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Restricted {
     /// At most so many maneuvers.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub most_maneuvers: Option<u64>,
-    /// Each for at least so long \[s\].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    pub minimal_s: Option<f64>,
+    pub most_maneuvers: u64,
     /// `exhaustive`: every choice of maneuvers was tried; `exchange`: no exchange of one maneuver improves the criterion.
     pub method: Method,
     /// The fraction of the experiment time that the restriction costs at most; see `statement`.
@@ -261,9 +256,6 @@ pub struct Accuracy {
     /// dictionary, whose matrices the prediction adds up. Trials that are shorter consist of their beginnings, and err more.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub holds_from_s: Option<f64>,
-    /// With `per-parameter`: no shares need less time than this \[s\]; proved where the problem is convex.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub bound_s: Option<f64>,
     /// Predicted accuracy against time.
     pub curve: Vec<AccuracyPoint>,
     /// The answer in words.
@@ -343,7 +335,7 @@ impl Document for DesignDocument {
         ("1", "shares sensitivities dimension gap relative_gap log_det iterations equal_shares single"),
         ("1", "candidates counts segments segment_samples efficiency samples wanted reached"),
         ("1", "range parameter_error missed share interval ships"),
-        ("s", "minimal_s duration_s"),
+        ("s", "duration_s"),
         ("the unit beside it", "standard_error d_optimal"),
     ];
 
@@ -440,10 +432,8 @@ refusal::choices! {
         Stationary = "stationary",
         /// The gap was not reached.
         Stalled = "stalled",
-        /// Few or long maneuvers, see `restricted`.
+        /// Few maneuvers, see `restricted`.
         Restricted = "restricted",
-        /// The least largest of the relative errors, see `accuracy`.
-        LeastLargest = "least largest",
         /// One maneuver of refined inputs.
         Refined = "refined",
     }

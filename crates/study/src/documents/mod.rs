@@ -85,7 +85,7 @@ pub use refined::{
     UpdatedCriterion, UpdatedError, UpdatedFigure, UpdatedParameter,
 };
 pub use search::{BesideForces, DeliveredKind, ForceScores, SearchDocument, SearchTerm, TriedFit};
-pub use solved::{Few, Solved};
+pub use solved::Solved;
 pub use validation::{
     ComparedError, DesignScores, EstimatorRecommendation, EstimatorScores, PairedRatio, SelectionDocument,
     TallyDocument, ValidationDocument,
@@ -123,6 +123,9 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RunDocument {
+    /// Digest of the way from the results to the study's folder, by which results of another study are known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub study: Option<Digest>,
     /// The stages by their names in `run --stage`.
     pub stages: BTreeMap<String, RunStage>,
 }

@@ -204,6 +204,7 @@ impl ModelDocument {
     /// The same with the channels of `vessel`.
     fn with_channels(self, vessel: &Vessel) -> Self {
         let model = &vessel.model;
+        let role = |place: usize| model.roles.get(&place).copied();
         let input = |(i, variable): (usize, &Variable)| {
             let coupling = vessel.couplings[i];
             let inputs = model.input_variables();
@@ -217,17 +218,20 @@ impl ModelDocument {
                 rate_per_s: vessel.actuators[i].rate_per_s,
                 dead_band: Some(vessel.actuators[i].dead_band).filter(|band| *band > 0.0),
                 hold_s: Some(vessel.actuators[i].hold_s).filter(|hold| *hold > 0.0),
+                role: role(3 + i),
             }
         };
         let measured = |(place, variable): (usize, &Variable)| MeasuredSpec {
             name: variable.name.clone(),
             unit: variable.unit.clone(),
             simulated: model.simulated.get(&place).copied(),
+            role: role(place),
         };
         let derived = |channel: &DerivedChannel| DerivedSpec {
             name: model.variables[channel.variable].name.clone(),
             unit: model.variables[channel.variable].unit.clone(),
             formula: channel.text.clone(),
+            role: role(channel.variable),
         };
         // In the order of the file, not of computation.
         let mut written: Vec<&DerivedChannel> = model.derived.iter().collect();

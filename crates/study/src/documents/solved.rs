@@ -36,8 +36,8 @@ pub struct Solved<'a> {
     pub segments: Option<(Segments, Whole)>,
     /// Samples of the experiment, if known.
     pub samples: Option<f64>,
-    /// A restriction, if requested.
-    pub restricted: Option<(Few, &'a Restricted)>,
+    /// At most so many maneuvers, if requested.
+    pub restricted: Option<(u64, &'a Restricted)>,
     /// Figures of merit, if given.
     pub figures: Option<SolvedFigures<'a>>,
     /// The time for a wanted accuracy, if requested.
@@ -48,15 +48,6 @@ pub struct Solved<'a> {
     pub streamed: Option<&'a Streamed>,
     /// The moments that the dictionary was made from.
     pub moments: &'a Moments,
-}
-
-/// A requested restriction.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Few {
-    /// Maximum number of maneuvers.
-    pub most_maneuvers: Option<u64>,
-    /// Least time of each \[s\].
-    pub minimal_s: Option<f64>,
 }
 
 impl From<Solved<'_>> for DesignDocument {
@@ -71,7 +62,7 @@ impl From<Solved<'_>> for DesignDocument {
             Criterion::Information(_) => Some(design.log_det),
             Criterion::Covariance(_) => dictionary.information.log_det(&design.shares),
         };
-        let (least_largest, covariance) = (least_largest(&solved), covariance(&solved));
+        let covariance = covariance(&solved);
         let equal_shares = match solved.streamed {
             Some(all) => design.efficiency(&all.mean, &[1.0], parameters),
             None => criterion.efficiency(design, &vec![1.0 / count as f64; count], parameters),
@@ -80,11 +71,10 @@ impl From<Solved<'_>> for DesignDocument {
             criterion: solved.name,
             mean_removal: match solved.estimated {
                 Estimated::Iv(removal) => Some(removal),
-                Estimated::OutputError { .. } => None,
+                Estimated::OutputError => None,
             },
             status: match &solved.restricted {
                 Some(_) => DesignStatus::Restricted,
-                None if least_largest => DesignStatus::LeastLargest,
                 None => design.status.into(),
             },
             statement,
@@ -97,8 +87,8 @@ impl From<Solved<'_>> for DesignDocument {
             gap: Some(design.gap),
             relative_gap: Some(design.gap / p),
             log_det,
-            proved_global: design.status == Status::Optimal && solved.restricted.is_none() && !least_largest,
-            starts: if least_largest { Vec::new() } else { starts },
+            proved_global: design.status == Status::Optimal && solved.restricted.is_none(),
+            starts,
             efficiency: Some(Efficiency {
                 equal_shares,
                 single: named(&criterion.single_efficiencies(design, parameters)),
@@ -108,10 +98,9 @@ impl From<Solved<'_>> for DesignDocument {
             available: solved.available.map(|a| named(&a.shares)),
             promise: covariance.as_ref().and_then(|covariance| promise(&solved, covariance)),
             covariance,
-            estimator: matches!(solved.estimated, Estimated::OutputError { .. })
-                .then_some(Estimator::OutputError),
+            estimator: (solved.estimated == Estimated::OutputError).then_some(Estimator::OutputError),
             prior: prior(&solved),
-            restricted: solved.restricted.map(|(few, found)| restriction(few, found)),
+            restricted: solved.restricted.map(|(most, found)| restriction(most, found)),
             figures: solved.figures.as_ref().map(|figures| figures.document(samples(&solved) as u64)),
             accuracy: solved.accuracy.map(|shortest| accuracy(shortest, range(&solved, shortest))),
             sequence: solved.sequence.map(Into::into),
@@ -123,11 +112,6 @@ impl From<Solved<'_>> for DesignDocument {
 
 fn by_name<T: Copy>(names: &[String], values: &[T]) -> BTreeMap<String, T> {
     names.iter().cloned().zip(values.iter().copied()).collect()
-}
-
-/// Whether the shares minimise the largest error, for which no criterion has a certificate.
-fn least_largest(solved: &Solved) -> bool {
-    solved.accuracy.is_some_and(|accuracy| accuracy.bound_s.is_some())
 }
 
 /// Samples of the experiment, 1 if they are not known.
@@ -204,11 +188,9 @@ fn starts(design: &Design) -> Vec<Start> {
 }
 
 fn statement(solved: &Solved, starts: &[Start]) -> String {
-    let accuracy = solved.accuracy.filter(|_| least_largest(solved));
-    match (&solved.restricted, accuracy) {
-        (Some((_, restricted)), _) => statements::restricted(restricted),
-        (None, Some(accuracy)) => statements::accuracy(accuracy, range(solved, accuracy)),
-        (None, None) => {
+    match &solved.restricted {
+        Some((_, restricted)) => statements::restricted(restricted),
+        None => {
             let binds = |a: &Available| Bounds::new(&a.shares).is_ok_and(|bounds| bounds.bind());
             statements::certificate(
                 solved.design,
@@ -220,10 +202,9 @@ fn statement(solved: &Solved, starts: &[Start]) -> String {
     }
 }
 
-fn restriction(few: Few, found: &Restricted) -> RestrictedDocument {
+fn restriction(most_maneuvers: u64, found: &Restricted) -> RestrictedDocument {
     RestrictedDocument {
-        most_maneuvers: few.most_maneuvers,
-        minimal_s: few.minimal_s,
+        most_maneuvers,
         method: found.method,
         gap: found.loss,
         statement: statements::restricted(found),
@@ -250,7 +231,6 @@ fn accuracy(accuracy: &Accuracy, range: Option<[f64; 2]>) -> AccuracyDocument {
         reached: accuracy.reached,
         range,
         holds_from_s: Some(accuracy.holds_from_s).filter(|from| from.is_finite()),
-        bound_s: accuracy.bound_s,
         curve: accuracy.curve.clone(),
         statement: statements::accuracy(accuracy, range),
     }

@@ -46,7 +46,7 @@ pub(super) fn prior(shares: &BTreeMap<String, f64>) -> String {
     }
 }
 
-/// About few or long maneuvers.
+/// About few maneuvers.
 pub(super) fn restricted(found: &Restricted) -> String {
     let used = found.design.shares.iter().filter(|w| **w > 0.0).count();
     let searched = match found.method {
@@ -135,7 +135,7 @@ pub(super) fn accuracy(accuracy: &Accuracy, range: Option<[f64; 2]>) -> String {
         false => "",
     };
     format!(
-        "{:.1} s reach a {} of {}{}{}{}{}{}. This adds up what maneuvers tell at their whole lengths, and holds from {:.1} s on: \
+        "{:.1} s reach a {} of {}{}{}{}{}. This adds up what maneuvers tell at their whole lengths, and holds from {:.1} s on: \
          there maneuvers that take four fifths of the time are whole{too_short}.",
         accuracy.duration_s,
         accuracy.wanted.of,
@@ -147,9 +147,6 @@ pub(super) fn accuracy(accuracy: &Accuracy, range: Option<[f64; 2]>) -> String {
             &format!("random designs of {} segments (median)", accuracy.random_segments),
             accuracy.random_s
         ),
-        accuracy.bound_s.map_or(String::new(), |b| format!(
-            "; no shares need less than {b:.1} s where the problem is convex"
-        )),
         accuracy.holds_from_s,
     )
 }

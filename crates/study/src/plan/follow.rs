@@ -24,10 +24,6 @@ pub struct FollowFiles<'a> {
     pub plan: &'a Path,
     /// The positions so far.
     pub positions: &'a Path,
-    /// How far from the track the ship may come along a step, if it does not follow from the plan \[m\].
-    pub within_m: Option<f64>,
-    /// The longest time between positions within a maneuver \[s\].
-    pub max_gap_s: f64,
 }
 
 /// The times of positions.
@@ -132,11 +128,10 @@ impl FollowedPlan {
         check_order(&logged, &points, &plane).map_err(|e| Error::invalid(files.positions, e))?;
         // A plan with a track has a voyage.
         let voyage = plan.voyage.as_ref().ok_or_else(|| no_voyage(files.plan))?;
-        let track =
-            PlannedTrack::new(points, &voyage.legs, &voyage.primitives, &brief.task).within(files.within_m);
+        let track = PlannedTrack::new(points, &voyage.legs, &voyage.primitives, &brief.task);
         let clock = Clock::of(&logged, voyage);
         let positions = clock.placed(&logged, &plane);
-        let limits = FollowLimits::of(&brief.task, &track, files.max_gap_s);
+        let limits = FollowLimits::of(&brief.task, &track);
         let mut recorded = logged.inputs.clone();
         recorded.values_mut().flatten().for_each(|[at_s, _]| *at_s += clock.origin_s);
         let followed = track

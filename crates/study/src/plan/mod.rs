@@ -83,7 +83,7 @@ pub fn unsafe_plan(config: &Path, check: &Check) -> Unplanned {
     Unplanned::NoAnswer(format!(
         "{}: plan at sea: found {}, least clearance {least:.0} m, expected at least {margin} m and ends \
          of legs within `approach` in every simulation; raise `safety.margin_m` or the tolerances, know the parameters better, or \
-         take it labelled with --allow-unsafe",
+         take it labelled with --allow=unsafe",
         config.display(),
         check.faults.join(", ")
     ))
@@ -103,7 +103,7 @@ pub fn no_plan(file: &Path, why: &NoPlan) -> Unplanned {
         }
         NoPlan::TooLarge { states, bytes } => {
             let answer = format!("{states} states, which take {} MiB", files::mib_with_program(*bytes));
-            let remedy = "raise --memory-mib, take --engine auto, or reduce counts, headings, speed modes or the lattice";
+            let remedy = "raise --memory-mib, or reduce counts, headings, speed modes or the lattice";
             no_answer(file, &answer, remedy)
         }
     }

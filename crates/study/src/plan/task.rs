@@ -28,7 +28,7 @@ impl PlanFile {
                 format!("speed mode `{}`", mode.name),
                 format!("{} m/s", mode.speed_m_s),
                 format!("{low:.4} to {high:.4} m/s, about what the logs of the model cover"),
-                "choose such a speed, or allow it with --beyond-range",
+                "choose such a speed, or allow it with --allow=beyond-range",
             )),
         }
     }

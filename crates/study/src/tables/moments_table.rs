@@ -75,7 +75,7 @@ impl MomentsTable {
     pub fn open(moments: &Path, head: Moments, estimated: Estimated) -> Result<Self, Error> {
         let reader = TableReader::open(table_of(moments), ID, VERSION)?;
         reader.require(&columns(&head.degrees).schema().columns)?;
-        if matches!(estimated, Estimated::OutputError { .. }) {
+        if estimated == Estimated::OutputError {
             let (expected, remedy) = ("moments of a document", "run `moments` without --table");
             return Err(crate::refuse(reader.path(), "`--for output-error`", "a table", expected, remedy));
         }

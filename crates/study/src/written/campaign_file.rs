@@ -11,6 +11,8 @@ use ship::model::{Source, Vessel};
 use trial::campaign::{Sea, Settings};
 use validation::tally::Bounds;
 
+use crate::written::sequential::RoundsSpec;
+
 /// `campaign.toml` as written.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -31,6 +33,9 @@ pub struct CampaignFile {
     pub wind: Option<Wind>,
     /// The random design, if any; with it there is one of today's practice, too.
     pub random: Option<RandomSpec>,
+    /// Trials in rounds, if any.
+    #[serde(skip_serializing)]
+    pub rounds: Option<RoundsSpec>,
     /// The validation of estimates.
     pub validation: ValidationSpec,
 }

@@ -18,7 +18,6 @@ use crate::tables::trajectories::{Layout, TrajectoryReader};
 use crate::written::campaign_file::CampaignFile;
 use crate::written::ingest_file::IngestFile;
 use crate::written::logs_file::LogsFile;
-use crate::written::sequential::SequentialFile;
 
 // Types of the hand-written files.
 pub use maneuver::DictionaryFile;
@@ -38,7 +37,7 @@ pub fn read_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vessel, E
 /// A stage that computes with terms per sample alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StageOfTerms {
-    /// `sequential`.
+    /// Trials in rounds.
     Sequential,
     /// `design refine`.
     Refine,
@@ -50,9 +49,10 @@ impl StageOfTerms {
     /// Its name, and what serves a ship with forces instead.
     fn named(self) -> [&'static str; 2] {
         match self {
-            Self::Sequential => {
-                ["sequential", "try trials that are designed once by `monte-carlo --estimator output-error`"]
-            }
+            Self::Sequential => [
+                "trials in rounds",
+                "try trials that are designed once by `monte-carlo --design`, --estimator output-error",
+            ],
             Self::Refine => ["design refine", "take the shares of `design --for output-error`"],
             Self::Selection => ["validate selection", "leave recordings out by `validate cross`"],
         }
@@ -217,12 +217,6 @@ pub fn read_plan(path: &Path, provenance: &mut Provenance) -> Result<PlanFile, E
     provenance.read_toml("plan", "plan", path)
 }
 
-/// Reads `sequential.toml` and notes its digest.
-pub fn read_sequential(path: &Path, provenance: &mut Provenance) -> Result<SequentialFile, Error> {
-    let file: SequentialFile = provenance.read_toml("config", "sequential", path)?;
-    Ok(file)
-}
-
 /// Turns the maneuvers of `file`, read from `path`, into a generator; notes the digests of its input files.
 pub fn generator(
     path: &Path,
@@ -364,12 +358,11 @@ pub struct TermLists {
 type HandWrittenKind = (&'static str, fn() -> Value);
 
 /// All of them.
-const HAND_WRITTEN: [HandWrittenKind; 9] = [
+const HAND_WRITTEN: [HandWrittenKind; 8] = [
     ("vessel", schema::<VesselFile>),
     ("dictionary", schema::<DictionaryFile>),
     ("campaign", schema::<CampaignFile>),
     ("plan", schema::<PlanFile>),
-    ("sequential", schema::<SequentialFile>),
     ("logs", schema::<LogsFile>),
     ("terms", schema::<TermLists>),
     ("reference", schema::<Reference>),
@@ -377,7 +370,7 @@ const HAND_WRITTEN: [HandWrittenKind; 9] = [
 ];
 
 /// The kinds of files with their schemas.
-pub fn schemas() -> [(&'static str, Value); 9] {
+pub fn schemas() -> [(&'static str, Value); 8] {
     HAND_WRITTEN.map(|(kind, schema)| (kind, schema()))
 }
 

@@ -1,11 +1,11 @@
-//! Trials in rounds: `sequential.toml`, `sequential.parquet`, `sequential.json`.
+//! Trials in rounds: `[rounds]` of `campaign.toml`, `sequential.parquet`, `sequential.json`.
 
 use std::collections::BTreeMap;
 
 use files::{Columns, Error, TableReader};
 use refusal::Invalid;
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use ship::model::{Source, Vessel};
 use trial::rounds::{Arm, ArmSummary, Knowledge, Outcome, RoundGain, Row, Shared, Stopping, Summary};
 
@@ -55,7 +55,7 @@ pub fn columns(rate_hz: f64) -> Columns<Row> {
 }
 
 /// The summary in words and figures; `maneuvers`: their number in the dictionary.
-pub fn document(config: &SequentialFile, summary: Summary, maneuvers: usize) -> SequentialDocument {
+pub fn document(config: &RoundsSpec, summary: Summary, maneuvers: usize) -> SequentialDocument {
     let Summary { arms, gains, stopping } = summary;
     SequentialDocument {
         realizations: u64::from(config.realizations),
@@ -136,10 +136,10 @@ fn ended(found: &Stopping, realizations: u32) -> String {
     )
 }
 
-/// `sequential.toml`.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+/// Trials that are designed in rounds, from a crude model, beside trials that are designed once.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct SequentialFile {
+pub struct RoundsSpec {
     /// Realizations of every arm.
     #[schemars(range(min = 1, max = 1_000_000_000))]
     pub realizations: u32,
@@ -167,11 +167,11 @@ pub struct SequentialFile {
     pub floor: BTreeMap<String, f64>,
 }
 
-impl SequentialFile {
+impl RoundsSpec {
     /// The knowledge of the parameters before a trial; `seed`: of the crude models.
     ///
     /// # Errors
-    /// See [`SequentialFile::floors`]; a vessel without the central parameters of crude models.
+    /// See [`RoundsSpec::floors`]; a vessel without the central parameters of crude models.
     pub fn knowledge(&self, vessel: &Vessel, seed: u64) -> Result<Knowledge, Invalid> {
         let about = vessel.parameters(self.crude_about)?;
         let floor = self.floors(vessel, &about)?;
@@ -182,7 +182,7 @@ impl SequentialFile {
     fn floors(&self, vessel: &Vessel, about: &[f64]) -> Result<Vec<f64>, Invalid> {
         let names = || vessel.model.parameter_names();
         if let Some(unknown) = self.floor.keys().find(|key| names().all(|name| name != key.as_str())) {
-            return Err(Invalid::unknown("`floor`", unknown, names()));
+            return Err(Invalid::unknown("`rounds.floor`", unknown, names()));
         }
         let floors: Vec<f64> = names().map(|name| self.floor.get(name).copied().unwrap_or(0.0)).collect();
         let zero =
@@ -190,7 +190,7 @@ impl SequentialFile {
         match zero {
             None => Ok(floors),
             Some(((name, _), _)) => Err(Invalid::new(
-                format!("`floor.{name}`"),
+                format!("`rounds.floor.{name}`"),
                 format!("none, and `{}` of `{name}` is zero", self.crude_about.name()),
                 "the smallest modulus that counts, since errors are relative",
                 "state it, or take `crude_about = \"value\"`",

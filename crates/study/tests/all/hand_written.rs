@@ -105,7 +105,8 @@ fn toml_files(folder: &Path, found: &mut Vec<PathBuf>) {
         let path = entry.unwrap().path();
         if path.is_dir() {
             toml_files(&path, found);
-        } else if path.extension().is_some_and(|own| own == "toml") {
+        // Whose keys are the flags of the stages, which this room does not know
+        } else if path.extension().is_some_and(|own| own == "toml") && !path.ends_with("study.toml") {
             found.push(path);
         }
     }
@@ -144,7 +145,7 @@ fn files_of_studies_are_as_their_schemas_say() {
             assert_eq!(named.canonicalize().unwrap(), repository().join("schemas").join(file_name(kind)));
         }
     }
-    assert!(files.len() > 40 && seen.len() > 7, "{} {seen:?}", files.len());
+    assert!(files.len() > 40 && seen.len() > 6, "{} {seen:?}", files.len());
 }
 
 #[test]
@@ -172,7 +173,7 @@ fn wrong_keys_types_and_values_are_not_as_the_schemas_say() {
         ("campaign", "smoke/campaign.toml", "kind = \"white\"", "kind = \"wite\"", "campaign.current"),
         ("plan", "helsinki/plan.toml", "west_deg", "west", "plan.area"),
         ("plan", "helsinki/plan.toml", "headings = 8", "headings = 8.5", "plan.headings"),
-        ("sequential", "smoke/sequential.toml", "rounds =", "round =", "sequential"),
+        ("campaign", "smoke/campaign.toml", "rounds = 2", "round = 2", "campaign.rounds"),
         ("ingest", "kvlcc2/ingest.toml", "[[file]]", "[[files]]", "ingest"),
         ("logs", "model-ship/logs.toml", "[gnss]", "[gps]", "logs"),
     ] {
@@ -206,7 +207,6 @@ fn refused(kind: &str, text: &str) -> Option<String> {
         "dictionary" => read::<maneuver::DictionaryFile>(text),
         "campaign" => read::<study::campaign_file::CampaignFile>(text),
         "plan" => read::<study::plan::PlanFile>(text),
-        "sequential" => read::<study::sequential::SequentialFile>(text),
         "logs" => read::<study::logs_file::LogsFile>(text),
         "reference" => read::<study::documents::Reference>(text),
         "ingest" => read::<study::ingest_file::IngestFile>(text),

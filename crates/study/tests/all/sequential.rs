@@ -1,12 +1,14 @@
 //! The summary of trials in rounds, in words.
 
-use study::sequential::{SequentialFile, document};
+use study::campaign_file::CampaignFile;
+use study::sequential::document;
 use trial::rounds::{Arm, ArmSummary, RoundGain, Summary};
 
 /// The sentence on these gains, if the document has one.
 fn sentence(gains: &[RoundGain]) -> Option<String> {
-    let config: SequentialFile =
-        toml::from_str(include_str!("../../../../pipelines/sequential/sequential.toml")).unwrap();
+    let campaign: CampaignFile =
+        toml::from_str(include_str!("../../../../pipelines/sequential/campaign.toml")).unwrap();
+    let config = campaign.rounds.unwrap();
     let arms = Arm::ALL.map(|name| ArmSummary { name, points: Vec::new() }).into();
     let document = document(&config, Summary { arms, gains: gains.to_vec(), stopping: Vec::new() }, 1);
     assert!(document.statements.len() < 2, "{:?}", document.statements);

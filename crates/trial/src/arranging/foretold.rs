@@ -36,7 +36,7 @@ const DRAWS: (u32, u64) = (4000, 1);
 impl Arranging<'_> {
     /// Of an output-error estimate of the experiment `run`; `None` of other estimates, or where its information is singular.
     pub(super) fn foretold(&self, run: PlannedRun) -> Option<Foretold> {
-        let Estimated::OutputError { current } = self.estimated else { return None };
+        (self.estimated == Estimated::OutputError).then_some(())?;
         // Not of what is left out of the information.
         self.moments.disturbances.as_ref().filter(|expected| !expected.lasting_current_left_out)?;
         let model = self.moments.output_error.as_ref()?;
@@ -45,7 +45,7 @@ impl Arranging<'_> {
         let theta = self.ordered(&model.parameters)?;
         let place = |name: &String| self.vessel.model.parameter_names().position(|other| other == name);
         let places: Vec<Option<usize>> = rows.iter().map(place).collect();
-        let Information { information, mut meat } = self.informed(&[run], current)?.pop()??;
+        let Information { information, mut meat } = self.informed(&[run])?.pop()??;
         let inverse = scaled_inverse(n, &information)?;
         let mut center = theta.clone();
         if let Some(prior) = self.moments.prior.as_ref().filter(|_| model.simulated_with == Source::Value) {
@@ -107,7 +107,7 @@ impl Arranging<'_> {
         };
         let values = match self.estimated {
             Estimated::Iv(removal) => self.instrumental(&undisturbed, removal),
-            Estimated::OutputError { current } => self.output_error(&undisturbed, current),
+            Estimated::OutputError => self.output_error(&undisturbed),
         };
         let judged = |(i, value): (usize, Option<f64>)| value.map_or(f64::NEG_INFINITY, |v| v - penalty(i));
         values.into_iter().enumerate().map(judged).collect()
@@ -122,17 +122,16 @@ impl Arranging<'_> {
         self.vessel.model.parameter_names().map(|name| by_name.get(name).copied()).collect()
     }
 
-    fn output_error(&self, runs: &[PlannedRun], current: bool) -> Vec<Option<f64>> {
-        let Some(known) = self.informed(runs, current) else { return vec![None; runs.len()] };
+    fn output_error(&self, runs: &[PlannedRun]) -> Vec<Option<f64>> {
+        let Some(known) = self.informed(runs) else { return vec![None; runs.len()] };
         let judge = |Information { information: f, meat }| self.judge(vec![f.len().isqrt()], &f, Some(&meat));
         known.into_iter().map(|known| known.and_then(judge)).collect()
     }
 
     /// What output-error estimates of experiments of equal length know, per sample.
-    fn informed(&self, runs: &[PlannedRun], current: bool) -> Option<Vec<Option<Information>>> {
+    fn informed(&self, runs: &[PlannedRun]) -> Option<Vec<Option<Information>>> {
         let (noise, expected) = (self.noise()?, self.moments.output_error.as_ref()?);
         let (model, theta) = (&self.vessel.model, self.ordered(&expected.parameters)?);
-        let noise = if current { noise } else { Noise { current: 0.0, ..noise } };
         let mut all: Vec<Option<Information>> = if model.forces.is_some() {
             let prediction = ForcesPrediction::with(self.vessel, theta, noise).ok()?;
             let of = |(initial, exogenous): &PlannedRun| {

@@ -31,8 +31,6 @@ pub struct Arranging<'a> {
     pub criterion: &'a Criterion,
     /// The estimate that the criterion is for.
     pub estimated: Estimated,
-    /// Shortest piece of a maneuver \[s\], if it is to be longer than 15 % of the maneuver.
-    pub minimal_s: Option<f64>,
     /// Seed of the search.
     pub seed: u64,
 }
@@ -87,8 +85,8 @@ impl Arranging<'_> {
     /// shorter than 15 % of it. `shares` of the maneuvers, with their `sensitivities`.
     ///
     /// # Errors
-    /// A generator without the dictionary's maneuvers; a shortest piece that is longer than one of them; a motion that the model
-    /// cannot hold; samples that whole plays of tables do not fill, or that do not tell every parameter.
+    /// A generator without the dictionary's maneuvers; a motion that the model cannot hold; samples that whole plays of tables do
+    /// not fill, or that do not tell every parameter.
     pub fn search(&self, shares: &[f64], sensitivities: &[f64], samples: usize) -> Result<Arranged, Invalid> {
         let places = self.places()?;
         let mut of_all = vec![0.0; self.generator.maneuvers().len()];
@@ -206,18 +204,7 @@ impl Arranging<'_> {
 
     /// Least samples of a piece of each of the maneuvers at `places`.
     fn least(&self, places: &[usize]) -> Result<BTreeMap<usize, usize>, Invalid> {
-        let rate_hz = self.vessel.sample_rate_hz;
-        let least = |&q: &usize| {
-            let samples = self.generator.samples(q)?;
-            let asked = self.minimal_s.map_or(0, |s| (s * rate_hz).ceil() as usize);
-            if asked > samples && !self.generator.tables().contains_key(&q) {
-                let value = format!("{} s", self.minimal_s.unwrap_or_default());
-                let (whole_s, name) = (samples as f64 / rate_hz, &self.generator.maneuvers()[q].name);
-                let expected = format!("no more than the {whole_s} s of `{name}`");
-                return Err(Invalid::new("--minimal-s", value, expected, "lower it"));
-            }
-            Ok((q, asked.max((LEAST * samples as f64).ceil() as usize)))
-        };
+        let least = |&q: &usize| Ok((q, (LEAST * self.generator.samples(q)? as f64).ceil() as usize));
         places.iter().map(least).collect()
     }
 

@@ -226,7 +226,7 @@ impl Reached {
             format!("{reached} in {} s", self.seconds),
             expected,
             "lengthen it, change what is commanded or the model that its inputs come from, hold a motion with `executed = \
-             \"feedback\"`, or allow it with --allow-unreached",
+             \"feedback\"`, or allow it with --allow=unreached",
         ))
     }
 }
@@ -296,7 +296,7 @@ fn refused(vessel: &Vessel, name: &str, (d, reached): (usize, f64)) -> Invalid {
         format!("maneuver `{name}`"),
         format!("{} = {reached:.4} {}", degree.state(), degree.unit()),
         format!("{low:.4} to {high:.4}, about what the logs of the model cover"),
-        "request less, or allow it with --beyond-range",
+        "request less, or allow it with --allow=beyond-range",
     )
 }
 
@@ -379,7 +379,7 @@ impl Tally {
                     left.count, left.nearest
                 ),
                 "at least one within the motion in the logs of the model",
-                "request speeds and yaw rates as in the logs, or allow more with --beyond-range",
+                "request speeds and yaw rates as in the logs, or allow more with --allow=beyond-range",
             ));
         }
         Err(Invalid::new(

@@ -18,11 +18,8 @@ use super::{DegreeMoments, Moments, OutputErrorMoments};
 pub enum Estimated {
     /// By instrumental variables, with this removal of the mean.
     Iv(MeanRemoval),
-    /// By output error; the covariance of measurement errors alone, or of the current too.
-    OutputError {
-        /// Whether the current counts.
-        current: bool,
-    },
+    /// By output error.
+    OutputError,
 }
 
 impl Estimated {
@@ -33,7 +30,7 @@ impl Estimated {
 
     /// Whether intercepts are among the unknowns.
     fn has_intercepts(self) -> bool {
-        matches!(self, Self::Iv(MeanRemoval::Complete) | Self::OutputError { .. })
+        matches!(self, Self::Iv(MeanRemoval::Complete) | Self::OutputError)
     }
 }
 
@@ -46,7 +43,7 @@ impl Moments {
         self.check_structure()?;
         let information = match estimated {
             Estimated::Iv(removal) => self.blocks(removal, |one, _, n| Ok(reduced(&one.m, n, removal)))?,
-            Estimated::OutputError { .. } => self.whole(|o| Ok(o.f.clone()))?,
+            Estimated::OutputError => self.whole(|o| Ok(o.f.clone()))?,
         };
         Ok(Dictionary {
             degrees: self.degrees.clone(),
@@ -77,14 +74,14 @@ impl Moments {
                 Some(b) if !is_covariance(b, n) => Err(format!("a `B` in {name} that is no covariance")),
                 Some(b) => Ok(centred(b, &degree.m, n, removal)),
             }),
-            Estimated::OutputError { current } => self.whole(|o| {
+            Estimated::OutputError => self.whole(|o| {
                 let measurement = o.e.as_ref().unwrap_or(&o.f);
-                match (&o.p, current) {
-                    (Some(p), true) if p.len() == measurement.len() => {
+                match &o.p {
+                    Some(p) if p.len() == measurement.len() => {
                         Ok(measurement.iter().zip(p).map(|(e, p)| e + p).collect())
                     }
-                    (Some(_), true) => Err("a `P` of another size than `F`".into()),
-                    _ => Ok(measurement.clone()),
+                    Some(_) => Err("a `P` of another size than `F`".into()),
+                    None => Ok(measurement.clone()),
                 }
             }),
         }

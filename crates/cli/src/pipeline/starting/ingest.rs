@@ -50,62 +50,60 @@ fn window_s(looked: &Looked, rate_hz: f64) -> f64 {
     (PART * looked.usual_s * rate_hz).floor().clamp(2.0, WINDOW) / rate_hz
 }
 
-/// `study.mk` of a study with logs as `looked` found them, of a ship like `preset`.
-pub(super) fn flags(looked: &Looked, preset: &Preset) -> String {
+/// `study.toml` of a study with logs as `looked` found them, of a ship like `preset`.
+pub(super) fn settings(looked: &Looked, preset: &Preset) -> String {
     let folder = looked.folder.canonicalize().unwrap_or_else(|_| looked.folder.clone());
     let mut text = format!(
-        "# Flags of the stages. `seatrial run` reads this file, and make does where the repository is at hand.\n\
-         # The folder of the logs.\nLOGS ?= {}\n",
-        folder.display()
+        "# What the stages are to do other than usual, by their flags: `seatrial design --help` has those of [design].\n\
+         # The folder of the logs.\nlogs = {}\n",
+        quoted(&folder.to_string_lossy())
     );
+    let test: Vec<String> = looked.kept_apart().into_iter().map(quoted).collect();
+    if !test.is_empty() {
+        let _ = write!(
+            text,
+            "# Recordings that a second model is not fitted to, and that the page shows beside its predictions. Every fifth was \
+             picked.\ntest = [{}]\n",
+            test.join(", ")
+        );
+    }
     let rate_hz = preset.sample_rate_hz();
     let is_of_forces = preset.is_of_forces();
     let forces_s = |part: f64| {
         let usual_s = part * or(looked.usual_s, FORCES_WINDOW_S);
         rounded(usual_s.clamp(2.0 / rate_hz, FORCES_WINDOW_S))
     };
-    text += &match (looked.files.len() < SEARCHED, is_of_forces) {
-        (false, true) => flags_of_search(forces_s(PART)),
-        (false, false) => flags_of_search(window_s(looked, rate_hz)),
-        (true, true) => flags_of_forces(forces_s(1.0)),
-        (true, false) => flags_of_terms(window_s(looked, rate_hz)),
-    };
-    let test = looked.kept_apart();
-    if !test.is_empty() {
-        let _ = write!(
-            text,
-            "# Recordings that a second model is not fitted to, and that the page shows beside its predictions. Every fifth was \
-             picked.\nTEST ?= {}\n",
-            test.join(",")
-        );
+    text + &match (looked.files.len() < SEARCHED, is_of_forces) {
+        (false, true) => of_search(forces_s(PART)),
+        (false, false) => of_search(window_s(looked, rate_hz)),
+        (true, true) => of_forces(forces_s(1.0)),
+        (true, false) => of_terms(window_s(looked, rate_hz)),
     }
-    text
 }
 
-fn flags_of_search(window_s: f64) -> String {
+fn of_search(window_s: f64) -> String {
     format!(
-        "# Models are found by a search, and averaged with the fitted forces of a ship that has these; `ESTIMATOR = <name>` fits the model\n\
-         # of vessel.toml alone. They are fitted over windows of this length [s], and predict these on recordings left out.\n\
-         SEARCH_FLAGS ?= --fitted-window-s {window_s} --window-s {window_s}\nTEST_FLAGS ?= --window-s {window_s}\n"
+        "\n# Models are found by a search, and averaged with the fitted forces of a ship that has these; an `estimator` in [pool] fits\n\
+         # the model of vessel.toml alone. They are fitted over windows of this length [s], and predict these on recordings left out.\n\
+         [search]\nfitted_window_s = {window_s}\nwindow_s = {window_s}\n\n[compare]\nwindow_s = {window_s}\n"
     )
 }
 
-fn flags_of_forces(window_s: f64) -> String {
+fn of_forces(window_s: f64) -> String {
     format!(
-        "# The fit simulates windows of at most this length [s], each from a start that it finds.\n\
-         POOL_FLAGS ?= --window-s {window_s}\n\
+        "\n# The fit simulates windows of at most this length [s], each from an initial state that it finds.\n\
+         [pool]\nwindow_s = {window_s}\n\n\
          # Models predict windows of this length [s] on recordings that they were not fitted to.\n\
-         CROSS_FLAGS ?= --fitted-window-s {window_s} --window-s {window_s}\nTEST_FLAGS ?= --window-s {window_s}\n"
+         [cross]\nfitted_window_s = {window_s}\nwindow_s = {window_s}\n\n[compare]\nwindow_s = {window_s}\n"
     )
 }
 
-fn flags_of_terms(window_s: f64) -> String {
+fn of_terms(window_s: f64) -> String {
     format!(
-        "# Bootstrap samples [1] that standard errors rest on: more take longer.\nBOOTSTRAP ?= 100\n\
-         # Instruments restart with every part of a recording; their nominal model is the least-squares fit of the same data. Parts\n\
-         # are at most as long as this [s].\nPOOL_FLAGS ?= --nominal least-squares --part-s {window_s}\n\
+        "\n# Instruments restart with every part of a recording; parts are at most as long as this [s]. Bootstrap samples [1] that\n\
+         # standard errors rest on: more take longer.\n[pool]\npart_s = {window_s}\nbootstrap = 100\n\n\
          # Models predict windows of this length [s] on recordings that they were not fitted to.\n\
-         CROSS_FLAGS = --window-s {window_s}\nTEST_FLAGS ?= --window-s {window_s}\n"
+         [cross]\nwindow_s = {window_s}\n\n[compare]\nwindow_s = {window_s}\n"
     )
 }
 

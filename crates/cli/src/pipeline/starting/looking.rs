@@ -140,7 +140,7 @@ impl Looked {
         Ok(Self { folder, patterns, files, usual_s, found, others })
     }
 
-    /// Recordings that a model may be tried on: one of every five, none of fewer than three. Names that study.mk cannot hold
+    /// Recordings that a model may be tried on: one of every five, none of fewer than three. Names that a list with commas cannot hold
     /// are passed over, and recordings whose file is shorter than a usual one, which may have no window.
     pub(super) fn kept_apart(&self) -> Vec<&str> {
         let is_plain = |name: &&str| name.chars().all(|c| c.is_alphanumeric() || "-_.+".contains(c));

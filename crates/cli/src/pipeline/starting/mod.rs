@@ -7,6 +7,7 @@ mod presets;
 
 use std::path::Path;
 
+use crate::pipeline::StudySettings;
 use chart::{Bounds, Chart, Class, Distances, Layer, Plane, Raster};
 use files::{Error, Provenance, budget};
 use presets::with_schema;
@@ -44,7 +45,7 @@ pub fn measured(
     let mut files = vec![
         ("vessel.toml".to_owned(), preset.without_truth(is_wind_logged)),
         ("ingest.toml".to_owned(), ingest::written(&looked, preset)),
-        ("study.mk".to_owned(), ingest::flags(&looked, preset)),
+        ("study.toml".to_owned(), ingest::settings(&looked, preset)),
     ];
     files.extend(trial(preset, charted)?);
     Ok((files.into_iter().map(with_schema).collect(), looked))
@@ -52,7 +53,7 @@ pub fn measured(
 
 /// The JSON Schemas of all hand-written files, which editors check them by.
 pub fn schemas() -> Vec<NewFile> {
-    let all = study::files::schemas().into_iter();
+    let all = study::files::schemas().into_iter().chain([("study", StudySettings::schema())]);
     let file = |kind| format!("schemas/{}", file_name(kind));
     all.map(|(kind, schema)| (file(kind), format!("{schema:#}\n"))).collect()
 }

@@ -3,12 +3,13 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use files::{Error, Provenance, read_hand_written};
+use crate::pipeline::settings::FILE;
+use files::{Error, parse_toml};
 use logs::guess::Needed;
 use refusal::Invalid;
 use ship::engine::Streams;
 use ship::model::{Vessel, VesselFile};
-use study::files::{file_name, kind_of, read_any_vessel};
+use study::files::{file_name, kind_of};
 
 /// A hand-written file of a new study: its name and its text.
 pub type NewFile = (String, String);
@@ -16,7 +17,7 @@ pub type NewFile = (String, String);
 /// A file with the line that editors find its schema by.
 pub(super) fn with_schema((name, text): NewFile) -> NewFile {
     let (up, last) = name.rsplit_once('/').map_or(("", name.as_str()), |(_, last)| ("../", last));
-    match kind_of(last) {
+    match kind_of(last).or((last == FILE).then_some("study")) {
         None => (name, text),
         Some(kind) => {
             let text = format!("#:schema {up}schemas/{}\n{text}", file_name(kind));
@@ -37,7 +38,7 @@ pub struct Preset {
     pub(super) dictionary: &'static str,
     /// Its simulated trials.
     pub(super) campaign: &'static str,
-    flags: &'static str,
+    settings: &'static str,
     /// Inputs as a table, if a maneuver plays one.
     table: Option<(&'static str, &'static str)>,
     /// The thrusters that its forces are made by, as `ingest.toml` has them.
@@ -55,7 +56,7 @@ macro_rules! preset {
             vessel: include_str!(concat!("../../../presets/", $name, "/vessel.toml")),
             dictionary: include_str!(concat!("../../../presets/", $name, "/dictionary.toml")),
             campaign: include_str!(concat!("../../../presets/", $name, "/campaign.toml")),
-            flags: include_str!(concat!("../../../presets/", $name, "/study.mk")),
+            settings: include_str!(concat!("../../../presets/", $name, "/study.toml")),
             table: [$(Some(($table, include_str!(concat!("../../../presets/", $name, "/", $table)))),)? None][0],
             thrusters: [$(Some(include_str!(concat!("../../../presets/", $name, "/", $thrusters))),)? None][0],
             plan: [$(Some((include_str!(concat!("../../../presets/", $name, "/plan.toml.in")), $side)),)? None][0],
@@ -107,7 +108,7 @@ impl Preset {
             ("vessel.toml", self.vessel),
             ("dictionary.toml", self.dictionary),
             ("campaign.toml", self.campaign),
-            ("study.mk", self.flags),
+            ("study.toml", self.settings),
         ];
         files.into_iter().chain(self.table)
     }
@@ -225,17 +226,16 @@ const TRIALS: u32 = 8;
 /// Draws until a ship is one that can be.
 const DRAWS: u64 = 100;
 
-/// The files of a study of the ship with rudders in `file`: standard maneuvers and a sea for her length and speed. What she is
-/// simulated by is what the file says, or else its nominal numbers, or with a `seed` numbers drawn from their priors.
+/// The files of a study of the ship with rudders in `text`, that of `file`: standard maneuvers and a sea for her length and speed.
+/// What she is simulated by is what the text says, or else its nominal numbers, or with a `seed` numbers drawn from their priors.
 ///
 /// # Errors
-/// A file that cannot be read; a ship that no rudder steers.
-pub fn of_ship(file: &Path, seed: Option<u64>) -> Result<Vec<NewFile>, Error> {
+/// A text that is no vessel; a ship that no rudder steers.
+pub fn of_ship(file: &Path, text: &str, seed: Option<u64>) -> Result<Vec<NewFile>, Error> {
     let refuse = |invalid: Invalid| Error::invalid(file, invalid);
-    let vessel = read_any_vessel(file, &mut Provenance::default())?;
-    let text = read_hand_written(file)?;
+    let written: VesselFile = parse_toml(text, file)?;
+    let vessel = Vessel::from_file(written.clone()).map_err(refuse)?;
     let text: String = text.split_inclusive('\n').filter(|line| !line.starts_with("#:schema ")).collect();
-    let written = parsed(&text).map_err(refuse)?;
     let remedy = "begin with a preset, `seatrial new <folder> --vessel <preset>`, and replace its files";
     let none = |thing: &str, found: &str| {
         let expected = "a ship with forces and a rudder, which standard maneuvers are written for";
@@ -263,15 +263,15 @@ pub fn of_ship(file: &Path, seed: Option<u64>) -> Result<Vec<NewFile>, Error> {
         }
         scaled
     };
-    let flags = format!(
-        "# Flags of the stages, where they are to differ from the usual ones.\n\
-         # Length between perpendiculars [m], for the figures of merit.\nLENGTH_M = {length_m}\n"
+    let settings = format!(
+        "# What the stages are to do other than usual, by their flags: `seatrial design --help` has those of [design].\n\n\
+         # Standard maneuvers and their figures, by the length between perpendiculars [m]\n[merit]\nlength_m = {length_m}\n"
     );
     let files = [
         ("vessel.toml", with_truth(&text, &written, &vessel, seed).map_err(refuse)?),
         ("dictionary.toml", scaled(of(SAILED.0)?.dictionary, SAILED)),
         ("campaign.toml", scaled(of(sea.0)?.campaign, sea)),
-        ("study.mk", flags),
+        ("study.toml", settings),
     ];
     Ok(files.into_iter().map(|(name, text)| with_schema((name.to_owned(), text))).collect())
 }

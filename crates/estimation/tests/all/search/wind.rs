@@ -1,7 +1,7 @@
 //! A measured wind in libraries of terms.
 
 use estimation::search::{Roles, with_channels};
-use ship::model::{Model, Vessel, VesselFile};
+use ship::model::{ChannelRole, Model, Vessel, VesselFile};
 
 /// A ship with one rudder in a measured wind, with further tables.
 fn ship(further: &str) -> Model {
@@ -15,8 +15,8 @@ fn ship(further: &str) -> Model {
 }
 
 fn library_of(model: &Model) -> (Model, Roles) {
-    let roles = Roles::new(model, &Roles::default()).unwrap();
-    assert_eq!(roles.rudders, [3], "an angle of the wind steers nothing");
+    let roles = Roles::new(model).unwrap();
+    assert_eq!(roles.of(ChannelRole::Rudder), [3], "an angle of the wind steers nothing");
     with_channels(model, &roles).unwrap()
 }
 
@@ -46,12 +46,12 @@ fn law_the_products_of_the_wind_are_its_harmonics_and_odd_where_a_reflection_tur
         close(4.0 * of("wind_cos_3") - 3.0 * of("wind_cos"), [third[0]]);
         close(3.0 * of("wind_sin") - 4.0 * of("wind_sin_3"), [third[1]]);
         let other = values(&model, [speed, -from]);
-        for (side, sign) in [(&roles.even, 1.0), (&roles.odd, -1.0)] {
-            let names = side.iter().map(|place| model.variables[*place].name.as_str());
+        for (side, sign) in [(ChannelRole::Even, 1.0), (ChannelRole::Odd, -1.0)] {
+            let names = roles.of(side).iter().map(|place| model.variables[*place].name.as_str());
             names.for_each(|name| close(other(name), [sign * of(name)]));
         }
     }
-    assert_eq!((roles.even.len(), roles.odd.len()), (4, 3));
+    assert_eq!([ChannelRole::Even, ChannelRole::Odd].map(|side| roles.of(side).len()), [4, 3]);
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn what_the_vessel_makes_of_the_wind_is_not_made_again_and_half_a_wind_is_refuse
     assert_eq!(names, [&["push_x"], &beyond[..]].concat());
     let mut alone = ship("");
     alone.variables.truncate(5);
-    let named = Roles { wind: Some("wind".to_owned()), ..Roles::default() };
-    let said = Roles::new(&alone, &named).unwrap_err().to_string();
-    assert!(said.contains("`wind`") && said.contains("--wind-from"), "{said}");
+    alone.roles.insert(4, ChannelRole::Wind);
+    let said = Roles::new(&alone).unwrap_err().to_string();
+    assert!(said.contains("measured `wind`, `role`") && said.contains("`role = \"wind-from\"`"), "{said}");
 }

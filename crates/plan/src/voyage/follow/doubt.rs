@@ -2,6 +2,7 @@
 
 use refusal::Invalid;
 
+use super::refused::SAY_WHERE;
 use super::track::{Along, FollowLimits, ShipPosition, median, turned_deg};
 use crate::voyage::passage::distance;
 
@@ -192,7 +193,7 @@ fn check_still(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {
         _ => return Ok(()),
     };
     let stay = format!("no motion since line {}, {lasts_s:.0} s before the end, while {why}", all[from].line);
-    let remedy = "give a log that ends where she is, or say where with `plan resume --done STEPS --from`";
+    let remedy = format!("give a log that ends where she is, or {SAY_WHERE}");
     Err(Invalid::new(format!("line {}", last.line), stay, "positions that follow her", remedy))
 }
 

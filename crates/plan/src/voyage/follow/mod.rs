@@ -102,12 +102,12 @@ impl PlannedTrack {
     ) -> Result<Followed, Invalid> {
         let (positions, spikes) = check_positions(self, positions, limits)?;
         let track = self.thinned();
-        let kept = track::thinned_positions(&positions, limits.max_gap_s);
+        let kept = track::thinned_positions(&positions);
         let shift = Shift::of(&track, &kept);
         shift.iter().try_for_each(|shift| check_shift(&track, shift))?;
         let kept = shift.map_or_else(|| kept.clone(), |shift| shift.without(&kept));
         let along = Along::of(&track, &kept);
-        check_alignment(&along, limits)?;
+        check_alignment(&along)?;
         let shifted = shift.map(|shift| format!("{}: their datum, or the antenna's place", shift.words()));
         let odd = shifted.into_iter().chain(doubt::check(&along, limits)?).collect();
         let (last, ship) = (along.last(), &along.ship);

@@ -2,11 +2,14 @@
 
 use refusal::Invalid;
 
-use super::track::{Along, FollowLimits, PlannedTrack, ShipPosition, aligned, median};
+use super::track::{Along, FollowLimits, MAX_GAP_S, PlannedTrack, ShipPosition, aligned, median};
 use crate::voyage::passage::distance;
 
 /// Farther than this before the departure or after the end of the plan is another day \[s\].
 const ANOTHER_DAY_S: f64 = 12.0 * 3600.0;
+
+/// What helps where positions do not, for messages.
+pub(super) const SAY_WHERE: &str = "say where she is by --done STEPS --from LON,LAT,HEADING";
 
 /// A line of the positions, for messages.
 fn line(position: &ShipPosition) -> String {
@@ -120,49 +123,46 @@ pub(super) fn check_shift(track: &PlannedTrack, shift: &Shift) -> Result<(), Inv
         return Ok(());
     }
     let expected = format!("positions in WGS84, of the middle of the ship, within {within_m:.0} m");
-    let allowed_m = 1.5 * shift.metres();
-    let remedy = format!(
-        "convert their datum, correct the antenna's place, or allow it with --within-m {allowed_m:.0}"
-    );
+    let remedy = format!("convert their datum, correct the antenna's place, or {SAY_WHERE}");
     Err(Invalid::new("positions", shift.words(), expected, remedy))
 }
 
 /// Refuses positions of another plan, gaps in maneuvers, and a ship that left the end of the plan.
-pub(super) fn check_alignment(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {
+pub(super) fn check_alignment(along: &Along) -> Result<(), Invalid> {
     let (nearest_m, within_m) = (along.nearest_m(), along.least_within_m());
     if nearest_m > within_m {
         let none = format!("none nearer to the plan's track than {nearest_m:.0} m");
         let expected = format!("positions along it, within {within_m:.0} m");
-        let remedy = "name the plan that is sailed, or widen --within-m";
+        let remedy = format!("name the plan that is sailed, or {SAY_WHERE}");
         return Err(Invalid::new("positions", none, expected, remedy));
     }
-    check_beginning(along, limits)?;
-    check_gaps(along, limits)?;
+    check_beginning(along)?;
+    check_gaps(along)?;
     check_end(along)
 }
 
 /// Refuses positions that begin after a maneuver.
-fn check_beginning(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {
+fn check_beginning(along: &Along) -> Result<(), Invalid> {
     let first = &along.track.points[along.at[0]];
     let before = &along.track.points[..along.at[0]];
     let maneuver = before.iter().rfind(|point| point.informative);
-    let Some(point) = maneuver.filter(|_| first.at_s > limits.max_gap_s) else { return Ok(()) };
+    let Some(point) = maneuver.filter(|_| first.at_s > MAX_GAP_S) else { return Ok(()) };
     let name = &along.track.steps[point.step].name;
     let start = format!("a beginning at step {}, after `{name}` in step {}", first.step + 1, point.step + 1);
     let expected = "positions since the departure of the plan";
     Err(Invalid::new(line(&along.positions[0]), start, expected, "give the whole log"))
 }
 
-fn check_gaps(along: &Along, limits: &FollowLimits) -> Result<(), Invalid> {
+fn check_gaps(along: &Along) -> Result<(), Invalid> {
     for (pair, at) in along.positions.windows(2).zip(along.at.windows(2)) {
         let gap_s = pair[1].at_s - pair[0].at_s;
         let maneuver = along.track.points[at[0]..=at[1]].iter().find(|point| point.informative);
-        if let Some(point) = maneuver.filter(|_| gap_s > limits.max_gap_s) {
+        if let Some(point) = maneuver.filter(|_| gap_s > MAX_GAP_S) {
             let name = &along.track.steps[point.step].name;
             let (line_before, step) = (pair[0].line, point.step + 1);
             let gap = format!("{gap_s:.0} s since line {line_before}, in `{name}` of step {step}");
-            let expected = format!("at most {} s in a maneuver", limits.max_gap_s);
-            let remedy = "give a log without the gap, or allow it with --max-gap-s";
+            let expected = format!("at most {MAX_GAP_S} s in a maneuver");
+            let remedy = format!("give a log without the gap, or {SAY_WHERE}");
             return Err(Invalid::new(line(&pair[1]), gap, expected, remedy));
         }
     }

@@ -14,6 +14,9 @@ const SIGMAS: f64 = 5.0;
 /// Least standard deviation of logged positions \[m\]: a ship's autopilot may have better ones than her log.
 const POSITION_M: f64 = 3.0;
 
+/// The longest time between two positions within a maneuver \[s\].
+pub(super) const MAX_GAP_S: f64 = 30.0;
+
 /// Slower points stay where they are \[m/s\].
 const SLOWEST_M_S: f64 = 0.1;
 
@@ -94,14 +97,6 @@ impl PlannedTrack {
         Self { points, steps }
     }
 
-    /// The same, with every step done within `within_m`, if that is stated.
-    #[must_use]
-    pub fn within(mut self, within_m: Option<f64>) -> Self {
-        let Some(within_m) = within_m else { return self };
-        self.steps.iter_mut().for_each(|step| step.within_m = within_m);
-        self
-    }
-
     /// The direction of its motion over the ground at a point, east and north; `None` where it stays.
     pub(super) fn course(&self, k: usize) -> Option<[f64; 2]> {
         let [a, b] = [k.saturating_sub(1), (k + 1).min(self.points.len() - 1)].map(|k| &self.points[k]);
@@ -140,13 +135,13 @@ impl PlannedTrack {
     }
 }
 
-/// No more positions than can be compared: the last, and both ends of gaps longer than `max_gap_s`, stay.
-pub(super) fn thinned_positions(all: &[ShipPosition], max_gap_s: f64) -> Vec<ShipPosition> {
+/// No more positions than can be compared: the last, and both ends of gaps longer than [`MAX_GAP_S`], stay.
+pub(super) fn thinned_positions(all: &[ShipPosition]) -> Vec<ShipPosition> {
     let span_s = all[all.len() - 1].at_s - all[0].at_s;
     let mut kept: Vec<ShipPosition> = Vec::new();
     for (k, position) in all.iter().enumerate() {
         let is_late = kept.last().is_none_or(|last| position.at_s >= last.at_s + span_s / MOST);
-        let gap = |a: usize, b: usize| all.get(b).is_none_or(|later| later.at_s - all[a].at_s > max_gap_s);
+        let gap = |a: usize, b: usize| all.get(b).is_none_or(|later| later.at_s - all[a].at_s > MAX_GAP_S);
         if is_late || gap(k, k + 1) || k > 0 && gap(k - 1, k) {
             kept.push(*position);
         }
@@ -392,8 +387,6 @@ const FASTER: f64 = 1.5;
 /// Limits of positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FollowLimits {
-    /// The longest time between two positions within a maneuver \[s\].
-    pub max_gap_s: f64,
     /// What the ship does not exceed over the ground \[m/s\].
     pub fastest_m_s: f64,
     /// How far positions may be off \[m\].
@@ -402,13 +395,12 @@ pub struct FollowLimits {
 
 impl FollowLimits {
     /// The limits of a ship on the plan of `task` with its `track`.
-    pub fn of(task: &Task, track: &PlannedTrack, max_gap_s: f64) -> Self {
+    pub fn of(task: &Task, track: &PlannedTrack) -> Self {
         let planned = track.points.iter().map(|point| point.speed_m_s);
         let modes = task.modes.iter().map(|mode| mode.speed_m_s);
         let [north, east] = task.known_current_m_s;
         let current_m_s = libm::hypot(north, east) + task.safety.unknown_current_m_s;
         Self {
-            max_gap_s,
             fastest_m_s: FASTER * planned.chain(modes).fold(0.0, f64::max) + current_m_s,
             uncertain_m: uncertain_m(task.sensors.position_m),
         }

@@ -28,6 +28,7 @@ fn model() -> Model {
         variables,
         inputs: 2,
         simulated,
+        roles: BTreeMap::new(),
         derived,
         degrees,
         constant: [0.0; 3],

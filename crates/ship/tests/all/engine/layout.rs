@@ -17,6 +17,7 @@ fn model() -> Model {
         variables: ["u", "v", "r"].map(variable).to_vec(),
         inputs: 0,
         simulated: BTreeMap::new(),
+        roles: BTreeMap::new(),
         derived: Vec::new(),
         degrees: [degree(&["u", "u |u|"]), degree(&["v"]), degree(&["r", "u r", "v"])],
         constant: [0.0; 3],

@@ -10,6 +10,7 @@ use estimation::{EstimateStatus, Estimator, RepeatedEstimates, TRUSTED, relative
 use files::{Columns, Error, Provenance, Staged, TableReader, commit, stage_set_document};
 use numerics::statistics::{quantile, quantile_interval, sorted, wilson};
 use refusal::listed;
+use regression::pooled::Recorded;
 use serde::de::DeserializeOwned;
 use ship::model::{DegreeOfFreedom, Vessel};
 
@@ -17,7 +18,7 @@ use crate::documents::{
     ConstrainedParameter, DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary,
     bounded,
 };
-use crate::tables::trajectories::TrajectoryReader;
+use crate::tables::trajectories::KeptRuns;
 
 pub use estimation::RunEstimate as Row;
 
@@ -176,14 +177,14 @@ pub fn publish(
 /// A damaged block.
 pub fn unidentified(
     estimators: &RunEstimators,
-    reader: &TrajectoryReader,
+    runs: &KeptRuns,
     rows: &[Row],
 ) -> Result<Option<String>, Error> {
     if rows.is_empty() || rows.iter().any(|r| r.estimate.is_some()) {
         return Ok(None);
     }
     let searched = rows.iter().filter(|r| r.status == EstimateStatus::NotConverged).count();
-    let first = reader.runs(0)?;
+    let first = runs.block(0)?;
     let why = match first.first().and_then(|run| Some((run.run, estimators.collinear(run)?))) {
         Some((run, found)) => format!(
             "{} runs: found none that is identifiable (run {run}: {}), expected one; add maneuvers that vary these terms, \

@@ -1,0 +1,74 @@
+"""A model fitted to a frame of logged motions and inputs."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import statistics
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from ._errors import WrongUsage
+from ._model import Model, _values
+from ._program import run
+
+#: Columns of the motion with their channels and units.
+MOTION = {"u": ("y_u", "m/s"), "v": ("y_v", "m/s"), "r": ("y_r", "rad/s")}
+# A pause of so many usual steps is a gap
+_PAUSE = 5.0
+
+
+def fit(frame: Any, vessel: str | os.PathLike[str], out: str | os.PathLike[str] | None = None, **flags: Any) -> Model:
+    """The model of `vessel`, a `vessel.toml`, fitted to one recording: `fit(frame, vessel="vessel.toml")`.
+
+    `frame` is one of pandas, polars or Arrow, or columns by name: `t` [s], `u`, `v` [m/s], `r` [rad/s] in body axes, and each input of
+    the vessel in its unit. `out` names a folder that keeps the log, ingest.toml, trajectories and model.json; `flags` are those of
+    `seatrial estimate pool`.
+
+    Raises what `run` raises.
+    """
+    ship = Model.load(vessel)
+    columns = {name: _values(frame[name]) for name in _present(frame, ["t", *MOTION, *ship.inputs])}
+    steps = [after - before for before, after in zip(columns["t"], columns["t"][1:])]
+    if not steps or not statistics.median(steps) > 0:
+        raise WrongUsage("t: found no time that passes, expected seconds, one row after the other; correct it")
+    with TemporaryDirectory() as folder:
+        place = Path(folder if out is None else out)
+        (place / "logs").mkdir(parents=True, exist_ok=True)
+        with open(place / "logs" / "frame.csv", "w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(columns)
+            writer.writerows(zip(*columns.values()))
+        (place / "ingest.toml").write_text(_ingest(ship, statistics.median(steps)), encoding="utf-8")
+        trajectories = place / "trajectories.parquet"
+        run("ingest", config=place / "ingest.toml", logs=place / "logs", vessel=vessel, out=trajectories, quiet=True)
+        run(
+            "estimate pool",
+            vessel=vessel,
+            trajectories=trajectories,
+            recordings=place / "ingest.json",
+            out=f"{place}{os.sep}",
+            quiet=True,
+            **flags,
+        )
+        return Model.load(place / "model.json")
+
+
+def _present(frame: Any, names: list[str]) -> list[str]:
+    known = list(getattr(frame, "column_names", None) or getattr(frame, "columns", None) or frame)
+    absent = [name for name in names if name not in known]
+    if absent:
+        raise WrongUsage(f"frame: found no column {', '.join(absent)}, expected {', '.join(names)}; add it")
+    return names
+
+
+def _ingest(ship: Model, step_s: float) -> str:
+    channels = {name: own for name, own in MOTION.items()} | {name: (name, ship.units[name]) for name in ship.inputs}
+    text = f"sample_rate_hz = {1.0 / ship.step_s!r}\nmax_gap_s = {_PAUSE * step_s!r}\n"
+    text += '[[file]]\npattern = ["frame.csv"]\n[file.time]\ncolumn = "t"\nunit = "s"\n'
+    for column, (channel, unit) in channels.items():
+        words = ((key, json.dumps(own)) for key, own in (("column", column), ("channel", channel), ("unit", unit)))
+        text += "[[file.channel]]\n" + "".join(f"{key} = {own}\n" for key, own in words)
+    return text
