@@ -4,7 +4,7 @@ use crate::{CROSS, POOL, SELECTION};
 #[test]
 fn flags_of_a_pooled_estimate_need_it() {
     let folder = with(&["campaign.parquet"]);
-    for flag in ["--bootstrap 9", "--prior 0.1", "--runs 1", "--nominal given"] {
+    for flag in ["--bootstrap 9", "--prior 0.1", "--nominal given"] {
         let name = flag.split(' ').next().unwrap();
         refused(&folder, 2, &format!("{ESTIMATE} {flag}"), &[name, "unexpected"]);
     }

@@ -211,6 +211,9 @@ fn logs_of_a_ship_with_forces_come_to_their_page_by_two_commands() {
     logs_of_runs(&folder, &[("n1_radps", "n1"), ("n2_rps", "n2")]);
     let ran = run(&folder, "new mine --vessel otter --logs logs").succeeds();
     assert!(ran.stdout.contains("8 logs") && ran.stdout.contains("0 channels missing"), "{ran}");
+    let settings = String::from_utf8(bytes(&folder, "mine/study.toml")).unwrap();
+    let short = settings.lines().filter(|line| !line.starts_with("fitted_window_s"));
+    put(&folder, "mine/study.toml", &short.collect::<Vec<_>>().join("\n"));
     run(&folder, "run mine --out out --quiet --set study.search.window_s=10 --set study.test=[]").succeeds();
     let model = json(&folder, "out/measured/model.json");
     assert_eq!(model["data"]["estimator"], "output-error");

@@ -133,22 +133,28 @@ fn settings_that_no_stage_has() {
     let folder = with(&[]);
     let line = "run . --out out";
     for (text, pieces) in [
-        ("[design]\nsegmnts = 5\n", ["study.toml: key: found `segmnts` (line 2", "did you mean `segments`?"]),
-        ("[desing]\nsegments = 5\n", ["study.toml: key: found `desing` (line 1", "did you mean `design`?"]),
+        (
+            "[design]\nsegmnts = 5\n",
+            ["study.toml: key: found key `segmnts` (line 2", "did you mean `segments`?"],
+        ),
+        (
+            "[desing]\nsegments = 5\n",
+            ["study.toml: key: found key `desing` (line 1", "did you mean `design`?"],
+        ),
         ("[design]\nsegments = \"5\"\n", ["string \"5\" (line 2", "a whole number"]),
         ("[design]\ntolerance = true\n", ["boolean `true`", "a number"]),
         ("[design]\narrange = \"yes\"\n", ["string \"yes\" (line 2", "true or false"]),
         ("[design]\ncriterion = \"dd\"\n", ["`dd` (line 2", "`d-hessian`"]),
-        ("[design]\nmoments = \"other.json\"\n", ["found `moments`", "known"]),
-        ("[design]\nout = \"/tmp\"\n", ["found `out`", "key"]),
-        ("[plan]\nset = [\"plan.cell_m=1\"]\n", ["found `set`", "key"]),
+        ("[design]\nmoments = \"other.json\"\n", ["found key `moments`", "known"]),
+        ("[design]\nout = \"/tmp\"\n", ["found key `out`", "key"]),
+        ("[plan]\nset = [\"plan.cell_m=1\"]\n", ["found key `set`", "key"]),
         ("test = \"one\"\n", ["study.toml", "sequence"]),
         (
             "[design]\nsegments = 0\nsegment_samples = 5\n",
             ["study.toml: flags of `design`: found", "--segments"],
         ),
         ("[design]\nsegments = 5\n", ["study.toml: flags of `design`: found", "--segment-samples"]),
-        ("segments = 5\n", ["study.toml: key: found `segments`", "known keys"]),
+        ("segments = 5\n", ["study.toml: key: found key `segments`", "a known key"]),
     ] {
         put(&folder, "study.toml", text);
         refused(&folder, 3, line, &pieces);

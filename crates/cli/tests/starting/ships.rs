@@ -180,8 +180,12 @@ fn what_cannot_be_scaled_or_guessed_is_refused_in_one_line() {
             3,
             ["kvlcc2-l7: the draught: found 22 m, expected 21.0286", "--guess"],
         ),
-        ("kvlcc2-l7 --scale length_m=320,beam_m=58", 2, ["--scale: key: found `beam_m`", "`draught_m`"]),
-        ("kvlcc2-l7 --scale lenght_m=320", 2, ["--scale: key: found `lenght_m`", "did you mean `length_m`?"]),
+        ("kvlcc2-l7 --scale length_m=320,beam_m=58", 2, ["--scale: key: found key `beam_m`", "`draught_m`"]),
+        (
+            "kvlcc2-l7 --scale lenght_m=320",
+            2,
+            ["--scale: key: found key `lenght_m`", "did you mean `length_m`?"],
+        ),
         ("kvlcc2-l7 --scale draught_m=20", 2, ["--scale", "`length_m`"]),
         ("kvlcc2-l7 --scale length_m=long", 2, ["--scale", "long"]),
         ("kvlcc2-l7 --scale length_m=0", 3, ["`the length`: found 0", "0.1 to 1000 m"]),
@@ -200,7 +204,7 @@ fn what_cannot_be_scaled_or_guessed_is_refused_in_one_line() {
         ("beam_m=58,block=0.8,speed_m_s=50", ["--guess: the speed: found 50", "Froude"]),
         ("beam_m=58,block=0.8,propeller_diameter_m=30", ["propeller's diameter: found 30", "draughts"]),
         ("beam_m=58", ["--guess", "`block`"]),
-        ("beam_m=58,block=0.8,speed=8", ["--guess: key: found `speed`", "did you mean `speed_m_s`?"]),
+        ("beam_m=58,block=0.8,speed=8", ["--guess: key: found key `speed`", "did you mean `speed_m_s`?"]),
     ] {
         refused(&folder, 2, &format!("new mine --guess {main},{more}"), &pieces);
     }

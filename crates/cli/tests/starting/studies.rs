@@ -269,8 +269,8 @@ fn a_setting_on_the_command_line_replaces_that_of_the_study() {
     let ship = "--vessel {study}/vessel.toml --dictionary {study}/dictionary.toml";
     for (own, whole) in [
         ("tolerance=1e-7", format!("{usual} --arrange --tolerance 0.0000001 {ship}")),
-        ("most_maneuvers=3", format!("{usual} --tolerance 0.000000001 --most-maneuvers 3")),
-        ("criterion=a", "--tolerance 0.000000001 --criterion a".to_owned()),
+        ("most_maneuvers=3", format!("{usual} --most-maneuvers 3 --tolerance 0.000000001")),
+        ("criterion=a", "--criterion a --tolerance 0.000000001".to_owned()),
         ("arrange=false", format!("{usual} --tolerance 0.000000001")),
     ] {
         run(&folder, &format!("run . --out out --stage design --set study.design.{own}")).succeeds();

@@ -206,7 +206,7 @@ fn what_rounds_do_not_take_is_refused() {
         &["it is gone", "[rounds] of campaign.toml"],
     );
     let plain = written(2);
-    refused(&plain, 2, SEQUENTIAL, &["--design: found none"]);
+    refused(&plain, 2, &SEQUENTIAL.replace("sequential.parquet", "tally.json"), &["--design: found none"]);
 }
 
 #[test]

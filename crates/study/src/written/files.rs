@@ -51,7 +51,7 @@ impl StageOfTerms {
         match self {
             Self::Sequential => [
                 "trials in rounds",
-                "try trials that are designed once by `monte-carlo --design`, --estimator output-error",
+                "try trials that are designed once by `monte-carlo --estimator output-error`",
             ],
             Self::Refine => ["design refine", "take the shares of `design --for output-error`"],
             Self::Selection => ["validate selection", "leave recordings out by `validate cross`"],
