@@ -187,7 +187,7 @@ fn what_cannot_be_scaled_or_guessed_is_refused_in_one_line() {
             ["--scale: key: found key `lenght_m`", "did you mean `length_m`?"],
         ),
         ("kvlcc2-l7 --scale draught_m=20", 2, ["--scale", "`length_m`"]),
-        ("kvlcc2-l7 --scale length_m=long", 2, ["--scale", "long"]),
+        ("kvlcc2-l7 --scale length_m=long", 2, ["--scale", "must be quoted"]),
         ("kvlcc2-l7 --scale length_m=0", 3, ["`the length`: found 0", "0.1 to 1000 m"]),
         ("kvlcc2-l7 --scale length_m=320,density_kg_m3=1", 3, ["`the density`: found 1", "900 to 1100"]),
         ("kvlcc2 --scale length_m=320", 3, ["`preset`: found `kvlcc2`", "did you mean `kvlcc2-l7`"]),
