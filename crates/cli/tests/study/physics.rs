@@ -213,7 +213,7 @@ fn stages_that_need_terms_per_sample_refuse_a_ship_with_forces_by_name() {
         format!("estimate pool {runs} --estimator iv --out pool/"),
         format!("validate cross {runs} --estimator iv --out crossval.json"),
         format!("validate selection {runs} --design design.json --out selection.parquet"),
-        format!("monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --out sequential.parquet"),
+        "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --out sequential.parquet".to_owned(),
         "design refine --vessel vessel.toml --dictionary dictionary.toml --design design.json --campaign campaign.toml \
          --out refined/"
             .to_owned(),
