@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import io
 import json
+import math
 import os
 import re
 import subprocess
@@ -238,6 +239,22 @@ class Models(unittest.TestCase):
         low, high = ship.ranges["u"]
         self.assertEqual(ship.outside((high + 1.0, 0.0, 0.0), [0.0, 0.0, 0.0]), ["u"])
         self.assertLess(low, high)
+
+    def test_a_fit_finds_the_parameters_of_the_frame_and_names_what_it_lacks(self) -> None:
+        vessel = REPOSITORY / "pipelines" / "smoke" / "vessel.toml"
+        ship = seatrial.Model.load(vessel)
+        inputs = [(800.0 if k // 80 % 2 else -240.0, 100 * math.sin(k / 30), 40 * math.sin(k / 17)) for k in range(2000)]
+        states = ship.simulate(inputs, (1.0, 0.0, 0.0))[:-1]
+        frame = {"t": [k * ship.step_s for k in range(2000)], **dict(zip("uvr", zip(*states))), **dict(zip(ship.inputs, zip(*inputs)))}
+        fitted = seatrial.fit(frame, vessel=vessel)
+        for name, value in ship.parameters.items():
+            self.assertAlmostEqual(fitted.parameters[name] / value, 1.0, places=6)
+        with self.assertRaisesRegex(seatrial.WrongUsage, "no column r"):
+            seatrial.fit({name: column for name, column in frame.items() if name != "r"}, vessel=vessel)
+        with self.assertRaisesRegex(seatrial.WrongUsage, "no time that passes"):
+            seatrial.fit({**frame, "t": [0.0] * 2000}, vessel=vessel)
+        with self.assertRaisesRegex(seatrial.NoAnswer, "identifiable"):
+            seatrial.fit({name: [0.0] * 2000 if name != "t" else frame["t"] for name in frame}, vessel=vessel)
 
     def test_wrong_inputs_and_parameters_are_refused(self) -> None:
         ship = seatrial.Model.load(study() / "vessel.toml")

@@ -10,7 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from ._errors import WrongUsage
+from ._errors import NoAnswer, WrongUsage
 from ._model import Model, _values
 from ._program import run
 
@@ -53,7 +53,11 @@ def fit(frame: Any, vessel: str | os.PathLike[str], out: str | os.PathLike[str] 
             quiet=True,
             **flags,
         )
-        return Model.load(place / "model.json")
+        model = place / "model.json"
+        if not model.is_file():
+            found = "fit: found motions that do not tell all parameters, expected some that do"
+            raise NoAnswer(f"{found}; fit a longer frame of more and stronger maneuvers, or fix parameters in {vessel}")
+        return Model.load(model)
 
 
 def _present(frame: Any, names: list[str]) -> list[str]:
