@@ -105,8 +105,10 @@ else
   echo > "$work/open"
   : > "$work/told"
   while read -r words; do
+    # Flags of the program itself are in its long help alone.
+    if [ -n "$words" ]; then long=-h; else long=--help; fi
     # shellcheck disable=SC2086  # Several words.
-    "$bin/seatrial" $words -h > "$work/help"
+    "$bin/seatrial" $words $long > "$work/help"
     awk -v words="$words" '
       /^Usage: / { print / <COMMAND>$/ ? "group" : "command", words }
       /^[^ ]/ { commands = $0 == "Commands:" }

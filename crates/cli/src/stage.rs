@@ -17,8 +17,8 @@ use crate::cli::{Common, set_budget};
 use crate::failure::{Failure, on_stderr, on_stdout, printed};
 
 /// The end of every help.
-const EXIT_CODES: &str =
-    "Exit codes: 0 written, 1 failed, 2 wrong usage, 3 input refused, 4 no answer, 128 + N ended by signal N";
+const EXIT_CODES: &str = "Also --threads, --seed, --allow, --set, --quiet, --json, --memory-mib, as every stage: see --help\n\
+     Exit codes: 0 written, 1 failed, 2 wrong usage, 3 input refused, 4 no answer, 128 + N ended by signal N";
 
 /// The result of a stage.
 pub struct Summary {
@@ -133,10 +133,11 @@ impl Stage {
     }
 }
 
-/// The flags that all stages share, listed after a command's own.
+/// The flags that all stages share, listed after a command's own, those that may precede it by the long help alone.
 fn common_flags() -> Vec<Arg> {
     let all = Common::augment_args(Command::new("common"));
-    all.get_arguments().map(|arg| arg.clone().display_order(None)).collect()
+    let shown = |arg: &Arg| arg.clone().display_order(None).hide_short_help(arg.is_global_set());
+    all.get_arguments().map(shown).collect()
 }
 
 /// `command` with those of `flags` that it does not have yet.

@@ -341,12 +341,11 @@ impl<'de> DeserializeSeed<'de> for ValueReader<'_> {
 /// What a value is, in the words of serde.
 fn told(value: &Contents) -> String {
     match value {
-        Contents::Nothing => "null".to_owned(),
         Contents::Truth(value) => format!("boolean `{value}`"),
         Contents::Signed(_) | Contents::Whole(_) => format!("integer `{}`", word(value)),
         Contents::Real(_) => format!("floating point `{}`", word(value)),
         Contents::Text(text) => format!("string {text:?}"),
         Contents::List(_) => "sequence".to_owned(),
-        Contents::Table(_) => "map".to_owned(),
+        Contents::Table(_) | Contents::Nothing => "map".to_owned(),
     }
 }
