@@ -256,7 +256,12 @@ impl MonteCarloArguments {
     fn rounds(&self, provenance: &mut Provenance) -> Result<Option<InRounds<'_>>, Failure> {
         let (None, Some(campaign)) = (&self.of.design, &self.of.campaign) else { return Ok(None) };
         let config = read_campaign(campaign, provenance)?;
-        let Some(rounds) = config.rounds.clone() else { return Ok(None) };
+        let Some(rounds) = config.rounds.clone() else {
+            let expected = "a design.json, or [rounds] in campaign.toml for trials in rounds";
+            return Err(Failure::Usage(format!(
+                "--design: found none, expected {expected}; name or write it"
+            )));
+        };
         let realizations = self.realizations.unwrap_or(rounds.realizations);
         let (vessel, dictionary) =
             (given(&self.of.vessel, "vessel")?, given(&self.of.dictionary, "dictionary")?);

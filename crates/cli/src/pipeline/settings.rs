@@ -22,7 +22,7 @@ use crate::commands::{
 use crate::design::DesignArguments;
 
 /// What `study.toml` says: of each stage the flags that are not as usual, in its table.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[derive(Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct StudySettings {
     /// The maneuvers, where another study's are taken: the file, seen from this one
@@ -97,12 +97,6 @@ pub struct StageSettings<A> {
 impl<A> Default for StageSettings<A> {
     fn default() -> Self {
         Self { flags: Vec::new(), stage: PhantomData }
-    }
-}
-
-impl<A> fmt::Debug for StageSettings<A> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_list().entries(&self.flags).finish()
     }
 }
 
