@@ -251,6 +251,10 @@ class Models(unittest.TestCase):
             self.assertAlmostEqual(fitted.parameters[name] / value, 1.0, places=6)
         with self.assertRaisesRegex(seatrial.WrongUsage, "no column r"):
             seatrial.fit({name: column for name, column in frame.items() if name != "r"}, vessel=vessel)
+        with self.assertRaisesRegex(seatrial.WrongUsage, "frame: found columns of 2000, 1999"):
+            seatrial.fit({**frame, "u": frame["u"][1:]}, vessel=vessel)
+        with self.assertRaisesRegex(seatrial.WrongUsage, "frame: found list"):
+            seatrial.fit(inputs, vessel=vessel)
         with self.assertRaisesRegex(seatrial.WrongUsage, "no time that passes"):
             seatrial.fit({**frame, "t": [0.0] * 2000}, vessel=vessel)
         with self.assertRaisesRegex(seatrial.NoAnswer, "identifiable"):

@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from ._errors import NoAnswer, WrongUsage
-from ._model import Model, _values
+from ._model import Model, columns_of
 from ._program import run
 
 #: Columns of the motion with their channels and units.
@@ -30,7 +30,9 @@ def fit(frame: Any, vessel: str | os.PathLike[str], out: str | os.PathLike[str] 
     Raises what `run` raises.
     """
     ship = Model.load(vessel)
-    columns = {name: _values(frame[name]) for name in _present(frame, ["t", *MOTION, *ship.inputs])}
+    columns = columns_of("frame", frame, ["t", *MOTION, *ship.inputs])
+    if columns is None:
+        raise WrongUsage(f"frame: found {type(frame).__name__}, expected a frame or columns by name; make one of it")
     steps = [after - before for before, after in zip(columns["t"], columns["t"][1:])]
     if not steps or not statistics.median(steps) > 0:
         raise WrongUsage("t: found no time that passes, expected seconds, one row after the other; correct it")
@@ -58,14 +60,6 @@ def fit(frame: Any, vessel: str | os.PathLike[str], out: str | os.PathLike[str] 
             found = "fit: found motions that do not tell all parameters, expected some that do"
             raise NoAnswer(f"{found}; fit a longer frame of more and stronger maneuvers, or fix parameters in {vessel}")
         return Model.load(model)
-
-
-def _present(frame: Any, names: list[str]) -> list[str]:
-    known = list(getattr(frame, "column_names", None) or getattr(frame, "columns", None) or frame)
-    absent = [name for name in names if name not in known]
-    if absent:
-        raise WrongUsage(f"frame: found no column {', '.join(absent)}, expected {', '.join(names)}; add it")
-    return names
 
 
 def _ingest(ship: Model, step_s: float) -> str:

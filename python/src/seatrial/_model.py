@@ -173,25 +173,33 @@ class Model:
 
     def _rows(self, inputs: Any) -> Iterable[Sequence[float]]:
         """The rows of `inputs`, which may be columns by name."""
-        names = getattr(inputs, "column_names", None) or getattr(inputs, "columns", None)
-        if isinstance(inputs, Mapping):
-            names = inputs.keys()
-        if names is None:
+        columns = columns_of("inputs", inputs, self.inputs)
+        if columns is None:
             return (self._row(row) for row in inputs)
-        absent = [name for name in self.inputs if name not in list(names)]
-        if absent:
-            raise WrongUsage(f"inputs: found no column {', '.join(absent)}, expected {', '.join(self.inputs)}; add it")
-        columns = [_values(inputs[name]) for name in self.inputs]
-        if len({len(column) for column in columns}) > 1:
-            lengths = ", ".join(str(len(column)) for column in columns)
-            raise WrongUsage(f"inputs: found columns of {lengths} rows, expected as many in each; correct them")
-        return list(zip(*columns))
+        return list(zip(*columns.values()))
 
 
 def _state(state: Sequence[float]) -> Sequence[float]:
     if len(state) != 3:
         raise WrongUsage(f"state: found {len(state)} values, expected u, v and r; give all three")
     return state
+
+
+def columns_of(thing: str, table: Any, names: Sequence[str]) -> dict[str, list[float]] | None:
+    """The columns `names` of a frame or of columns by name, which messages call `thing`; `None` if it is neither."""
+    known = getattr(table, "column_names", None) or getattr(table, "columns", None)
+    if isinstance(table, Mapping):
+        known = table.keys()
+    if known is None:
+        return None
+    absent = [name for name in names if name not in list(known)]
+    if absent:
+        raise WrongUsage(f"{thing}: found no column {', '.join(absent)}, expected {', '.join(names)}; add it")
+    columns = {name: _values(table[name]) for name in names}
+    if len({len(column) for column in columns.values()}) > 1:
+        lengths = ", ".join(str(len(column)) for column in columns.values())
+        raise WrongUsage(f"{thing}: found columns of {lengths} rows, expected as many in each; correct them")
+    return columns
 
 
 def _values(column: Any) -> list[float]:
