@@ -32,7 +32,7 @@ pub struct Common {
     /// Replaces the seed of the configuration
     #[arg(long, global = true, value_name = "SEED")]
     pub seed: Option<u64>,
-    /// Lets pass what is refused else; it is told in what is made
+    /// Accepts what is refused otherwise; the outputs say so
     #[arg(long, global = true, value_name = "LIST", value_delimiter = ',', value_parser = allowance(&[Allowed::Mixed]))]
     pub allow: Vec<Allowed>,
     /// Replaces a value of a hand-written file before it is checked, as in campaign.realizations=100: the file's usual name

@@ -64,7 +64,7 @@ pub struct RunFlags {
     /// All but these runs or recordings, as --runs has them
     #[arg(long, value_name = "NAME,…")]
     pub leave_out: Vec<String>,
-    /// Lets pass what is refused else; it is told in what is made
+    /// Accepts what is refused otherwise; the outputs say so
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = allowance(&[Allowed::Mixed, Allowed::Doubtful]))]
     pub allow: Vec<Allowed>,
 }

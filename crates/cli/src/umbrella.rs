@@ -230,8 +230,7 @@ fn commands(pipeline: &Pipeline, common: &Common) -> Result<Vec<Vec<String>>, Fa
     for step in &pipeline.steps {
         let (stage, matches) = parsed(pipeline, &step.words)?;
         let mut words = step.words.clone();
-        for (change, used) in common.set.iter().zip(&mut used).filter(|(change, _)| change.file() != "study")
-        {
+        for (change, used) in common.set.iter().zip(&mut used) {
             if stage.takes(&matches, change) {
                 words.extend(["--set".to_owned(), format!("{}={}", change.key(), change.value())]);
                 *used = true;

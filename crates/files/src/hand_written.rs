@@ -298,7 +298,10 @@ impl Changes {
     }
 
     /// `text`, which is the TOML of `file`, with the replacements applied.
-    pub(crate) fn applied(&self, file: &str, text: &str) -> Result<String, Invalid> {
+    ///
+    /// # Errors
+    /// Text that is no TOML; a replacement of what is not there.
+    pub fn applied(&self, file: &str, text: &str) -> Result<String, Invalid> {
         let mut table: Table = toml::from_str(text).map_err(|e| {
             Invalid::new("text", e.message(), "TOML with numbers of 64 bits and a sign", "correct it")
         })?;

@@ -58,7 +58,7 @@ pub struct EstimateArguments {
     /// Writes covariances.parquet, too: for every run the covariances of its parameters
     #[arg(long, conflicts_with_all = ["shard", "gather"])]
     covariance: bool,
-    /// Lets pass what is refused else; it is told in what is made
+    /// Accepts what is refused otherwise; the outputs say so
     #[arg(long, global = true, value_name = "LIST", value_delimiter = ',', value_parser = allowance(&[Allowed::Mixed, Allowed::Doubtful]))]
     allow: Vec<Allowed>,
     #[command(flatten)]

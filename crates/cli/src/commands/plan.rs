@@ -49,7 +49,7 @@ pub struct PlanArguments {
     #[arg(long, value_name = "plan.json", requires = "from")]
     rest_of: Option<PathBuf>,
     /// Where the ship is: her positions since the departure (a table, or NMEA 0183 in a file called .nmea); or the place where
-    /// she goes on, in degrees, and her speed mode if she is under way
+    /// she continues, in degrees, and her speed mode if she is under way
     #[arg(long, value_name = "positions.csv|LON,LAT,HEADING[,MODE]", requires = "rest_of", value_parser = whereabouts, allow_hyphen_values = true)]
     from: Option<Whereabouts>,
     /// How many steps of the plan are done, if --from is a place; maneuvers among them are not repeated
@@ -70,7 +70,7 @@ pub struct PlanArguments {
     /// The dictionary of the trajectories: maneuvers that react to the ship are sailed by their own commands
     #[arg(long, value_name = "dictionary.toml")]
     dictionary: Option<PathBuf>,
-    /// Lets pass what is refused else; it is told in what is made
+    /// Accepts what is refused otherwise; the outputs say so
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = allowance(&[Allowed::Mixed, Allowed::BeyondRange, Allowed::Unsafe]))]
     allow: Vec<Allowed>,
     /// Write the lattice problem that was solved as problem.json, too: for other solvers, and for --problem
@@ -83,7 +83,7 @@ pub struct PlanArguments {
 /// What says where a ship is.
 #[derive(Clone)]
 enum Whereabouts {
-    /// The place where she goes on.
+    /// The place where she continues.
     Place(Place),
     /// The file of her positions.
     Positions(PathBuf),

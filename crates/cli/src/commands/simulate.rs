@@ -55,7 +55,7 @@ pub struct Dictionary {
     /// The sampling rate (default: the vessel's); terms per sample take whole multiples of theirs, or parts [Hz]
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
-    /// Lets pass what is refused else; it is told in what is made
+    /// Accepts what is refused otherwise; the outputs say so
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = allowance(&[Allowed::Mixed, Allowed::BeyondRange, Allowed::Unreached]))]
     allow: Vec<Allowed>,
     #[command(flatten)]

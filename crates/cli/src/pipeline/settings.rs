@@ -11,7 +11,7 @@ use files::{Changes, Error, Provenance, parse_toml};
 use refusal::Contents;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
-use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, Visitor};
+use serde::de::{DeserializeSeed, Deserializer, Error as _, MapAccess, Unexpected, Visitor};
 use serde_json::{Map, Value, json};
 use study::refuse;
 
@@ -61,6 +61,8 @@ pub struct StudySettings {
 
 /// The name of the file.
 pub const FILE: &str = "study.toml";
+/// How a new one begins.
+pub const HEAD: &str = "# What the stages are to do other than usual, by their flags: `seatrial design --help` has those of [design].\n";
 
 impl StudySettings {
     /// Reads `study.toml` in the folder `study` with those of `changes` that are its own; none if it is absent.
@@ -75,11 +77,8 @@ impl StudySettings {
             let mut provenance = Provenance { changes, ..Provenance::default() };
             return provenance.read_toml("study", "study", &file);
         }
-        let lines = changes.of("study").map(|change| {
-            let key = change.key();
-            format!("{} = {}\n", key.trim_start_matches("study."), change.value())
-        });
-        parse_toml(&lines.collect::<String>(), &file)
+        let text = changes.applied("study", "").map_err(|e| Error::invalid(&file, e))?;
+        parse_toml(&text, &file)
     }
 
     /// Its JSON Schema.
@@ -326,20 +325,22 @@ impl<'de> DeserializeSeed<'de> for ValueReader<'_> {
                 (SettingKind::Number, _) => "a number",
                 (SettingKind::Choice(_) | SettingKind::Text, _) => "a text",
             };
-            return Err(D::Error::custom(format_args!("invalid type: {}, expected {expected}", told(one))));
+            return Err(D::Error::invalid_type(told(one), &expected));
         }
         Ok(value)
     }
 }
 
-/// What a value is, in the words of serde.
-fn told(value: &Contents) -> String {
+/// What a value is.
+fn told(value: &Contents) -> Unexpected<'_> {
     match value {
-        Contents::Truth(value) => format!("boolean `{value}`"),
-        Contents::Signed(_) | Contents::Whole(_) => format!("integer `{}`", word(value)),
-        Contents::Real(_) => format!("floating point `{}`", word(value)),
-        Contents::Text(text) => format!("string {text:?}"),
-        Contents::List(_) => "sequence".to_owned(),
-        Contents::Table(_) | Contents::Nothing => "map".to_owned(),
+        Contents::Nothing => Unexpected::Unit,
+        Contents::Truth(value) => Unexpected::Bool(*value),
+        Contents::Signed(number) => Unexpected::Signed(*number),
+        Contents::Whole(number) => Unexpected::Unsigned(*number),
+        Contents::Real(number) => Unexpected::Float(*number),
+        Contents::Text(text) => Unexpected::Str(text),
+        Contents::List(_) => Unexpected::Seq,
+        Contents::Table(_) => Unexpected::Map,
     }
 }

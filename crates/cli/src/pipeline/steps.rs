@@ -285,14 +285,10 @@ fn picked(settings: &StudySettings, shape: &StudyShape, flags: Vec<String>) -> [
     let reference = if shape.has_reference { "--reference \0study/reference.toml" } else { "" };
     let picked = format!("validate selection {LOGGED} --design \0out/measured/design.json {reference}");
     let picks = ["measured/selection.parquet", "measured/selection.json"];
+    let design = with_ship(settings.design.over(""), &format!("{SHIP} {HELM}"));
     [
         step("moments", &format!("moments {LOGGED}"), settings.moments.over(""), &["measured/moments.json"]),
-        step(
-            "design",
-            designed,
-            with_ship(settings.design.over(""), &format!("{SHIP} {HELM}")),
-            &["measured/design.json"],
-        ),
+        step("design", designed, design, &["measured/design.json"]),
         step("selection", &picked, flags, &picks),
     ]
 }

@@ -30,6 +30,12 @@ fn every_help_has_an_example_that_parses_and_the_exit_codes() {
         let about = command.get_about().unwrap().to_string();
         assert!(!about.contains("besides"), "{line}: {about}");
         let help = command.get_after_help().unwrap().to_string();
+        // What the short help hides is named at its end.
+        for flag in command.get_arguments().filter(|flag| flag.is_hide_short_help_set()) {
+            let name = format!("--{}", flag.get_long().unwrap());
+            let shared = help.lines().find(|own| own.starts_with("Also ")).unwrap();
+            assert!(shared.split([' ', ',']).any(|word| word == name), "{line}: {name}");
+        }
         for example in help.lines().filter(|line| line.trim_start().starts_with("seatrial ")) {
             let words = example.split_whitespace().take_while(|word| *word != ">");
             let parsed = cli::umbrella::command().try_get_matches_from(words);

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use logs::guess::{BagGuess, Guess, Head, Needed, Placed, SentenceGuess};
 use logs::{Format, TimeUnit};
 
+use crate::pipeline::settings::HEAD;
 use crate::pipeline::starting::bags::{self, MARK, PARQUET, quoted};
 use crate::pipeline::starting::looking::{LogGuess, Looked};
 use crate::pipeline::starting::presets::Preset;
@@ -53,11 +54,7 @@ fn window_s(looked: &Looked, rate_hz: f64) -> f64 {
 /// `study.toml` of a study with logs as `looked` found them, of a ship like `preset`.
 pub(super) fn settings(looked: &Looked, preset: &Preset) -> String {
     let folder = looked.folder.canonicalize().unwrap_or_else(|_| looked.folder.clone());
-    let mut text = format!(
-        "# What the stages are to do other than usual, by their flags: `seatrial design --help` has those of [design].\n\
-         # The folder of the logs.\nlogs = {}\n",
-        quoted(&folder.to_string_lossy())
-    );
+    let mut text = format!("{HEAD}# The folder of the logs.\nlogs = {}\n", quoted(&folder.to_string_lossy()));
     let test: Vec<String> = looked.kept_apart().into_iter().map(quoted).collect();
     if !test.is_empty() {
         let _ = write!(
@@ -68,24 +65,28 @@ pub(super) fn settings(looked: &Looked, preset: &Preset) -> String {
         );
     }
     let rate_hz = preset.sample_rate_hz();
-    let is_of_forces = preset.is_of_forces();
     let forces_s = |part: f64| {
         let usual_s = part * or(looked.usual_s, FORCES_WINDOW_S);
         rounded(usual_s.clamp(2.0 / rate_hz, FORCES_WINDOW_S))
     };
-    text + &match (looked.files.len() < SEARCHED, is_of_forces) {
-        (false, true) => of_search(forces_s(PART)),
-        (false, false) => of_search(window_s(looked, rate_hz)),
-        (true, true) => of_forces(forces_s(1.0)),
-        (true, false) => of_terms(window_s(looked, rate_hz)),
-    }
+    let (is_searched, is_of_forces) = (looked.files.len() >= SEARCHED, preset.is_of_forces());
+    let window_s = match is_of_forces {
+        true => forces_s(if is_searched { PART } else { 1.0 }),
+        false => window_s(looked, rate_hz),
+    };
+    text += &match (is_searched, is_of_forces) {
+        (true, _) => of_search(window_s),
+        (false, true) => of_forces(window_s),
+        (false, false) => of_terms(window_s),
+    };
+    text + &format!("\n[compare]\nwindow_s = {window_s}\n")
 }
 
 fn of_search(window_s: f64) -> String {
     format!(
         "\n# Models are found by a search, and averaged with the fitted forces of a ship that has these; an `estimator` in [pool] fits\n\
          # the model of vessel.toml alone. They are fitted over windows of this length [s], and predict these on recordings left out.\n\
-         [search]\nfitted_window_s = {window_s}\nwindow_s = {window_s}\n\n[compare]\nwindow_s = {window_s}\n"
+         [search]\nfitted_window_s = {window_s}\nwindow_s = {window_s}\n"
     )
 }
 
@@ -94,7 +95,7 @@ fn of_forces(window_s: f64) -> String {
         "\n# The fit simulates windows of at most this length [s], each from an initial state that it finds.\n\
          [pool]\nwindow_s = {window_s}\n\n\
          # Models predict windows of this length [s] on recordings that they were not fitted to.\n\
-         [cross]\nfitted_window_s = {window_s}\nwindow_s = {window_s}\n\n[compare]\nwindow_s = {window_s}\n"
+         [cross]\nfitted_window_s = {window_s}\nwindow_s = {window_s}\n"
     )
 }
 
@@ -103,7 +104,7 @@ fn of_terms(window_s: f64) -> String {
         "\n# Instruments restart with every part of a recording; parts are at most as long as this [s]. Bootstrap samples [1] that\n\
          # standard errors rest on: more take longer.\n[pool]\npart_s = {window_s}\nbootstrap = 100\n\n\
          # Models predict windows of this length [s] on recordings that they were not fitted to.\n\
-         [cross]\nwindow_s = {window_s}\n\n[compare]\nwindow_s = {window_s}\n"
+         [cross]\nwindow_s = {window_s}\n"
     )
 }
 

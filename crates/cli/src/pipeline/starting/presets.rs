@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use crate::pipeline::settings::FILE;
+use crate::pipeline::settings::{FILE, HEAD};
 use files::{Error, parse_toml};
 use logs::guess::Needed;
 use refusal::Invalid;
@@ -264,8 +264,7 @@ pub fn of_ship(file: &Path, text: &str, seed: Option<u64>) -> Result<Vec<NewFile
         scaled
     };
     let settings = format!(
-        "# What the stages are to do other than usual, by their flags: `seatrial design --help` has those of [design].\n\n\
-         # Standard maneuvers and their figures, by the length between perpendiculars [m]\n[merit]\nlength_m = {length_m}\n"
+        "{HEAD}\n# Standard maneuvers and their figures, by the length between perpendiculars [m]\n[merit]\nlength_m = {length_m}\n"
     );
     let files = [
         ("vessel.toml", with_truth(&text, &written, &vessel, seed).map_err(refuse)?),
