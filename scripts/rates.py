@@ -5,7 +5,7 @@
 The paper's ship, its parameters known. Of each seed candidates are drawn twice: within limits of motion and inputs, and within
 `rates` besides, by which an input goes through its whole range in 2 s, with thrust ahead alone. More are drawn there, so that about
 500 keep the limits of either. Each set makes a design of 125 s for an output-error estimate (a-relative). In the limited one inputs
-still jump from one maneuver to the next, so `design refine` slows the whole trial and improves it, again from its own result until it
+still jump from one maneuver to the next, so `design --refine` slows the whole trial and improves it, again from its own result until it
 settles. It may go a tenth beyond the limits of motion there, since the state is carried over. `monte-carlo` estimates so many trials
 by `output-error`. Prints the median parameter error of the free trial, and those of the limited one as designed and refined, with
 their ratios to the free one. Needs nothing besides Python.
@@ -69,8 +69,8 @@ def medians(a: argparse.Namespace, seed: int, candidates: int, limits: str, refi
         folder = Path(name)
         ship(folder)
         head = f'duration_s = {CANDIDATE_S}\ninputs_from = "nominal"\n\n[generate]\ncandidates = {candidates}\nseed = {seed}\n'
-        (folder / "dictionary.toml").write_text(head + wrong_nominal.LIMITS + limits)
-        (folder / "limits.toml").write_text(LIMITS + limits)
+        stated = LIMITS + limits
+        (folder / "dictionary.toml").write_text(head + wrong_nominal.LIMITS + limits + "\n[limits]\n" + stated)
         wrong_nominal.campaign(folder / "campaign.toml", seed, a.trials, wrong_nominal.FULL_STD)
         wrong_nominal.design(a, folder, "a-relative")
         errors = {"designed": wrong_nominal.found(a, folder)}
@@ -85,17 +85,17 @@ def ship(folder: Path) -> None:
 
 
 def refined(a: argparse.Namespace, folder: Path) -> float:
-    """The median parameter error of the design's trial after `design refine`."""
+    """The median parameter error of the design's trial after `design --refine`."""
     for search in range(SEARCHES):
         own = folder / f"refined-{search}"
         own.mkdir()
-        limits = ("--limits", "limits.toml", "--out", f"{own.name}/")
-        wrong_nominal.run(a, folder, "design", "refine", *wrong_nominal.sailed("campaign.toml"), *limits)
-        for file in ("campaign.toml", "limits.toml", "true.toml"):
+        files = [flag.replace("--design", "--refine") for flag in wrong_nominal.sailed("campaign.toml")]
+        wrong_nominal.run(a, folder, "design", *files, "--out", f"{own.name}/")
+        for file in ("campaign.toml", "true.toml"):
             (own / file).write_text((folder / file).read_text())
         (own / "refined-dictionary.toml").rename(own / "dictionary.toml")
         folder = own
-        if json.loads((own / "refined.json").read_text())["data"]["settled"]:
+        if json.loads((own / "design.json").read_text())["data"]["refined"]["settled"]:
             break
     return wrong_nominal.found(a, folder)
 

@@ -11,7 +11,7 @@ use ship::model::Source;
 use super::spec::ManeuverSpec;
 use crate::feedback::Executed;
 use crate::kind::ManeuverKind;
-use crate::limits::{Kept, Limits, Tolerance};
+use crate::limits::{Kept, Limits, StatedLimits, Tolerance};
 use crate::signal::{MULTISINE_SAMPLES, SWING_SAMPLES, Shape, Signal, SignalShape, check_period};
 
 /// `dictionary.toml` as written.
@@ -31,6 +31,9 @@ pub struct DictionaryFile {
     pub maneuvers: Vec<ManeuverSpec>,
     /// More maneuvers, by generation.
     pub generate: Option<GenerateSpec>,
+    /// What `design --refine` keeps.
+    #[serde(default)]
+    pub limits: StatedLimits,
 }
 
 /// From the text of `dictionary.toml`, compiled here alone: others would have code of their own for every type in it.

@@ -9,7 +9,7 @@ use super::played::{PlayedTable, check_range};
 use super::spec::ManeuverSpec;
 use crate::DictionaryFile;
 use crate::feedback::{Executed, Linearised, Tracked, actuated};
-use crate::limits::{self, Aim, Limits, Tolerance};
+use crate::limits::{self, Aim, Limits, StatedLimits, Tolerance};
 use crate::standard::orders::{Orders, changes};
 use crate::standard::{Settings, Standard, check_names};
 use crate::steady::{Motion, Steady};
@@ -43,6 +43,7 @@ pub struct Generator {
     /// Number of maneuvers that are written by hand.
     written: usize,
     limits: Option<Limits>,
+    stated: StatedLimits,
     default_s: Option<f64>,
     tolerance: Tolerance,
     tables: BTreeMap<usize, PlayedTable>,
@@ -72,6 +73,7 @@ impl Generator {
         dictionary.check_sampling(vessel.sample_rate_hz)?;
         let limits = dictionary.generate.as_ref().map(|generate| generate.limits.clone());
         limits.as_ref().map_or(Ok(()), |limits| limits.check(&vessel.model))?;
+        dictionary.limits.check(&vessel.model)?;
         let source = match vessel.best_known() {
             Source::Value => dictionary.inputs_from,
             Source::Nominal => Source::Nominal,
@@ -97,6 +99,7 @@ impl Generator {
             maneuvers,
             written,
             limits,
+            stated: dictionary.limits.clone(),
             default_s: dictionary.duration_s,
             tolerance: dictionary.tolerance,
             tables,
@@ -173,6 +176,11 @@ impl Generator {
     /// The limits that maneuver `index` has to keep, if it is generated.
     pub fn limits(&self, index: usize) -> Option<&Limits> {
         self.limits.as_ref().filter(|_| index >= self.written)
+    }
+
+    /// The limits that refined inputs keep.
+    pub fn stated_limits(&self) -> &StatedLimits {
+        &self.stated
     }
 
     /// The parameters that turn maneuvers into inputs.

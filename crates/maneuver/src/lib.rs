@@ -19,7 +19,9 @@ pub use dictionary::{CandidateKind, DictionaryFile, GenerateSpec};
 pub use feedback::{Controller, Executed};
 pub use generate::{Generator, Reacting, Realized};
 pub use kind::ManeuverKind;
-pub use limits::{Aim, Exceeded, InputLimit, Kept, Limits, Tolerance, of_motion as aims_of_motion};
+pub use limits::{
+    Aim, Exceeded, InputLimit, Kept, Limits, StatedLimits, Tolerance, of_motion as aims_of_motion,
+};
 pub use played::{InputTable, PlayedTable, Resampling};
 pub use signal::{Shape, Signal, SignalShape};
 pub use spec::ManeuverSpec;

@@ -33,6 +33,55 @@ pub struct Limits {
     pub rates: BTreeMap<String, f64>,
 }
 
+/// Limits that refined inputs keep, in place of those of candidates; without either, the extremes of the experiment they began as.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StatedLimits {
+    /// Largest modulus of the surge speed \[m/s\].
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub u_m_s: Option<f64>,
+    /// Of the sway speed \[m/s\].
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub v_m_s: Option<f64>,
+    /// Of the yaw rate \[rad/s\].
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub r_rad_s: Option<f64>,
+    /// Of inputs by name, in their units: the largest modulus, or the lowest and the highest value.
+    #[serde(default)]
+    pub inputs: BTreeMap<String, InputLimit>,
+    /// Of the inputs' changes by name, in their units per second.
+    #[serde(default)]
+    #[schemars(extend("additionalProperties" = {"type": "number", "exclusiveMinimum": 0}))]
+    pub rates: BTreeMap<String, f64>,
+}
+
+impl StatedLimits {
+    /// Refuses limits for inputs that `model` does not have, and ranges that are none.
+    pub(crate) fn check(&self, model: &Model) -> Result<(), Invalid> {
+        check_known(
+            "limits",
+            [&self.inputs.keys().collect::<Vec<_>>(), &self.rates.keys().collect()],
+            model,
+        )?;
+        let mut ranges = self.inputs.iter();
+        ranges.try_for_each(|(name, range)| range.check(format!("`limits.inputs.{name}`")))
+    }
+}
+
+/// Refuses names of `inputs` and `rates` in `table` that `model` does not have as inputs.
+fn check_known(table: &str, keys: [&Vec<&String>; 2], model: &Model) -> Result<(), Invalid> {
+    let names = model.input_names();
+    let unknown = |key: &&&String| !names.contains(&key.as_str());
+    match ["inputs", "rates"]
+        .into_iter()
+        .zip(keys)
+        .find_map(|(of, keys)| Some((of, keys.iter().find(unknown)?)))
+    {
+        None => Ok(()),
+        Some((of, key)) => Err(Invalid::unknown(format!("`{table}.{of}`"), key, names)),
+    }
+}
+
 /// The limit that a motion exceeds most.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Exceeded {
@@ -47,15 +96,7 @@ pub struct Exceeded {
 impl Limits {
     /// Refuses limits for inputs that `model` does not have.
     pub(crate) fn check(&self, model: &Model) -> Result<(), Invalid> {
-        let names = model.input_names();
-        let unknown = |key: &&String| !names.contains(&key.as_str());
-        if let Some(key) = self.inputs.keys().find(unknown) {
-            return Err(Invalid::unknown("`generate.limits.inputs`", key, names));
-        }
-        match self.rates.keys().find(unknown) {
-            None => Ok(()),
-            Some(key) => Err(Invalid::unknown("`generate.limits.rates`", key, names)),
-        }
+        check_known("generate.limits", [&self.inputs.keys().collect(), &self.rates.keys().collect()], model)
     }
 
     /// The limit that `states` (rows × 3) or `inputs` (rows × inputs), which change `rate_hz` times a second, exceed most, if any.

@@ -95,6 +95,9 @@ const GONE: &[(&str, &str)] = &[
     ("--max-gap-s", SAY_WHERE),
     ("--export-problem", "it is gone: `--keep problem` writes problem.json beside the plan"),
     ("--positions", "it is gone: name the file by `--from`"),
+    ("refined.json", "it is gone: `seatrial design --refine` writes a design.json that has it"),
+    ("refine", "it is gone: `design --refine design.json` improves the input signals of that design"),
+    ("--limits", "it is gone: a table [limits] in dictionary.toml states them"),
     ("--per-parameter", "it is gone: `--accuracy` is of all parameters together"),
     (
         "--minimal-s",

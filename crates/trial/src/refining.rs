@@ -82,17 +82,6 @@ impl Refinement {
     }
 }
 
-/// Stated limits; of states and rates largest moduli.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct StatedLimits {
-    /// Of u, v \[m/s\] and r \[rad/s\].
-    pub states: [Option<f64>; 3],
-    /// Of inputs by name, in their units.
-    pub inputs: BTreeMap<String, InputLimit>,
-    /// Of the inputs' rates by name, per second.
-    pub rates: BTreeMap<String, f64>,
-}
-
 /// The limits with their names.
 #[derive(Clone, Debug)]
 pub struct Limits {
@@ -112,14 +101,13 @@ impl Limits {
     /// A limit of inputs or motion that the start exceeds; a quantity without a limit that is constant in the start; slowed
     /// inputs that make the simulation diverge.
     pub fn new(
-        stated: &StatedLimits,
         vessel: &Vessel,
         generator: &Generator,
         start: RefinementStart,
     ) -> Result<(Self, RefinementStart), Refusal> {
         let model = &vessel.model;
         let inputs = model.input_names();
-        let generated = generated_limits(generator);
+        let (stated, generated) = (generator.stated_limits(), generated_limits(generator));
         let largest = |values: &[f64], i: usize, width: usize| {
             values.iter().skip(i).step_by(width).fold(0.0_f64, |most, x| most.max(x.abs()))
         };
@@ -132,8 +120,9 @@ impl Limits {
         let slower: Vec<f64> = steps.iter().map(|step| step * (1.0 - 2.0 * MARGIN)).collect();
         let start = start.within_rates(vessel, &slower)?;
         let generated_states = generated.map(|g| [g.u_m_s, g.v_m_s, g.r_rad_s]);
+        let stated_states = [stated.u_m_s, stated.v_m_s, stated.r_rad_s];
         let state = |d: usize| {
-            let known = stated.states[d].or(generated_states.map(|g| g[d]));
+            let known = stated_states[d].or(generated_states.map(|g| g[d]));
             known.unwrap_or_else(|| largest(&start.states, d, 3))
         };
         let input = |(i, name): (usize, &&str)| {
@@ -171,7 +160,7 @@ impl Limits {
                 format!("`{}` of the design's experiment", self.names[i]),
                 "zero all the time, and no limit is stated",
                 "a limit, or an experiment that moves it",
-                "state it in --limits limits.toml",
+                "state it in the table [limits] of the dictionary",
             );
             return Err(campaign::Refusal::Design(still).into());
         }
@@ -184,7 +173,7 @@ impl Limits {
             format!("limit `{}`", self.names[most]),
             format!("{} in the design's experiment", reached[most] * self.allowed[most]),
             format!("at most {}", self.allowed[most]),
-            "begin with a design that keeps it, or state a wider one in --limits",
+            "begin with a design that keeps it, or state a wider one in [limits] of the dictionary",
         )))
     }
 }

@@ -940,6 +940,8 @@ class DesignDocument:
     accuracy: Accuracy | None = None
     #: Order and lengths of the maneuvers, where `--arrange` asked for them: the optimized experiment follows them.
     sequence: Sequence | None = None
+    #: How its input signals were refined, where `--refine` asked for it.
+    refined: RefinedDesign | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -2954,19 +2956,11 @@ class RecordingSummary:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RefinedDocument:
-    """`refined.json`: an experiment whose input signals were refined, against the one that it began as."""
+class RefinedDesign:
+    """An experiment whose input signals were refined, against the one that it began as."""
 
-    #: `covariance relative A`: Σ variance/θ² of an output-error estimate.
-    criterion: Literal["D", "covariance D", "covariance A", "covariance relative A", "covariance V", "figures"]
-    #: The parameters that the experiment was simulated with.
+    #: The parameters that the experiment was simulated with, and that errors are relative to.
     simulated_with: Source
-    #: The parameters that errors are relative to.
-    relative_to: Source
-    #: Samples of the experiment.
-    samples: int
-    #: Its duration \[s\].
-    duration_s: float
     #: The design's experiment.
     before: RefinedExperiment
     #: The refined one.
@@ -2976,8 +2970,6 @@ class RefinedDocument:
     #: Inputs that changed faster in the design's experiment than their rates allow: `before` is of one in which they
     #: follow it as fast as they may.
     slowed: list[str] = field(default_factory=list)
-    #: What error of the parameters the refined experiment promises, where nominal parameters are a guess.
-    promise: DesignPromise | None = None
     #: Every limit with what was reached.
     limits: list[RefinedLimit]
     #: Time between the knots of a correction \[s\].
@@ -2988,8 +2980,6 @@ class RefinedDocument:
     simulations: int
     #: Whether the search ended by itself, before its iterations did.
     settled: bool
-    #: What was found, in words.
-    statement: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -3010,7 +3000,7 @@ class RefinedExperiment:
 class RefinedLimit:
     """A limit of motion, of an input or of an input's rate."""
 
-    #: As in `limits.toml`: `u_m_s`, `inputs.tau1`, `rates.tau1`.
+    #: As in the table `limits` of `dictionary.toml`: `u_m_s`, `inputs.tau1`, `rates.tau1`.
     limit: str
     #: The largest modulus allowed, in the unit of the state, the input or the input per second; none where there is no
     #: limit.
@@ -4097,7 +4087,6 @@ KINDS = {
     "model/1": "ModelDocument",
     "moments/1": "MomentsDocument",
     "plan/2": "PlanDocument",
-    "refined/1": "RefinedDocument",
     "run/2": "RunDocument",
     "search/2": "SearchDocument",
     "selection/1": "SelectionDocument",

@@ -56,6 +56,7 @@ pub fn generated(paper: &Paper, count: usize) -> anyhow::Result<Candidates> {
         maneuvers: (0..count).map(maneuver).collect(),
         tolerance: maneuver::Tolerance::default(),
         generate: None,
+        limits: maneuver::StatedLimits::default(),
     };
     paper.candidates_of(&Generator::without_tables(&paper.vessel, &dictionary)?)
 }

@@ -36,8 +36,8 @@ pub const INGEST: Stage = Stage::of::<ingest::IngestArguments>();
 /// The information of each maneuver about the parameters.
 pub const MOMENTS: Stage = Stage::of::<moments::MomentsArguments>();
 /// The time of each maneuver, and its inputs.
-pub const DESIGN: Stage = Stage::of::<crate::design::DesignArguments>()
-    .with(&[Stage::of::<crate::design::Refine>(), Stage::of::<crate::design::Update>()]);
+pub const DESIGN: Stage =
+    Stage::of::<crate::design::DesignArguments>().with(&[Stage::of::<crate::design::Update>()]);
 /// Parameters of every run, or of all runs together.
 pub const ESTIMATE: Stage = Stage::of::<estimate::EstimateArguments>()
     .with(&[Stage::of::<estimate_pool::PoolArguments>(), Stage::of::<search::SearchArguments>()]);

@@ -1,4 +1,4 @@
-//! `design`: the time of each maneuver, `design refine`: the input signals themselves, and `design update`: what became of its promise.
+//! `design`: the time of each maneuver, or the input signals themselves; `design update`: what became of its promise.
 
 mod stage;
 
@@ -24,7 +24,7 @@ use trial::moments::{Estimated, Moments, NoCriterion};
 use crate::cli::{check_positive, choice, given};
 use crate::failure::Failure;
 
-pub use stage::{Refine, Update};
+pub use stage::Update;
 
 /// The longest experiment for --accuracy \[s\]: a day.
 const LONGEST_S: f64 = 86_400.0;
@@ -36,12 +36,22 @@ const LONGEST_S: f64 = 86_400.0;
     name = "design",
     after_help = "Example:\n  design --moments moments.json --out design.json\n  \
     design --moments moments.json --segments 5 --segment-samples 200 --out design.json\n  \
-    design --moments moments.json --criterion a-relative --relative-to value --out design.json"
+    design --moments moments.json --criterion a-relative --relative-to value --out design.json\n  \
+    design --refine design.json --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --out refined/\n\n\
+    With --refine inputs.csv and refined-dictionary.toml stand beside design.json, for `simulate campaign`."
 )]
 pub struct DesignArguments {
     /// The maneuvers' moments
-    #[arg(long, value_name = "moments.json")]
-    moments: PathBuf,
+    #[arg(long, required_unless_present = "refine", value_name = "moments.json")]
+    moments: Option<PathBuf>,
+    /// Improves the input signals of this design's experiment, within [limits] of the dictionary, or else those of [generate], or
+    /// else what they reach
+    #[arg(long, group = "of_ship", value_name = "design.json", requires_all = ["vessel", "dictionary", "campaign"],
+        conflicts_with_all = ["moments", "criterion", "most_maneuvers", "accuracy", "figures", "weight", "available", "duration_s", "segments"])]
+    refine: Option<PathBuf>,
+    /// Disturbances and duration of the trial, for --refine
+    #[arg(long, requires = "refine", value_name = "campaign.toml")]
+    campaign: Option<PathBuf>,
     /// How the estimator will remove the instruments' mean
     #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
     mean_removal: MeanRemoval,
@@ -77,13 +87,13 @@ pub struct DesignArguments {
     duration_s: Option<f64>,
     /// Find order and lengths of the maneuvers with the state carried over from one to the next; needs --vessel, --dictionary
     /// and the length of the experiment
-    #[arg(long, requires = "vessel", requires = "dictionary")]
+    #[arg(long, group = "of_ship", requires_all = ["vessel", "dictionary"])]
     arrange: bool,
-    /// The vessel, for --arrange
-    #[arg(long, visible_alias = "model", value_name = "vessel.toml", requires = "arrange")]
+    /// The vessel, for --arrange and --refine
+    #[arg(long, visible_alias = "model", value_name = "vessel.toml", requires = "of_ship")]
     vessel: Option<PathBuf>,
-    /// The maneuvers, for --arrange
-    #[arg(long, value_name = "dictionary.toml", requires = "arrange")]
+    /// The maneuvers, for --arrange and --refine
+    #[arg(long, value_name = "dictionary.toml", requires = "of_ship")]
     dictionary: Option<PathBuf>,
     /// Random starts besides equal shares
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=1000))]
@@ -110,6 +120,11 @@ fn relative_to(source: Source) -> &'static str {
 }
 
 impl DesignArguments {
+    /// The file of the moments, which there is without --refine.
+    fn moments(&self) -> &Path {
+        self.moments.as_deref().unwrap_or(Path::new("moments.json"))
+    }
+
     /// Refuses invalid numbers.
     fn check(&self) -> Result<(), Failure> {
         check_positive("--tolerance", Some(self.tolerance))?;
@@ -340,7 +355,7 @@ impl<'a> Problem<'a> {
         self.of.few(relaxed, bounds, options).map_err(|e| {
             Failure::NoAnswer(format!(
                 "{}: --most-maneuvers: found no choice of {} maneuvers that excites every parameter ({e}), expected one; allow more",
-                self.a.moments.display(),
+                self.a.moments().display(),
                 self.a.most_maneuvers.unwrap_or_default()
             ))
         })
@@ -392,7 +407,7 @@ impl<'a> Problem<'a> {
 /// Why there is no criterion, or no design of it.
 fn no_criterion(a: &DesignArguments, why: NoCriterion) -> Failure {
     match why {
-        NoCriterion::Moments(e) => Failure::invalid(&a.moments, &e),
-        NoCriterion::Design(e) => no_design(&a.moments, a.available.as_deref(), e),
+        NoCriterion::Moments(e) => Failure::invalid(a.moments(), &e),
+        NoCriterion::Design(e) => no_design(a.moments(), a.available.as_deref(), e),
     }
 }

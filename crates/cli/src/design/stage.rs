@@ -1,4 +1,4 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use design::{Bounds, CountOptions, Design, Length, Options, Segments, Streamed, counted, solve_streamed};
@@ -10,36 +10,47 @@ use serde_json::json;
 use ship::engine::refuse_endless;
 use ship::model::Vessel;
 use study::campaign_file::CampaignFile;
-use study::design_files::{Promised, read_limits};
+use study::design_files::Promised;
 use study::documents::{DesignDocument, MomentsDocument, RefinedFiles, Solved};
 use study::files::{StageOfTerms, is_guess, read_campaign, read_dictionary};
 use study::moments_table::{MomentsTable, TableError, table_of};
 use trial::campaign::Plan;
 use trial::moments::{Moments, check_constants};
-use trial::refining::{Limits, Refinement, RefinementStart, Refusal, StatedLimits};
+use trial::refining::{Limits, Refinement, RefinementStart, Refusal};
 
-use crate::cli::{Common, beside};
+use crate::cli::{Common, beside, given};
 use crate::design::{DesignArguments, Problem, no_criterion, no_design, scarce};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs;
 use crate::simulate::Files;
 use crate::stage::{Summary, Task};
 
+/// The usual name of the document.
+const MAIN: &str = "design.json";
+
 impl Task for DesignArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        if let Some(design) = &self.refine {
+            let (vessel, dictionary) =
+                (given(&self.vessel, "vessel")?, given(&self.dictionary, "dictionary")?);
+            let campaign = given(&self.campaign, "campaign")?;
+            let design = design.as_path();
+            return Refine { vessel, dictionary, design, campaign }.run(common);
+        }
         self.check()?;
-        let inputs = [&self.moments].into_iter().chain(&self.available).chain(&self.figures);
-        let out = common.main_output("design.json", inputs)?;
-        let loaded = read_document::<MomentsDocument>(&self.moments)?;
-        let moments = loaded.data.moments().map_err(|e| Failure::invalid(&self.moments, &e))?;
+        let file = self.moments();
+        let inputs = [file].into_iter().chain(self.available.as_deref()).chain(self.figures.as_deref());
+        let out = common.main_output(MAIN, inputs)?;
+        let loaded = read_document::<MomentsDocument>(file)?;
+        let moments = loaded.data.moments().map_err(|e| Failure::invalid(file, &e))?;
         let moments = self.with_prior(moments)?;
         let mut provenance = common.provenance("design");
-        provenance.made("moments", &self.moments, loaded.digest, &loaded.provenance)?;
+        provenance.made("moments", file, loaded.digest, &loaded.provenance)?;
         // The label of simulated logs is copied from the moments to the design.
         let label = loaded.provenance.settings.get_key_value("data");
         provenance.settings.extend(label.map(|(k, v)| (k.clone(), v.clone())));
         let seed = common.seed.unwrap_or(1);
-        let (moments, streamed) = match moments.maneuvers.is_empty() && exists(table_of(&self.moments)) {
+        let (moments, streamed) = match moments.maneuvers.is_empty() && exists(table_of(file)) {
             true => self.streamed(moments, seed).map(|(moments, streamed)| (moments, Some(streamed)))?,
             false => (moments, None),
         };
@@ -68,16 +79,16 @@ impl DesignArguments {
                  without --table, or leave it out"
             )));
         }
-        let table = MomentsTable::open(&self.moments, head, self.estimated())?;
+        let table = MomentsTable::open(self.moments(), head, self.estimated())?;
         let streamed = solve_streamed(&table, &self.options(seed)).map_err(|e| match e {
             TableError::Table(error) => error.into(),
             TableError::Design(error) => {
                 let dictionary = table.with(&[(0, 0)]).map_err(Failure::from).and_then(|moments| {
                     let dictionary = moments.dictionary(self.estimated());
-                    dictionary.map_err(|e| Failure::invalid(&self.moments, &e))
+                    dictionary.map_err(|e| Failure::invalid(self.moments(), &e))
                 });
                 match dictionary {
-                    Ok(dictionary) => no_design(&self.moments, None, dictionary.explain(error)),
+                    Ok(dictionary) => no_design(self.moments(), None, dictionary.explain(error)),
                     Err(failure) => failure,
                 }
             }
@@ -148,96 +159,73 @@ fn design(
     .into())
 }
 
-/// Improves the input signals of a designed trial, within limits of inputs and motion
-#[derive(Parser)]
-#[command(
-    name = "refine",
-    after_help = "Writes refined.json, and inputs.csv, refined-dictionary.toml and design.json for `simulate campaign`.\n\n\
-    Example:\n  design refine --vessel vessel.toml --dictionary dictionary.toml --design design.json --campaign campaign.toml --out refined/"
-)]
-pub struct Refine {
-    /// The vessel
-    #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
-    pub(super) vessel: PathBuf,
-    /// The maneuvers that the design is of
-    #[arg(long, value_name = "dictionary.toml")]
-    pub(super) dictionary: PathBuf,
-    /// The design whose experiment is the start
-    #[arg(long, value_name = "design.json")]
-    pub(super) design: PathBuf,
-    /// Disturbances, and the experiment's duration
-    #[arg(long, value_name = "campaign.toml")]
-    campaign: PathBuf,
-    /// Limits: u_m_s, v_m_s, r_rad_s, tables `inputs` and `rates` (per second) by input; default: those of [generate] in the
-    /// dictionary, else what the start reaches
-    #[arg(long, value_name = "limits.toml")]
-    limits: Option<PathBuf>,
+/// What `design --refine` reads.
+struct Refine<'a> {
+    vessel: &'a Path,
+    dictionary: &'a Path,
+    /// The design whose experiment is the start.
+    design: &'a Path,
+    campaign: &'a Path,
 }
 
 /// Most iterations of a search.
 const ITERATIONS: usize = 3000;
 
-impl Task for Refine {
+impl Refine<'_> {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let mut provenance = common.provenance("design refine");
-        let inputs = || {
-            let all = [&self.vessel, &self.dictionary, &self.design, &self.campaign];
-            all.into_iter().chain(&self.limits)
-        };
-        let out = common.main_output("refined.json", inputs())?;
-        let others = ["inputs.csv", "refined-dictionary.toml", "design.json"]
-            .map(|name| beside(&out, "refined.json", name));
+        let mut provenance = common.provenance("design");
+        let inputs = || [self.vessel, self.dictionary, self.design, self.campaign].into_iter();
+        let out = common.main_output(MAIN, inputs())?;
+        let others = ["inputs.csv", "refined-dictionary.toml"].map(|name| beside(&out, MAIN, name));
         for path in &others {
             Common { out: path.clone(), ..common.clone() }.main_output("", inputs())?;
         }
-        let vessel = StageOfTerms::Refine.read(&self.vessel, &mut provenance)?.with_disturbances_held();
-        check_constants(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
+        let vessel = StageOfTerms::Refine.read(self.vessel, &mut provenance)?.with_disturbances_held();
+        check_constants(&vessel.model).map_err(|e| Failure::invalid(self.vessel, &e))?;
         let refinement = search(self, &vessel, &mut provenance, common.quiet)?;
         settings(&refinement, &mut provenance);
-        let is_guess = is_guess(&self.vessel, &vessel);
+        let is_guess = is_guess(self.vessel, &vessel);
         let files = RefinedFiles { vessel: &vessel, found: &refinement, is_guess };
-        let document = files.document();
-        let [csv, dictionary, design] = &others;
-        let refined = files.dictionary();
-        // The refined design belongs to the refined dictionary, no longer to the original one.
-        let mut of_design = provenance.clone();
-        of_design.inputs.insert("dictionary".into(), Digest::of_bytes(refined.as_bytes()));
+        let [csv, dictionary] = &others;
+        let refined = files.dictionary(&csv.file_name().unwrap_or_default().to_string_lossy());
         let mut staged = vec![
             Staged::bytes(csv, files.inputs().as_bytes())?,
             Staged::bytes(dictionary, refined.as_bytes())?,
-            stage_document(design, &of_design, &files.design(&document))?,
         ];
+        // The refined design belongs to the refined dictionary, no longer to the one that it was made of.
+        if let Some(original) =
+            provenance.inputs.insert("dictionary".into(), Digest::of_bytes(refined.as_bytes()))
+        {
+            provenance.inputs.insert("refined-from".into(), original);
+        }
+        let document = files.design();
         staged.push(stage_set_document(&out, &provenance, &document, &staged)?);
         commit(staged)?;
-        let details = json!({
-            "before": document.before.value, "after": document.after.value, "worth": document.worth,
-            "iterations": document.iterations, "settled": document.settled,
+        let details = document.refined.as_ref().map(|refined| {
+            json!({
+                "before": refined.before.value, "after": refined.after.value, "worth": refined.worth,
+                "iterations": refined.iterations, "settled": refined.settled,
+            })
         });
-        Ok(Summary::of(&out, document.summary(), details))
+        Ok(Summary::of(&out, document.summary(), details.unwrap_or_default()))
     }
 }
 
 /// Reads the design's experiment and its limits, and refines it.
 fn search(
-    a: &Refine,
+    a: &Refine<'_>,
     vessel: &Vessel,
     provenance: &mut Provenance,
     quiet: bool,
 ) -> Result<Refinement, Failure> {
-    let generator = read_dictionary(&a.dictionary, vessel, provenance)?;
-    let config = read_campaign(&a.campaign, provenance)?;
-    let design = inputs::document(&a.design, "design", provenance)?;
+    let generator = read_dictionary(a.dictionary, vessel, provenance)?;
+    let config = read_campaign(a.campaign, provenance)?;
+    let design = inputs::document(a.design, "design", provenance)?;
     let plan = plan(a, vessel, &generator, &config, &design)?;
-    let noise = config.some_noise().map_err(|e| Failure::invalid(&a.campaign, &e))?;
+    let noise = config.some_noise().map_err(|e| Failure::invalid(a.campaign, &e))?;
     let refused = |e| not_refined(a, e);
     let start = RefinementStart::new(vessel, &generator, &plan, noise).map_err(|e| files(a).refused(e))?;
-    let model = &vessel.model;
-    let inputs: Vec<&str> = model.variables[3..3 + model.inputs].iter().map(|v| v.name.as_str()).collect();
-    let stated = match &a.limits {
-        Some(path) => read_limits(path, &inputs, provenance)?,
-        None => StatedLimits::default(),
-    };
-    let (limits, start) = Limits::new(&stated, vessel, &generator, start).map_err(refused)?;
+    let (limits, start) = Limits::new(vessel, &generator, start).map_err(refused)?;
     let progress = WorkProgress::new("iterations, at most", ITERATIONS, quiet);
     let watch = Watch::new(move || {
         progress.advance(1);
@@ -248,21 +236,21 @@ fn search(
 
 /// The experiment of the design in a campaign.
 fn plan(
-    a: &Refine,
+    a: &Refine<'_>,
     vessel: &Vessel,
     generator: &Generator,
     config: &CampaignFile,
     design: &DesignDocument,
 ) -> Result<Plan, Failure> {
     let samples = vessel.samples(config.duration_s);
-    refuse_endless("`duration_s`", samples).map_err(|e| Failure::invalid(&a.campaign, &e))?;
+    refuse_endless("`duration_s`", samples).map_err(|e| Failure::invalid(a.campaign, &e))?;
     let names: Vec<String> = generator.maneuvers().iter().map(|m| m.name.clone()).collect();
     design.designed().plan(&names, generator.tables(), samples).map_err(|e| files(a).refused(e))
 }
 
-fn files(a: &Refine) -> Files<'_> {
-    let (campaign, sea) = (&a.campaign, &a.campaign);
-    Files { vessel: &a.vessel, dictionary: &a.dictionary, campaign, sea, design: &a.design }
+fn files<'a>(a: &Refine<'a>) -> Files<'a> {
+    let Refine { vessel, dictionary, design, campaign } = *a;
+    Files { vessel, dictionary, campaign, sea: campaign, design }
 }
 
 /// The settings that the result depends on besides the inputs.
@@ -273,10 +261,10 @@ fn settings(found: &Refinement, provenance: &mut Provenance) {
 }
 
 /// Why an experiment is not refined.
-fn not_refined(a: &Refine, why: Refusal) -> Failure {
+fn not_refined(a: &Refine<'_>, why: Refusal) -> Failure {
     match why {
         Refusal::Trial(why) => files(a).refused(why),
-        Refusal::Limits(e) => Failure::invalid(a.limits.as_ref().unwrap_or(&a.dictionary), &e),
+        Refusal::Limits(e) => Failure::invalid(a.dictionary, &e),
         Refusal::NotIdentifiable { parameter } => Failure::NoAnswer(format!(
             "{}: the design's experiment: found one that does not distinguish `{parameter}` from the other parameters, expected a \
              start that excites all; begin with another design",

@@ -119,11 +119,10 @@ static PAPER: [Stage; 20] = [
         &["moments-2.json"],
     ),
     stage(
-        "design refine --vessel vessel.toml --dictionary dictionary.toml --design design-2.json --campaign campaign-2.toml \
-         --limits limits.toml",
-        "refined.json",
-        ["limits.toml", "limits-2.toml"],
-        &["vessel.toml", "dictionary.toml", "design-2.json", "campaign-2.toml", "limits.toml"],
+        "design --refine design-2.json --vessel vessel.toml --dictionary dictionary.toml --campaign campaign-2.toml",
+        "refined-design.json",
+        ["campaign-2.toml", "campaign.toml"],
+        &["vessel.toml", "dictionary.toml", "design-2.json", "campaign-2.toml"],
     ),
     stage(
         "estimate pool --vessel vessel.toml --trajectories campaign.parquet --runs random/0,random/1 --bootstrap 3",
@@ -357,7 +356,7 @@ fn varied(folder: &TempDir, name: &str, other: &str, from: &str, to: &str) {
 }
 
 /// Outputs that no stage reads, some of them next to files that others read.
-const LAST: [&str; 4] = ["refined.json", "simulated.json", "report.html", ""];
+const LAST: [&str; 4] = ["refined-design.json", "simulated.json", "report.html", ""];
 
 /// Runs every stage in `folder`.
 fn made(folder: &TempDir, stages: &'static [Stage]) -> Ground {
@@ -388,10 +387,6 @@ fn paper() -> Ground {
     edit(&folder, "campaign-2.toml", "std_u_m_s = 0.15811388300841897", "std_u_m_s = 0.1");
     edit(&folder, "campaign-2.toml", "speed_amplitude_m_s = 0.3", "speed_amplitude_m_s = 0.2");
     varied(&folder, "dictionary.toml", "dictionary-2.toml", "duration_s = 37.5", "duration_s = 30.0");
-    let limits =
-        "u_m_s = 1.2\nv_m_s = 0.3\nr_rad_s = 0.7\n[inputs]\ntau1 = 6500.0\ntau2 = 1600.0\ntau3 = 800.0\n";
-    put(&folder, "limits.toml", limits);
-    varied(&folder, "limits.toml", "limits-2.toml", "u_m_s = 1.2", "u_m_s = 1.3");
     let part = |stage: &Stage, name: &str, more: &str| {
         drop(run(&folder, &format!("{} --out {name} {more}", stage.line)).succeeds());
     };

@@ -14,7 +14,7 @@ use crate::support::draw::Draw;
 /// Readers of what the stages of the grounds write, besides these stages.
 const READERS: [&str; 5] = [
     "ingest --config ingest.toml --vessel vessel.toml --logs . --out out/t.parquet",
-    "simulate campaign --vessel vessel.toml --dictionary refined-dictionary.toml --campaign campaign-2.toml \
+    "simulate campaign --vessel vessel.toml --dictionary refined-design-refined-dictionary.toml --campaign campaign-2.toml \
      --design refined-design.json --out out/t.parquet",
     "validate --vessel vessel.toml --campaign campaign.toml --estimates kept-estimates.parquet --validation \
      validation.parquet --out out/s.parquet",

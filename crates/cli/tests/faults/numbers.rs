@@ -46,7 +46,7 @@ const UNSTATED: [(&str, &str); 58] = [
     ("campaign.toml", "random.segments"),
     ("campaign.toml", "wind.std_surge_m_s2"),
     ("campaign.toml", "wind.time_constant_s"),
-    ("limits.toml", "rates.tau1"),
+    ("dictionary.toml", "limits.rates.tau1"),
     ("campaign.toml", "rounds.floor.X_u"),
     ("plan.toml", "raster_per_cell"),
     ("plan.toml", "informative_s"),

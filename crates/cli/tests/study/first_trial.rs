@@ -206,8 +206,8 @@ const OF_TERMS: [(&str, &str, &str); 3] = [
         "`monte-carlo --estimator output-error`",
     ),
     (
-        "design refine --vessel vessel.toml --dictionary dictionary.toml --design design.json --campaign campaign.toml --out refined/",
-        "`design refine` computes",
+        "design --refine design.json --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --out refined/",
+        "`design --refine` computes",
         "`design --for output-error`",
     ),
     (

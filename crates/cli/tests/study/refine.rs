@@ -1,4 +1,4 @@
-//! `design refine` through the binaries, on a short experiment of the paper's maneuvers.
+//! `design --refine` through the binaries, on a short experiment of the paper's maneuvers.
 
 use std::sync::OnceLock;
 
@@ -10,41 +10,47 @@ use crate::support::*;
 const OUTPUT_ERROR: &str = "moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --estimator \
      output-error --out moments.json";
 const DESIGN_FOR: &str = "design --moments moments.json --for output-error --criterion a-relative --relative-to value --tolerance 1e-6 --out design.json";
-const REFINE: &str = "design refine --vessel vessel.toml --dictionary dictionary.toml --design design.json --campaign campaign.toml \
-     --out refined/";
-const LIMITS: &str =
-    "u_m_s = 1.2\nv_m_s = 0.3\nr_rad_s = 0.7\n[inputs]\ntau1 = 6500.0\ntau2 = 1600.0\ntau3 = 800.0\n";
+const REFINE: &str = "design --refine design.json --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --out refined/";
+const LIMITS: &str = "\n[limits]\nu_m_s = 1.2\nv_m_s = 0.3\nr_rad_s = 0.7\n[limits.inputs]\ntau1 = 6500.0\ntau2 = 1600.0\ntau3 = 800.0\n";
 
-/// A folder with a design and limits, and a folder for the result.
+/// A folder with a design, and a folder for the result.
 fn designed() -> TempDir {
     static MADE: OnceLock<Study> = OnceLock::new();
     let make = || {
         let folder = written(8);
         edit(&folder, "campaign.toml", "duration_s = 125.0", "duration_s = 40.0");
-        put(&folder, "limits.toml", LIMITS);
         [DICTIONARY, OUTPUT_ERROR, DESIGN_FOR].iter().for_each(|line| drop(run(&folder, line).succeeds()));
         Study::of(&folder)
     };
-    let folder = MADE.get_or_init(make).with(&["design.json", "moments.json", "limits.toml"]);
+    let folder = MADE.get_or_init(make).with(&["design.json", "moments.json"]);
     std::fs::create_dir(folder.path().join("refined")).unwrap();
     folder
 }
 
 fn refined(folder: &TempDir) -> Value {
-    json(folder, "refined/refined.json")["data"].clone()
+    json(folder, "refined/design.json")["data"]["refined"].clone()
 }
 
-const WRITES: [&str; 4] = ["refined.json", "inputs.csv", "refined-dictionary.toml", "design.json"];
+/// Refines within `limits`, which the maneuvers' file did not have when the design was made.
+fn within(folder: &TempDir, limits: &str) -> String {
+    let written = std::fs::read_to_string(folder.path().join("dictionary.toml")).unwrap();
+    let maneuvers = written.split("\n[limits]").next().unwrap();
+    put(folder, "dictionary.toml", &format!("{maneuvers}{limits}"));
+    format!("{REFINE} --allow=mixed")
+}
+
+const WRITES: [&str; 3] = ["inputs.csv", "refined-dictionary.toml", "design.json"];
 
 #[test]
 fn law_refined_inputs_stay_within_the_range_of_the_vessel() {
     let folder = designed();
     let own = std::fs::read_to_string(repository().join("pipelines/paper/vessel.toml")).unwrap();
-    let within = |range: &str| own.replace("name = \"tau1\"", &format!("name = \"tau1\"\nrange = {range}"));
-    let lowest = |range: &str, flags: &str| {
-        put(&folder, "vessel.toml", &within(range));
+    let ranged = |range: &str| own.replace("name = \"tau1\"", &format!("name = \"tau1\"\nrange = {range}"));
+    let lowest = |range: &str, limits: &str| {
+        let refine = within(&folder, limits);
+        put(&folder, "vessel.toml", &ranged(range));
         [DICTIONARY, OUTPUT_ERROR, DESIGN_FOR].iter().for_each(|line| drop(run(&folder, line).succeeds()));
-        run(&folder, &format!("{REFINE} {flags}")).succeeds();
+        run(&folder, &refine).succeeds();
         let text = String::from_utf8(bytes(&folder, "refined/inputs.csv")).unwrap();
         assert!(text.starts_with("tau1,") || text.starts_with("t,tau1,"), "{}", &text[..40]);
         let column = usize::from(text.starts_with("t,"));
@@ -53,15 +59,15 @@ fn law_refined_inputs_stay_within_the_range_of_the_vessel() {
     };
     // Without a range the descent goes astern.
     assert!(lowest("[-6500.0, 6500.0]", "") < -100.0);
-    for flags in ["", "--limits limits.toml"] {
-        assert!(lowest("[0.0, 6500.0]", flags) >= 0.0, "{flags}");
+    for limits in ["", LIMITS] {
+        assert!(lowest("[0.0, 6500.0]", limits) >= 0.0, "{limits}");
     }
 }
 
 #[test]
 fn refined_inputs_are_worth_more_keep_the_limits_and_run_as_a_campaign() {
     let folder = designed();
-    run(&folder, &format!("{REFINE} --limits limits.toml")).succeeds();
+    run(&folder, &within(&folder, LIMITS)).succeeds();
     let found = refined(&folder);
     let of = |experiment: &str, key: &str| found[experiment][key].as_f64().unwrap();
     assert!(of("after", "value") < 0.8 * of("before", "value"), "{found}");
@@ -135,11 +141,10 @@ fn rates_limit_how_fast_inputs_change() {
         let rates = limits.filter(|l| l["limit"].as_str().unwrap().starts_with("rates."));
         rates.map(|l| l[when].as_f64().unwrap()).collect()
     };
-    run(&folder, &format!("{REFINE} --limits limits.toml")).succeeds();
+    run(&folder, &within(&folder, LIMITS)).succeeds();
     let start = rates(&refined(&folder), "before");
     let allowed = format!("tau1 = {:?}\ntau2 = {:?}\ntau3 = {:?}\n", start[0], start[1], start[2]);
-    put(&folder, "limits.toml", &format!("{LIMITS}[rates]\n{allowed}"));
-    run(&folder, &format!("{REFINE} --limits limits.toml")).succeeds();
+    run(&folder, &within(&folder, &format!("{LIMITS}[limits.rates]\n{allowed}"))).succeeds();
     let slow = refined(&folder);
     let kept =
         rates(&slow, "after").into_iter().zip(start).all(|(after, start)| after <= start * (1.0 + 1e-9));
@@ -152,12 +157,11 @@ fn law_a_start_that_jumps_is_slowed_and_the_result_keeps_its_rates_everywhere() 
     let folder = designed();
     // Full range of an input in two seconds; the maneuvers of the start jump at their joints.
     let allowed = [6500.0, 1600.0, 800.0];
-    let rates = "[rates]\ntau1 = 6500.0\ntau2 = 1600.0\ntau3 = 800.0\n";
-    run(&folder, &format!("{REFINE} --limits limits.toml")).succeeds();
+    let rates = "[limits.rates]\ntau1 = 6500.0\ntau2 = 1600.0\ntau3 = 800.0\n";
+    run(&folder, &within(&folder, LIMITS)).succeeds();
     let jumps = refined(&folder);
     assert!(jumps.get("slowed").is_none());
-    put(&folder, "limits.toml", &format!("{LIMITS}{rates}"));
-    let said = run(&folder, &format!("{REFINE} --limits limits.toml")).succeeds();
+    let said = run(&folder, &within(&folder, &format!("{LIMITS}{rates}"))).succeeds();
     let slow = refined(&folder);
     assert!(!slow["slowed"].as_array().unwrap().is_empty(), "{slow}");
     assert!(said.stdout.contains("as fast as their rates allow"), "{}", said.stdout);
@@ -180,23 +184,22 @@ fn law_a_start_that_jumps_is_slowed_and_the_result_keeps_its_rates_everywhere() 
 #[test]
 fn refusals_of_what_to_refine() {
     let folder = designed();
-    let with = format!("{REFINE} --limits limits.toml");
     let try_with = |from: &str, to: &str, pieces: &[&str]| {
         assert!(LIMITS.contains(from));
-        put(&folder, "limits.toml", &LIMITS.replace(from, to));
-        refused(&folder, 3, &with, pieces);
+        refused(&folder, 3, &within(&folder, &LIMITS.replace(from, to)), pieces);
     };
     try_with(
         "u_m_s = 1.2",
         "u_m_s = 0.5",
-        &["limits.toml", "`u_m_s`", "in the design's experiment", "at most 0.5"],
+        &["dictionary.toml", "`u_m_s`", "in the design's experiment", "at most 0.5"],
     );
-    try_with("tau3 = 800.0", "tau3 = 100.0", &["limits.toml", "`inputs.tau3`", "at most 100"]);
-    try_with("tau2 = 1600.0", "tau4 = 1600.0", &["limits.toml", "`tau4`", "did you mean `tau"]);
-    try_with("v_m_s = 0.3", "w_m_s = 0.3", &["limits.toml", "w_m_s", "v_m_s"]);
-    try_with("v_m_s = 0.3", "v_m_s = -0.3", &["limits.toml", "`v_m_s`", "-0.3", "above 0"]);
+    try_with("tau3 = 800.0", "tau3 = 100.0", &["dictionary.toml", "`inputs.tau3`", "at most 100"]);
+    try_with("tau2 = 1600.0", "tau4 = 1600.0", &["dictionary.toml", "`tau4`", "did you mean `tau"]);
+    try_with("v_m_s = 0.3", "w_m_s = 0.3", &["dictionary.toml", "w_m_s", "v_m_s"]);
+    try_with("v_m_s = 0.3", "v_m_s = -0.3", &["dictionary.toml", "`limits.v_m_s`", "-0.3", "above 0"]);
+    let _ = within(&folder, "");
     refused(&folder, 2, &REFINE.replace("refined/", "."), &["--out", "design.json", "also an input"]);
-    refused(&folder, 2, "design refine --out refined/", &["--vessel", "--help"]);
+    refused(&folder, 2, "design --refine design.json --out refined/", &["--vessel", "--help"]);
     let text = std::fs::read_to_string(folder.path().join("campaign.toml")).unwrap();
     put(&folder, "campaign.toml", &text.replace("kind = \"white\"", "kind = \"constant\""));
     refused(
@@ -232,6 +235,16 @@ fn a_start_that_excites_not_every_parameter_is_no_start() {
     let first = shares.keys().next().unwrap().clone();
     shares.iter_mut().for_each(|(name, share)| *share = f64::from(u8::from(*name == first)).into());
     put(&folder, "design.json", &design.to_string());
-    put(&folder, "limits.toml", LIMITS);
-    refused(&folder, 4, &format!("{REFINE} --limits limits.toml"), &["design.json", "does not distinguish"]);
+    refused(&folder, 4, &within(&folder, LIMITS), &["design.json", "does not distinguish"]);
+}
+
+#[test]
+fn a_document_of_a_kind_that_is_gone_is_refused_with_what_writes_it_again() {
+    let folder = designed();
+    let mut old = json(&folder, "design.json");
+    old["schema"] = "refined/1".into();
+    put(&folder, "refined.json", &old.to_string());
+    let line = "simulate campaign --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --design refined.json \
+                --out campaign.parquet";
+    refused(&folder, 3, line, &["refined.json", "refined/1", "design/1", "design --refine"]);
 }

@@ -167,6 +167,7 @@ fn design() -> DesignDocument {
         estimator: None,
         restricted: None,
         sequence: None,
+        refined: None,
     }
 }
 

@@ -11,6 +11,7 @@ use trial::arranging::Foretold;
 use trial::campaign::{Designed, check_shares};
 use trial::moments::{HeldParameter, SampledFrom, UnreachedMotion};
 
+use super::refined::RefinedDesign;
 use crate::figure_goals::{FigureGoal, FigureGoals};
 
 pub use design::AccuracyPoint;
@@ -108,6 +109,9 @@ pub struct DesignDocument {
     /// Order and lengths of the maneuvers, where `--arrange` asked for them: the optimized experiment follows them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sequence: Option<Sequence>,
+    /// How its input signals were refined, where `--refine` asked for it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refined: Option<RefinedDesign>,
 }
 
 impl DesignDocument {
@@ -130,6 +134,11 @@ impl DesignDocument {
 
     /// What to print of it, with its promise and its warnings.
     pub fn summary(&self) -> String {
+        if self.refined.is_some() {
+            let promise =
+                self.promise.as_ref().map_or(String::new(), |promise| format!(" {}", promise.statement));
+            return format!("{}{promise}", self.statement);
+        }
         let used = self.used();
         let within = self.relative_gap.map_or(String::new(), |gap| format!(", relative gap {gap:.1e}"));
         let prior = self.prior.as_ref().map(|prior| format!("; {}", prior.statement));
@@ -335,8 +344,11 @@ impl Document for DesignDocument {
         ("1", "shares sensitivities dimension gap relative_gap log_det iterations equal_shares single"),
         ("1", "candidates counts segments segment_samples efficiency samples wanted reached"),
         ("1", "range parameter_error missed share interval ships"),
-        ("s", "duration_s"),
+        ("1", "value measurement_value worth simulations"),
+        ("s", "duration_s knot_s"),
         ("the unit beside it", "standard_error d_optimal"),
+        ("as the parameter", "standard_errors"),
+        ("as `limit`", "allowed before after"),
     ];
 
     fn check(&self) -> Result<(), Invalid> {

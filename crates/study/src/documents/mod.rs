@@ -81,11 +81,11 @@ pub use plan::{
     PlanLattice, PlanPose, PlanStatus, PlanStep, PlanUnitFrom, SecondaryCost, Voyage,
 };
 pub use refined::{
-    DesignUpdateDocument, RefinedDocument, RefinedExperiment, RefinedFiles, RefinedLimit, UpdatedAccuracy,
-    UpdatedCriterion, UpdatedError, UpdatedFigure, UpdatedParameter,
+    DesignUpdateDocument, RefinedDesign, RefinedExperiment, RefinedLimit, UpdatedAccuracy, UpdatedCriterion,
+    UpdatedError, UpdatedFigure, UpdatedParameter,
 };
 pub use search::{BesideForces, DeliveredKind, ForceScores, SearchDocument, SearchTerm, TriedFit};
-pub use solved::Solved;
+pub use solved::{RefinedFiles, Solved};
 pub use validation::{
     ComparedError, DesignScores, EstimatorRecommendation, EstimatorScores, PairedRatio, SelectionDocument,
     TallyDocument, ValidationDocument,
@@ -97,7 +97,6 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (MomentsDocument::ID, json_schema::<MomentsDocument>()),
         (DesignDocument::ID, json_schema::<DesignDocument>()),
         (DesignUpdateDocument::ID, json_schema::<DesignUpdateDocument>()),
-        (RefinedDocument::ID, json_schema::<RefinedDocument>()),
         (EstimateDocument::ID, json_schema::<EstimateDocument>()),
         (FollowDocument::ID, json_schema::<FollowDocument>()),
         (IngestDocument::ID, json_schema::<IngestDocument>()),

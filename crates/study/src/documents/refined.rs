@@ -4,35 +4,17 @@ use std::collections::BTreeMap;
 
 use design::{AccuracyOf, CriterionName};
 use estimation::Estimator;
-use estimation::refine::Forward;
 use files::{Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use ship::model::{Source, Vessel};
-use trial::moments::Promise;
-use trial::refining::Refinement;
+use ship::model::Source;
 
-use super::design::{
-    CovarianceCriterion, DesignDocument, DesignPromise, DesignStatus, Sequence, SequencePart, titles,
-};
-use super::statements;
-
-/// `refined.json`: an experiment whose input signals were refined, against the one that it began as.
+/// An experiment whose input signals were refined, against the one that it began as.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct RefinedDocument {
-    /// `covariance relative A`: Σ variance/θ² of an output-error estimate.
-    #[serde(with = "titles")]
-    #[schemars(schema_with = "titles::schema")]
-    pub criterion: CriterionName,
-    /// The parameters that the experiment was simulated with.
+pub struct RefinedDesign {
+    /// The parameters that the experiment was simulated with, and that errors are relative to.
     pub simulated_with: Source,
-    /// The parameters that errors are relative to.
-    pub relative_to: Source,
-    /// Samples of the experiment.
-    pub samples: u64,
-    /// Its duration \[s\].
-    pub duration_s: f64,
     /// The design's experiment.
     pub before: RefinedExperiment,
     /// The refined one.
@@ -43,9 +25,6 @@ pub struct RefinedDocument {
     /// as fast as they may.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub slowed: Vec<String>,
-    /// What error of the parameters the refined experiment promises, where nominal parameters are a guess.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub promise: Option<DesignPromise>,
     /// Every limit with what was reached.
     pub limits: Vec<RefinedLimit>,
     /// Time between the knots of a correction \[s\].
@@ -56,8 +35,6 @@ pub struct RefinedDocument {
     pub simulations: u64,
     /// Whether the search ended by itself, before its iterations did.
     pub settled: bool,
-    /// What was found, in words.
-    pub statement: String,
 }
 
 /// What is predicted of an experiment.
@@ -78,7 +55,7 @@ pub struct RefinedExperiment {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RefinedLimit {
-    /// As in `limits.toml`: `u_m_s`, `inputs.tau1`, `rates.tau1`.
+    /// As in the table `limits` of `dictionary.toml`: `u_m_s`, `inputs.tau1`, `rates.tau1`.
     pub limit: String,
     /// The largest modulus allowed, in the unit of the state, the input or the input per second; none where there is no limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -87,170 +64,6 @@ pub struct RefinedLimit {
     pub before: f64,
     /// The largest modulus of the refined experiment.
     pub after: f64,
-}
-
-impl RefinedDocument {
-    /// What to print of it, with its promise.
-    pub fn summary(&self) -> String {
-        let promise = self.promise.as_ref().map_or(String::new(), |p| format!(" {}", p.statement));
-        format!("{}{promise}", self.statement)
-    }
-}
-
-impl Document for RefinedDocument {
-    const ID: &'static str = "refined";
-    const VERSION: u32 = 1;
-    const UNITS: Units = &[
-        ("1", "samples value measurement_value parameter_error worth iterations simulations"),
-        ("1", "range"),
-        ("s", "duration_s knot_s"),
-        ("as the parameter", "standard_errors"),
-        ("as `limit`", "allowed before after"),
-    ];
-}
-
-// From refined inputs to `refined.json`, and to the files that a campaign needs.
-
-/// The maneuver's name.
-const NAME: &str = "refined";
-
-/// A refined experiment of a vessel, for files.
-pub struct RefinedFiles<'a> {
-    /// The vessel.
-    pub vessel: &'a Vessel,
-    /// The experiment.
-    pub found: &'a Refinement,
-    /// Whether its parameters are a guess: nominal ones without true ones, and no estimates.
-    pub is_guess: bool,
-}
-
-impl RefinedFiles<'_> {
-    /// `refined.json`.
-    pub fn document(&self) -> RefinedDocument {
-        let (start, limits, refined) = (&self.found.start, &self.found.limits, &self.found.refined);
-        let rate_hz = self.vessel.sample_rate_hz;
-        let moduli = |forward: &Forward, inputs: &[f64]| limits.moduli(&forward.states, inputs, rate_hz);
-        let (first, last) = (moduli(&refined.before, &start.inputs), moduli(&refined.after, &refined.inputs));
-        let limit = |i: usize| RefinedLimit {
-            limit: limits.names[i].clone(),
-            allowed: Some(limits.allowed[i]).filter(|limit| limit.is_finite()),
-            before: first[i],
-            after: last[i],
-        };
-        RefinedDocument {
-            criterion: CriterionName::ARelative,
-            simulated_with: start.source,
-            relative_to: start.source,
-            samples: self.samples() as u64,
-            duration_s: self.samples() as f64 / rate_hz,
-            before: self.experiment(&refined.before),
-            after: self.experiment(&refined.after),
-            worth: self.found.efficiency(),
-            slowed: start.slowed.clone(),
-            promise: self.is_guess.then(|| self.promise()),
-            limits: (0..limits.names.len()).map(limit).collect(),
-            knot_s: self.found.knot as f64 / rate_hz,
-            iterations: refined.iterations as u64,
-            simulations: refined.evaluations as u64,
-            settled: refined.settled,
-            statement: statements::refinement(self.found),
-        }
-    }
-
-    /// Refined inputs are played whatever the ship does.
-    fn promise(&self) -> DesignPromise {
-        statements::promise(Promise::of_guess(self.found.refined.after.parameter_error(), true))
-    }
-
-    fn samples(&self) -> usize {
-        self.found.refined.inputs.len() / self.vessel.model.inputs.max(1)
-    }
-
-    fn by_parameter(&self, values: impl Iterator<Item = f64>) -> BTreeMap<String, f64> {
-        self.vessel.model.parameter_names().map(str::to_owned).zip(values).collect()
-    }
-
-    fn experiment(&self, forward: &Forward) -> RefinedExperiment {
-        RefinedExperiment {
-            value: forward.value,
-            measurement_value: forward.measurement_value,
-            parameter_error: forward.parameter_error(),
-            standard_errors: self.by_parameter(forward.standard_errors()),
-        }
-    }
-
-    /// `inputs.csv`: a column per input, with digits that round-trip.
-    pub fn inputs(&self) -> String {
-        let model = &self.vessel.model;
-        let mut text = model.input_names().join(",");
-        for row in self.found.refined.inputs.chunks_exact(model.inputs.max(1)) {
-            let cells: Vec<String> = row.iter().map(f64::to_string).collect();
-            text.push('\n');
-            text.push_str(&cells.join(","));
-        }
-        text.push('\n');
-        text
-    }
-
-    /// `refined-dictionary.toml`: the experiment as one maneuver with inputs from `inputs.csv`.
-    pub fn dictionary(&self) -> String {
-        format!(
-            "# Written by design refine: the refined experiment as one maneuver.\n[[maneuver]]\nname = \"{NAME}\"\nkind = \
-             \"inputs\"\nfile = \"inputs.csv\"\nspeed_m_s = {:?}\nduration_s = {:?}\n",
-            self.found.start.initial[0],
-            self.samples() as f64 / self.vessel.sample_rate_hz
-        )
-    }
-
-    /// The design with only the refined maneuver. Without a choice of shares there are no sensitivities, no gap and
-    /// no efficiencies.
-    pub fn design(&self, document: &RefinedDocument) -> DesignDocument {
-        let forward = &self.found.refined.after;
-        let samples = self.samples() as u64;
-        DesignDocument {
-            criterion: CriterionName::ARelative,
-            mean_removal: None,
-            status: DesignStatus::Refined,
-            statement: document.statement.clone(),
-            held: Vec::new(),
-            beyond: Vec::new(),
-            unreached: None,
-            prior: None,
-            promise: document.promise.clone(),
-            shares: BTreeMap::from([(NAME.to_owned(), 1.0)]),
-            order: vec![NAME.into()],
-            candidates: None,
-            sensitivities: BTreeMap::new(),
-            dimension: None,
-            gap: None,
-            relative_gap: None,
-            log_det: forward.log_det(samples),
-            proved_global: false,
-            starts: Vec::new(),
-            efficiency: None,
-            counts: None,
-            counted: None,
-            available: None,
-            covariance: Some(CovarianceCriterion {
-                name: CriterionName::ARelative,
-                value: forward.value,
-                weights: self.by_parameter(self.found.start.weights.iter().copied()),
-                samples,
-                standard_errors: document.after.standard_errors.clone(),
-            }),
-            estimator: Some(Estimator::OutputError),
-            restricted: None,
-            figures: None,
-            accuracy: None,
-            sequence: Some(Sequence {
-                foretold: None,
-                parts: vec![SequencePart { maneuver: NAME.into(), samples }],
-                samples,
-                value: forward.log_value(samples),
-                statement: document.statement.clone(),
-            }),
-        }
-    }
 }
 
 /// `design-update.json`: what a design promised, and what an estimate of its trial leaves uncertain.

@@ -7,15 +7,18 @@ use design::{
     Restricted, Segments, Status, Streamed, Whole,
 };
 use estimation::Estimator;
-use ship::model::Source;
+use estimation::refine::Forward;
+use ship::model::{Source, Vessel};
 use trial::arranging::Arranged;
 use trial::moments::{Estimated, Moments, Promise};
+use trial::refining::Refinement;
 
 use super::design::{
     Accuracy as AccuracyDocument, Counts, CovarianceCriterion, DesignDocument, DesignPrior, DesignPromise,
     DesignStatus, Efficiency, Restricted as RestrictedDocument, Sequence, SequencePart, SolvedFigures, Start,
     Unreached,
 };
+use super::refined::{RefinedDesign, RefinedExperiment, RefinedLimit};
 use super::statements;
 
 /// A solved design with its problem.
@@ -104,6 +107,7 @@ impl From<Solved<'_>> for DesignDocument {
             figures: solved.figures.as_ref().map(|figures| figures.document(samples(&solved) as u64)),
             accuracy: solved.accuracy.map(|shortest| accuracy(shortest, range(&solved, shortest))),
             sequence: solved.sequence.map(Into::into),
+            refined: None,
             order: dictionary.maneuvers.clone(),
             candidates: solved.streamed.map(|all| all.candidates as u64),
         }
@@ -246,6 +250,154 @@ impl From<Arranged> for Sequence {
             value: arranged.value,
             statement: statements::sequence(&arranged),
             foretold: arranged.foretold,
+        }
+    }
+}
+
+// From refined inputs to the files that a campaign needs.
+
+/// The maneuver's name.
+const NAME: &str = "refined";
+
+/// A refined experiment of a vessel, for files.
+pub struct RefinedFiles<'a> {
+    /// The vessel.
+    pub vessel: &'a Vessel,
+    /// The experiment.
+    pub found: &'a Refinement,
+    /// Whether its parameters are a guess: nominal ones without true ones, and no estimates.
+    pub is_guess: bool,
+}
+
+impl RefinedFiles<'_> {
+    /// What was refined.
+    fn refined(&self) -> RefinedDesign {
+        let (start, limits, refined) = (&self.found.start, &self.found.limits, &self.found.refined);
+        let rate_hz = self.vessel.sample_rate_hz;
+        let moduli = |forward: &Forward, inputs: &[f64]| limits.moduli(&forward.states, inputs, rate_hz);
+        let (first, last) = (moduli(&refined.before, &start.inputs), moduli(&refined.after, &refined.inputs));
+        let limit = |i: usize| RefinedLimit {
+            limit: limits.names[i].clone(),
+            allowed: Some(limits.allowed[i]).filter(|limit| limit.is_finite()),
+            before: first[i],
+            after: last[i],
+        };
+        RefinedDesign {
+            simulated_with: start.source,
+            before: self.experiment(&refined.before),
+            after: self.experiment(&refined.after),
+            worth: self.found.efficiency(),
+            slowed: start.slowed.clone(),
+            limits: (0..limits.names.len()).map(limit).collect(),
+            knot_s: self.found.knot as f64 / rate_hz,
+            iterations: refined.iterations as u64,
+            simulations: refined.evaluations as u64,
+            settled: refined.settled,
+        }
+    }
+
+    /// Refined inputs are played whatever the ship does.
+    fn promise(&self) -> DesignPromise {
+        statements::promise(Promise::of_guess(self.found.refined.after.parameter_error(), true))
+    }
+
+    fn samples(&self) -> usize {
+        self.found.refined.inputs.len() / self.vessel.model.inputs.max(1)
+    }
+
+    fn by_parameter(&self, values: impl Iterator<Item = f64>) -> BTreeMap<String, f64> {
+        self.vessel.model.parameter_names().map(str::to_owned).zip(values).collect()
+    }
+
+    fn experiment(&self, forward: &Forward) -> RefinedExperiment {
+        RefinedExperiment {
+            value: forward.value,
+            measurement_value: forward.measurement_value,
+            parameter_error: forward.parameter_error(),
+            standard_errors: self.by_parameter(forward.standard_errors()),
+        }
+    }
+
+    /// `inputs.csv`: a column per input, with digits that round-trip.
+    pub fn inputs(&self) -> String {
+        let model = &self.vessel.model;
+        let mut text = model.input_names().join(",");
+        for row in self.found.refined.inputs.chunks_exact(model.inputs.max(1)) {
+            let cells: Vec<String> = row.iter().map(f64::to_string).collect();
+            text.push('\n');
+            text.push_str(&cells.join(","));
+        }
+        text.push('\n');
+        text
+    }
+
+    /// `refined-dictionary.toml`: the experiment as one maneuver with the inputs of the file `inputs` beside it, and the limits that it keeps.
+    pub fn dictionary(&self, inputs: &str) -> String {
+        let signal = &self.found.limits.signal;
+        let names = self.vessel.model.input_names();
+        let [u, v, r] = signal.states;
+        let ranges = names.iter().zip(&signal.inputs).map(|(name, range)| format!("{name:?} = {range:?}\n"));
+        let rate_hz = self.vessel.sample_rate_hz;
+        let limited = names.iter().zip(&signal.steps).filter(|(_, step)| step.is_finite());
+        let rates = limited.map(|(name, step)| format!("{name:?} = {:?}\n", step * rate_hz));
+        format!(
+            "# Written by design --refine: the refined experiment as one maneuver.\n[[maneuver]]\nname = \"{NAME}\"\nkind = \
+             \"inputs\"\nfile = {inputs:?}\nspeed_m_s = {:?}\nduration_s = {:?}\n\n[limits]\nu_m_s = {u:?}\nv_m_s = {v:?}\nr_rad_s = {r:?}\n[limits.inputs]\n{}[limits.rates]\n{}",
+            self.found.start.initial[0],
+            self.samples() as f64 / rate_hz,
+            ranges.collect::<String>(),
+            rates.collect::<String>(),
+        )
+    }
+
+    /// The design with only the refined maneuver. Without a choice of shares there are no sensitivities, no gap and
+    /// no efficiencies.
+    pub fn design(&self) -> DesignDocument {
+        let forward = &self.found.refined.after;
+        let (samples, statement) = (self.samples() as u64, statements::refinement(self.found));
+        DesignDocument {
+            criterion: CriterionName::ARelative,
+            mean_removal: None,
+            status: DesignStatus::Refined,
+            statement: statement.clone(),
+            held: Vec::new(),
+            beyond: Vec::new(),
+            unreached: None,
+            prior: None,
+            promise: self.is_guess.then(|| self.promise()),
+            shares: BTreeMap::from([(NAME.to_owned(), 1.0)]),
+            order: vec![NAME.into()],
+            candidates: None,
+            sensitivities: BTreeMap::new(),
+            dimension: None,
+            gap: None,
+            relative_gap: None,
+            log_det: forward.log_det(samples),
+            proved_global: false,
+            starts: Vec::new(),
+            efficiency: None,
+            counts: None,
+            counted: None,
+            available: None,
+            covariance: Some(CovarianceCriterion {
+                name: CriterionName::ARelative,
+                value: forward.value,
+                weights: self.by_parameter(self.found.start.weights.iter().copied()),
+                samples,
+                standard_errors: self.by_parameter(forward.standard_errors()),
+            }),
+            estimator: Some(Estimator::OutputError),
+            restricted: None,
+            figures: None,
+            accuracy: None,
+            sequence: Some(Sequence {
+                foretold: None,
+                parts: vec![SequencePart { maneuver: NAME.into(), samples }],
+                samples,
+                value: forward.log_value(samples),
+                statement,
+            }),
+            refined: Some(self.refined()),
         }
     }
 }

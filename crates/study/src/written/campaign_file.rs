@@ -197,6 +197,7 @@ impl CampaignFile {
             tolerance: maneuver::Tolerance::default(),
             maneuvers: self.validation.maneuver.clone(),
             generate: None,
+            limits: maneuver::StatedLimits::default(),
         }
     }
 }

@@ -1,17 +1,13 @@
-//! The hand-written files of a design: the stock of maneuvers, limits.
+//! The hand-written files of a design: the stock of maneuvers.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use design::Stock;
 use files::{Digest, Error, Provenance, STUDY_ROLES, read_document, read_json};
-use maneuver::InputLimit;
 use refusal::Invalid;
-use schemars::JsonSchema;
-use serde::Deserialize;
 use ship::model::Source;
 use trial::moments::Moments;
-use trial::refining::StatedLimits;
 
 use crate::documents::{DesignDocument, IngestDocument, ModelDocument, MomentsDocument};
 use crate::figure_goals::FigureGoals;
@@ -116,46 +112,4 @@ fn check_stock(stock: &Stock, maneuvers: &[String]) -> Result<(), Invalid> {
         return Err(Invalid::new(thing, given, "one limit", "remove one"));
     }
     Ok(())
-}
-
-/// `limits.toml` as written: largest moduli; of inputs also the lowest and the highest value.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct LimitsFile {
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    u_m_s: Option<f64>,
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    v_m_s: Option<f64>,
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    r_rad_s: Option<f64>,
-    #[serde(default)]
-    inputs: BTreeMap<String, InputLimit>,
-    /// Of the inputs' rates, per second.
-    #[serde(default)]
-    #[schemars(extend("additionalProperties" = {"type": "number", "exclusiveMinimum": 0}))]
-    rates: BTreeMap<String, f64>,
-}
-
-/// Reads `limits.toml` and notes its digest. `inputs`: their names.
-///
-/// # Errors
-/// A file that is refused; a limit of an unknown input, or one that is not positive.
-pub fn read_limits(path: &Path, inputs: &[&str], provenance: &mut Provenance) -> Result<StatedLimits, Error> {
-    let LimitsFile { u_m_s, v_m_s, r_rad_s, inputs: amplitudes, rates } =
-        provenance.read_toml("limits", "limits", path)?;
-    let limits = StatedLimits { states: [u_m_s, v_m_s, r_rad_s], inputs: amplitudes, rates };
-    check_limits(&limits, inputs).map_err(|e| invalid(path, &e))?;
-    Ok(limits)
-}
-
-fn check_limits(limits: &StatedLimits, inputs: &[&str]) -> Result<(), Invalid> {
-    let tables =
-        [("inputs", limits.inputs.keys().collect::<Vec<_>>()), ("rates", limits.rates.keys().collect())];
-    for (table, keys) in tables {
-        if let Some(unknown) = keys.into_iter().find(|key| !inputs.contains(&key.as_str())) {
-            return Err(Invalid::unknown(format!("`{table}`"), unknown, inputs.iter().copied()));
-        }
-    }
-    let mut ranges = limits.inputs.iter();
-    ranges.try_for_each(|(name, range)| range.check(format!("`inputs.{name}`")))
 }

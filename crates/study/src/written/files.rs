@@ -39,7 +39,7 @@ pub fn read_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vessel, E
 pub enum StageOfTerms {
     /// Trials in rounds.
     Sequential,
-    /// `design refine`.
+    /// `design --refine`.
     Refine,
     /// `validate selection`.
     Selection,
@@ -53,7 +53,7 @@ impl StageOfTerms {
                 "trials in rounds",
                 "try trials that are designed once by `monte-carlo --estimator output-error`",
             ],
-            Self::Refine => ["design refine", "take the shares of `design --for output-error`"],
+            Self::Refine => ["design --refine", "take the shares of `design --for output-error`"],
             Self::Selection => ["validate selection", "leave recordings out by `validate cross`"],
         }
     }

@@ -4,7 +4,7 @@ use maneuver::Generator;
 use numerics::Watch;
 use regression::Noise;
 use ship::model::{Source, Vessel};
-use trial::refining::{Limits, Refinement, RefinementStart, StatedLimits};
+use trial::refining::{Limits, Refinement, RefinementStart};
 
 const NOISE: Noise = Noise { measurement: [0.1, 0.1, 0.1], current: 0.1 };
 
@@ -71,19 +71,20 @@ duration_s = 40.0
 #[test]
 fn law_inputs_that_rise_and_fall_between_two_knots_as_fast_as_they_may_are_refined() {
     let vessel = Vessel::preset("ljungberg-model-ship").unwrap();
-    let generator = Generator::without_tables(&vessel, &ZIG_ZAG.parse().unwrap()).unwrap();
+    let last = vessel.model.input_names().len() - 1;
+    let name = vessel.model.input_names()[last];
+    let limits = format!("[limits]\nu_m_s = 3.0\nv_m_s = 1.0\nr_rad_s = 1.0\nrates = {{ {name} = 60.0 }}\n");
+    let generator =
+        Generator::without_tables(&vessel, &(ZIG_ZAG.to_owned() + &limits).parse().unwrap()).unwrap();
     let mut start = RefinementStart::new(&vessel, &generator, &[(0, 320)], NOISE).unwrap();
     let names = vessel.model.input_names();
-    let last = names.len() - 1;
     for (k, row) in start.inputs.chunks_exact_mut(names.len()).enumerate() {
         // Slow changes that tell all parameters apart.
         row[0] += 300.0 * libm::sin(k as f64 / 40.0);
         row[1] += 100.0 * libm::sin(k as f64 / 17.0);
         row[last] += if k % 8 < 4 { 40.0 } else { -40.0 };
     }
-    let rates = [(names[last].to_owned(), 60.0)].into();
-    let stated = StatedLimits { rates, states: [Some(3.0), Some(1.0), Some(1.0)], ..StatedLimits::default() };
-    let (limits, start) = Limits::new(&stated, &vessel, &generator, start).unwrap();
+    let (limits, start) = Limits::new(&vessel, &generator, start).unwrap();
     assert_eq!(start.slowed, [names[last]]);
     let found = Refinement::search(&vessel, start, limits, 120, &Watch::default()).unwrap();
     assert!(found.efficiency() > 1.1, "{}", found.efficiency());

@@ -19,7 +19,7 @@ use trial::campaign::{Campaign, Designed, Maneuvers, Sea, Settings, SimulatedRun
 use trial::moments::{
     CriterionOf, Estimated, Expected, FreeRunModel, Moments, Pool, Prediction, ShipSampler, structure,
 };
-use trial::refining::{Limits, Refinement, RefinementStart, StatedLimits};
+use trial::refining::{Limits, Refinement, RefinementStart};
 use trial::rounds::{self, Arm, Knowledge, Summary, Trial};
 
 use crate::golden::Table;
@@ -678,13 +678,14 @@ fn golden_arranged_experiments() {
 
 #[test]
 fn golden_refined_experiment() {
-    let (vessel, generator) = (vessel(), generator(&vessel()));
+    let vessel = vessel();
+    let limited = DICTIONARY.to_owned() + "\n[limits]\nu_m_s = 1.4\n";
+    let generator = Generator::without_tables(&vessel, &limited.parse().unwrap()).unwrap();
     let start = RefinementStart::new(&vessel, &generator, &[(1, 60), (2, 60)], NOISE).unwrap();
     let states =
         simulate_one(&vessel.model, &vessel.parameters(Source::Value).unwrap(), start.initial, &start.inputs);
     assert_eq!(states, start.states);
-    let stated = StatedLimits { states: [Some(1.4), None, None], ..StatedLimits::default() };
-    let (limits, start) = Limits::new(&stated, &vessel, &generator, start).unwrap();
+    let (limits, start) = Limits::new(&vessel, &generator, start).unwrap();
     let mut table = Table::default();
     limits.names.iter().zip(&limits.allowed).for_each(|(name, allowed)| table.row(name, [*allowed]));
     table.counts("slowed", [start.slowed.len()]);
