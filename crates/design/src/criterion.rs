@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use crate::design::alone;
 use crate::{
     Bounds, Candidates, CountOptions, Counted, Covariance, CovariancePoint, Design, Dictionary, Error,
-    Evaluation, Method, NoDesign, Norm, Objective, Options, Restricted, Selected, count_segments, select,
-    solve_covariance, solve_within,
+    Evaluation, Method, NoDesign, Norm, Objective, Options, Restricted, Selected, count_segments, is_concave,
+    select, solve_covariance, solve_within,
 };
 
 /// The criterion that is maximised.
@@ -133,6 +133,13 @@ impl Criterion {
     /// # Errors
     /// Those of the solvers.
     pub fn solve(&self, bounds: &Bounds, options: &Options) -> Result<Design, Error> {
+        let is_concave = match self {
+            Self::Information(candidates) => is_concave(candidates),
+            Self::Covariance(c) => c.covariance.is_concave(),
+        };
+        // The end of one start is proved optimal where the problem is concave.
+        let random_starts = if is_concave { 0 } else { options.random_starts };
+        let options = &Options { random_starts, ..*options };
         match self {
             Self::Information(candidates) => solve_within(candidates, bounds, options),
             Self::Covariance(c) => solve_covariance(&c.covariance, bounds, options),

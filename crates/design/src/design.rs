@@ -8,6 +8,9 @@ use crate::{ActiveSetNewton, Bounds, Candidates, Covariance, Error, Objective, i
 /// Criteria that differ by less than this are the same: 1e-9 of the experiment's time.
 const DIGITS: f64 = 1e-9;
 
+/// A relative gap at which a search that rounding ends counts as done: a ten-thousandth of the experiment's time.
+const ACCEPTED: f64 = 1e-4;
+
 /// Options of the solver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
@@ -163,7 +166,7 @@ pub(crate) fn from_points<O: Objective>(
     let sensitivities = objective.sensitivities(&at);
     let p = objective.degree();
     let gap = bounds.gap(&sensitivities, &best.shares, p);
-    let status = Status::of(gap <= options.tolerance * p, concave);
+    let status = Status::of(gap <= options.tolerance.max(ACCEPTED) * p, concave);
     let (shares, log_det) = (best.shares.clone(), best.log_det);
     Ok(Design { shares, log_det, sensitivities, gap, status, starts })
 }

@@ -95,8 +95,14 @@ const GONE: &[(&str, &str)] = &[
     ("--max-gap-s", SAY_WHERE),
     ("--export-problem", "it is gone: `--keep problem` writes problem.json beside the plan"),
     ("--positions", "it is gone: name the file by `--from`"),
+    (
+        "follow.json",
+        "it is gone: `seatrial plan --rest-of plan.json --from positions.csv` writes a plan.json that has it",
+    ),
     ("refined.json", "it is gone: `seatrial design --refine` writes a design.json that has it"),
     ("refine", "it is gone: `design --refine design.json` improves the input signals of that design"),
+    ("--starts", "it is gone: a search starts at random places where its problem is not concave"),
+    ("--tolerance", "it is gone: a search ends where rounding does, and its gap is stated"),
     ("--limits", "it is gone: a table [limits] in dictionary.toml states them"),
     ("--per-parameter", "it is gone: `--accuracy` is of all parameters together"),
     (

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use maud::{Markup, display, html};
 use study::documents::{
     Accuracy, AccuracyOf, AccuracyPoint, CriterionName, DesignDocument, DesignFigure, DesignFigures,
-    DesignUpdateDocument, Reference, Sequence, SequencePart, Start, UpdatedParameter,
+    DesignUpdateDocument, Reference, Sequence, SequencePart, UpdatedParameter,
 };
 
 use crate::dictionary::{omission, shown, used};
@@ -197,15 +197,11 @@ fn certified(design: &DesignDocument) -> Markup {
         (crate::parts::beyond(&design.beyond))
         @if let Some(unreached) = &design.unreached { p.caution { b { "Missed by inputs." } " " (coded(&unreached.statement)) } }
         (facts(design))
-        @if !design.starts.is_empty() {
-            p { (agreement(&design.starts)) }
-            (starts(&design.starts))
-        }
     }
 }
 
 fn facts(design: &DesignDocument) -> Markup {
-    let proof = match design.proved_global {
+    let proof = match design.status == study::documents::DesignStatus::Optimal {
         true => "proved: the problem is concave and the gap bounds the distance",
         false => "not proved: the problem is not concave, so the gap certifies a stationary point",
     };
@@ -226,28 +222,6 @@ fn facts(design: &DesignDocument) -> Markup {
             }))
         }
     }
-}
-
-fn agreement(starts: &[Start]) -> String {
-    let strays: Vec<&str> = starts.iter().filter(|s| !s.agrees).map(|s| s.name.as_str()).collect();
-    match (starts.len(), strays.len()) {
-        (1, 0) => "The solver was started once, from the shares named below.".to_owned(),
-        (all, 0) => format!("All {all} starts reached the same value."),
-        (all, off) => {
-            format!("{} of {all} starts reached the best value; not so: {}.", all - off, strays.join(", "))
-        }
-    }
-}
-
-fn starts(starts: &[Start]) -> HtmlTable<&Start> {
-    HtmlTable::of(starts)
-        .compact()
-        .mark("stray", |start| !start.agrees)
-        .name("Start", |start| &start.name)
-        .number("log|det|", |start| exact((start.log_det * 1e8).round() / 1e8))
-        .number("Relative gap", |start| three(start.relative_gap))
-        .number("Iterations", |start| start.iterations)
-        .text("Agrees", |start| if start.agrees { "yes" } else { "no" })
 }
 
 /// What became of the promise of a design; nothing before its trial.

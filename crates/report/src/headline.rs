@@ -240,7 +240,7 @@ fn design_cards(design: &DesignDocument) -> Markup {
             }
         }
         @if let Some(gap) = design.relative_gap {
-            @let proof = if design.proved_global { "" } else { ", not proved global" };
+            @let proof = if design.status == study::documents::DesignStatus::Optimal { "" } else { ", not proved global" };
             (card("Optimality", three(gap), "relative gap", &[format!("{}{proof}", design.status)]))
         }
     }

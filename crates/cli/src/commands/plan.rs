@@ -37,8 +37,8 @@ use crate::stage::{Summary, Task};
     Beside the plan of a trial stand track.parquet, track.geojson, route.rtz, .gpx and .plan, map.json (what the map \
     shows) and map.svg.\n\n\
     positions.csv has the columns time (seconds since the departure, or 2026-06-01T08:00:00Z), longitude_deg, latitude_deg and, \
-    if known, heading_deg and speed_m_s. By positions, follow.json stands beside the plan of the rest: what is done, and how \
-    much of the information it has. With nothing left to plan, it stands alone.\n\n\
+    if known, heading_deg and speed_m_s. By positions, `begun` of the plan of the rest says what is done, and how much of \
+    the information it has.\n\n\
     --memory-mib counts every phase, and 24 MiB of the program's own; without it 4096 MiB at most."
 )]
 pub struct PlanArguments {
@@ -162,20 +162,21 @@ impl PlanArguments {
             (&followed, &files.begun)
         {
             trial.check_afloat(positions, followed, &|| limits.keep_going()).map_err(refuse)?;
-            staged.push(stage_document(beside(out, MAIN, FOLLOWED), &provenance, &followed.document)?);
-            let doubts = followed.document.doubts.iter().filter(|_| !limits.quiet);
+            let begun = &followed.begun;
+            let doubts = begun.doubts.iter().filter(|_| !limits.quiet);
             doubts.for_each(|doubt| on_stderr(format_args!("plan: {doubt}")));
-            if followed.document.status != FollowStatus::UnderWay {
-                commit(staged)?;
-                let details = json!({"status": followed.document.status, "step": followed.document.step});
-                return Ok(Summary::of(&beside(out, MAIN, FOLLOWED), &followed.document.statement, details));
+            if begun.status != FollowStatus::UnderWay {
+                commit(vec![stage_document(out, &provenance, &PlanDocument::done(begun.clone()))?])?;
+                let details = json!({"status": begun.status, "step": begun.step});
+                return Ok(Summary::of(out, &begun.statement, details));
             }
-            said = format!("{}; ", followed.document.summary());
+            said = format!("{}; ", begun.summary());
         }
         let searched = limits.before_check();
         let (watch, keep_going) = (&|| searched.watch(), &|| limits.keep_going());
         let search = Search { options: limits.options(), watch, keep_going };
         let mut planned = trial.plan(&search, self.allow.contains(&Allowed::Unsafe)).map_err(refuse)?;
+        planned.document.begun = followed.map(|followed| followed.begun);
         planned.document.beyond = study::beyond(files.vessel, files.trajectories, None)?;
         if self.keep.is_some() {
             let cell_m = planned.prepared.brief.task.cell_m;
@@ -217,15 +218,11 @@ struct VoyageFiles<'a> {
 /// The usual name of a plan.
 pub const MAIN: &str = "plan.json";
 
-/// Where the ship is in a plan that is followed.
-const FOLLOWED: &str = "follow.json";
-
 /// The lattice problem of a plan.
 const PROBLEM: &str = "problem.json";
 
 /// The files written next to `plan.json`.
-const ADDITIONAL: [&str; 9] = [
-    FOLLOWED,
+const ADDITIONAL: [&str; 8] = [
     PROBLEM,
     "track.parquet",
     "track.geojson",

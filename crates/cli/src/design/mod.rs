@@ -95,12 +95,6 @@ pub struct DesignArguments {
     /// The maneuvers, for --arrange and --refine
     #[arg(long, value_name = "dictionary.toml", requires = "of_ship")]
     dictionary: Option<PathBuf>,
-    /// Random starts besides equal shares
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=1000))]
-    starts: u32,
-    /// Stop at this gap, relative to the dimension
-    #[arg(long, value_name = "GAP", default_value_t = 1e-10)]
-    tolerance: f64,
     /// Find the best counts of this many whole segments
     #[arg(long, value_name = "N", requires = "segment_samples", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     segments: Option<u64>,
@@ -127,7 +121,6 @@ impl DesignArguments {
 
     /// Refuses invalid numbers.
     fn check(&self) -> Result<(), Failure> {
-        check_positive("--tolerance", Some(self.tolerance))?;
         check_positive("--duration-s", self.duration_s)?;
         let usage =
             |found: &str, expected: &str| Err(Failure::Usage(format!("{found}, expected {expected}")));
@@ -233,8 +226,6 @@ impl DesignArguments {
     fn settings(&self, seed: u64, moments: &Moments, provenance: &mut Provenance) {
         let settings = &mut provenance.settings;
         settings.insert("seed".into(), json!(seed));
-        settings.insert("starts".into(), json!(self.starts));
-        settings.insert("tolerance".into(), json!(self.tolerance));
         let name = self.criterion_name().unwrap_or(CriterionName::DHessian);
         if name != CriterionName::DHessian {
             settings.insert("criterion".into(), json!(name));
@@ -272,7 +263,7 @@ fn no_design(moments: &Path, available: Option<&Path>, why: NoDesign) -> Failure
             "{file}: --accuracy: {found}; ask for that, or make more time or better maneuvers available"
         )),
         NoDesign::Search(other) => Failure::NoAnswer(format!(
-            "{file}: design: found {other}, expected a convergent search; raise --starts or --tolerance"
+            "{file}: design: found {other}, expected a convergent search; take another criterion or other maneuvers"
         )),
     }
 }

@@ -64,11 +64,6 @@ impl Task for DesignArguments {
 }
 
 impl DesignArguments {
-    /// Options of the search for shares.
-    fn options(&self, seed: u64) -> Options {
-        Options { tolerance: self.tolerance, random_starts: self.starts, seed, ..Options::default() }
-    }
-
     /// The maneuvers of the table that have a share, and the result over the whole table.
     fn streamed(&self, head: Moments, seed: u64) -> Result<(Moments, Streamed), Failure> {
         let limits =
@@ -80,19 +75,20 @@ impl DesignArguments {
             )));
         }
         let table = MomentsTable::open(self.moments(), head, self.estimated())?;
-        let streamed = solve_streamed(&table, &self.options(seed)).map_err(|e| match e {
-            TableError::Table(error) => error.into(),
-            TableError::Design(error) => {
-                let dictionary = table.with(&[(0, 0)]).map_err(Failure::from).and_then(|moments| {
-                    let dictionary = moments.dictionary(self.estimated());
-                    dictionary.map_err(|e| Failure::invalid(self.moments(), &e))
-                });
-                match dictionary {
-                    Ok(dictionary) => no_design(self.moments(), None, dictionary.explain(error)),
-                    Err(failure) => failure,
+        let streamed =
+            solve_streamed(&table, &Options { seed, ..Options::default() }).map_err(|e| match e {
+                TableError::Table(error) => error.into(),
+                TableError::Design(error) => {
+                    let dictionary = table.with(&[(0, 0)]).map_err(Failure::from).and_then(|moments| {
+                        let dictionary = moments.dictionary(self.estimated());
+                        dictionary.map_err(|e| Failure::invalid(self.moments(), &e))
+                    });
+                    match dictionary {
+                        Ok(dictionary) => no_design(self.moments(), None, dictionary.explain(error)),
+                        Err(failure) => failure,
+                    }
                 }
-            }
-        })?;
+            })?;
         Ok((table.with(&streamed.members)?, streamed))
     }
 }
@@ -107,7 +103,7 @@ fn design(
     let problem = Problem::read(a, seed, moments, provenance)?;
     let (dictionary, criterion) = (&problem.of.dictionary, &problem.of.criterion);
     let refuse = |e| problem.refuse(dictionary.explain(e));
-    let options = a.options(seed);
+    let options = Options { seed, ..Options::default() };
     let shortest = problem.shortest(&options)?;
     let length = match &shortest {
         Some((_, accuracy)) => Length { samples: Some(accuracy.samples as f64), segments: None },
@@ -131,7 +127,7 @@ fn design(
     let few = problem.few(&relaxed, &bounds, &options)?;
     let restricted = few.as_ref().map(|few| &few.design);
     let design = restricted.unwrap_or(&relaxed);
-    let count_options = CountOptions { random_starts: a.starts, seed, ..CountOptions::default() };
+    let count_options = CountOptions { seed, ..CountOptions::default() };
     let figures = problem.of.figures(design, &bounds, length.samples, &options);
     let figures = figures.map_err(|e| no_criterion(a, e))?;
     let sequence = problem.arranged(design, length.samples, provenance)?;

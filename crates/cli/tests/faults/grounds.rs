@@ -113,7 +113,7 @@ static PAPER: [Stage; 20] = [
         &["vessel.toml", "campaign.toml", "dictionary.parquet"],
     ),
     stage(
-        "design --moments moments-2.json --for output-error --criterion a-relative --relative-to value --tolerance 1e-3",
+        "design --moments moments-2.json --for output-error --criterion a-relative --relative-to value",
         "design-2.json",
         ["a-relative --relative-to value", "a"],
         &["moments-2.json"],

@@ -229,7 +229,7 @@ fn counts_that_want_a_design_say_so() {
     );
     let folder = small_with(&[("\"zig-zag-steep\", count = 1", "\"zig-zag-steep\"")]);
     run(&folder, MOMENTS).succeeds();
-    run(&folder, &format!("{DESIGN} --tolerance 1e-6")).succeeds();
+    run(&folder, DESIGN).succeeds();
     let line = format!("{PLAN} --design design.json");
     refused(&folder, 3, &line, &["maneuver `zig-zag-steep`", "`informative_s`"]);
     edit(&folder, "plan.toml", "headings = 4", "headings = 4\ninformative_s = 1.0");

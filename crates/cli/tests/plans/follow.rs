@@ -77,8 +77,8 @@ fn law_positions_on_the_plan_end_at_their_step_and_the_best_rest_follows() {
         let start_s = leg["start_s"].as_f64().unwrap();
         put(&folder, "positions.csv", &seconds(&along(&planned.track, start_s, 1, 0.0)));
         run(&folder, FOLLOW).succeeds();
-        let (follow, rest) = (json(&folder, "rest/follow.json"), json(&folder, "rest/plan.json"));
-        let follow = &follow["data"];
+        let rest = json(&folder, "rest/plan.json");
+        let follow = &rest["data"]["begun"];
         assert_eq!((&follow["step"], &follow["status"]), (&(step + 1).into(), &"under-way".into()));
         for (k, own) in follow["steps"].as_array().unwrap().iter().enumerate() {
             let state = ["done", "under-way", "ahead"][(k + 1).saturating_sub(step).min(2)];
@@ -100,9 +100,9 @@ fn law_noise_and_rate_of_positions_move_no_step() {
             put(&folder, "positions.csv", &seconds(&rows));
             // Where the middle of a maneuver leaves no way on, the exit code is that of a plan that there is none of.
             run(&folder, FOLLOW).succeeds();
-            let follow = json(&folder, "rest/follow.json");
-            assert_eq!(follow["data"]["step"], step + 1, "{apart}: {}", follow["data"]["statement"]);
-            assert!(follow["data"]["delay_s"].as_f64().unwrap().abs() < 12.0, "{follow}");
+            let follow = json(&folder, "rest/plan.json")["data"]["begun"].take();
+            assert_eq!(follow["step"], step + 1, "{apart}: {}", follow["statement"]);
+            assert!(follow["delay_s"].as_f64().unwrap().abs() < 12.0, "{follow}");
         }
     }
 }
@@ -130,9 +130,9 @@ fn law_following_the_rest_goes_on_where_following_the_plan_would() {
         let rows = along(&own.track, start(&own, step), 1, 0.0);
         put(&rest, "positions.csv", &table(&rows, |at_s| of_day("2026-06-01", began_s + at_s)));
         run(&rest, FOLLOW).succeeds();
-        let (follow, second) = (json(&rest, "rest/follow.json"), json(&rest, "rest/plan.json"));
-        assert_eq!(follow["data"]["step"], step + 1);
-        assert_eq!(follow["data"]["at"], of_day("2026-06-01", began_s + start(&own, step)));
+        let second = json(&rest, "rest/plan.json");
+        assert_eq!(second["data"]["begun"]["step"], step + 1);
+        assert_eq!(second["data"]["begun"]["at"], of_day("2026-06-01", began_s + start(&own, step)));
         assert_eq!(second["data"]["cost"].as_f64().unwrap(), cost(&own.steps()[step..]));
         let uses = |name: &str| own.steps()[step..].iter().filter(|own| own["action"] == name).count();
         for (name, count) in second["data"]["counts"].as_object().unwrap() {
@@ -152,13 +152,14 @@ fn law_information_grows_to_all_of_it_and_a_done_plan_is_said_to_be() {
             let _ = fs::remove_file(folder.path().join("rest").join(name));
         }
         let ran = run(&folder, FOLLOW).succeeds();
-        let share = json(&folder, "rest/follow.json")["data"]["information"]["share"].as_f64().unwrap();
+        let share =
+            json(&folder, "rest/plan.json")["data"]["begun"]["information"]["share"].as_f64().unwrap();
         assert!(share >= last && ran.stdout.contains("information"), "{share} after {last}{ran}");
         last = share;
         if until_s.is_infinite() {
             assert!((share - 1.0).abs() < 1e-6 && ran.stdout.contains("The plan is done."), "{ran}");
-            assert_eq!(json(&folder, "rest/follow.json")["data"]["status"], "finished");
-            assert!(PLANNED.iter().all(|name| !folder.path().join("rest").join(name).exists()));
+            assert_eq!(json(&folder, "rest/plan.json")["data"]["begun"]["status"], "finished");
+            assert!(PLANNED[1..].iter().all(|name| !folder.path().join("rest").join(name).exists()));
         }
     }
 }
@@ -190,9 +191,10 @@ fn a_maneuver_that_is_missed_is_planned_again() {
     let rows: Vec<Row> = along(&planned.track, next, 1, 0.0).into_iter().map(aside).collect();
     put(&folder, "positions.csv", &seconds(&rows));
     run(&folder, FOLLOW).succeeds();
-    let (follow, rest) = (json(&folder, "rest/follow.json"), json(&folder, "rest/plan.json"));
-    assert_eq!(follow["data"]["steps"][step]["state"], "missed");
-    let own = ["deviation_m", "within_m"].map(|key| follow["data"]["steps"][step][key].as_f64().unwrap());
+    let rest = json(&folder, "rest/plan.json");
+    let follow = &rest["data"]["begun"];
+    assert_eq!(follow["steps"][step]["state"], "missed");
+    let own = ["deviation_m", "within_m"].map(|key| follow["steps"][step][key].as_f64().unwrap());
     assert!(own[0] > own[1] && own[1] > 27.0, "{own:?}");
     assert_eq!(rest["data"]["counts"], planned.plan["counts"]);
     // So it is after the end of the plan, from wherever the ship is.
@@ -223,7 +225,7 @@ fn law_sentences_and_a_table_of_the_same_positions_say_the_same() {
     let rows = along(&planned.track, 560.0, 1, 3.0);
     put(&folder, "positions.csv", &seconds(&rows));
     run(&folder, FOLLOW).succeeds();
-    let table = json(&folder, "rest/follow.json")["data"].take();
+    let table = json(&folder, "rest/plan.json")["data"]["begun"].take();
     let mut log = "noise\r\n".to_owned();
     for [at_s, longitude, latitude] in rows {
         let time = of_day("", at_s).replace([':', 'T', 'Z'], "");
@@ -234,7 +236,7 @@ fn law_sentences_and_a_table_of_the_same_positions_say_the_same() {
     }
     put(&folder, "positions.nmea", &log);
     run(&folder, &FOLLOW.replace("positions.csv", "positions.nmea")).succeeds();
-    let logged = json(&folder, "rest/follow.json")["data"].take();
+    let logged = json(&folder, "rest/plan.json")["data"]["begun"].take();
     for key in ["status", "step", "positions", "at_s", "at", "departure", "delay_s"] {
         assert_eq!(logged[key], table[key], "{key}");
     }
@@ -365,7 +367,7 @@ fn positions_that_are_no_positions_are_refused() {
     // A last line that is still being written is left out.
     put(&folder, "positions.csv", &format!("{head}{row}1,24.985"));
     run(&folder, FOLLOW).succeeds();
-    assert_eq!(json(&folder, "rest/follow.json")["data"]["positions"], 1);
+    assert_eq!(json(&folder, "rest/plan.json")["data"]["begun"]["positions"], 1);
 }
 
 #[test]
@@ -382,7 +384,6 @@ fn files_and_flags_that_make_no_sense_are_refused() {
         FOLLOW.replace("plan --rest-of plan.json --from", "plan follow --plan plan.json --positions");
     refused(&folder, 2, &before, &["'follow'"]);
     run(&folder, &FOLLOW.replace("--out rest/plan.json", "--out positions.csv")).refuses(2, &["--out"]);
-    run(&folder, &FOLLOW.replace("--out rest/plan.json", "--out rest/follow.json")).refuses(2, &["--out"]);
     refused(&folder, 1, &FOLLOW.replace("positions.csv", "absent.csv"), &["absent.csv"]);
     fs::remove_file(folder.path().join("track.parquet")).unwrap();
     run(&folder, FOLLOW).refuses(1, &["track.parquet"]);
@@ -409,7 +410,6 @@ fn the_model_identified_so_far_takes_the_vessels_place() {
     let rest = json(&folder, "rest/plan.json");
     assert_eq!(rest["data"]["voyage"]["check"]["standard_errors"], 2.0);
     assert_ne!(rest["inputs"]["vessel"], json(&folder, "plan.json")["inputs"]["vessel"]);
-    assert_eq!(rest["inputs"]["vessel"], json(&folder, "rest/follow.json")["inputs"]["vessel"]);
 }
 
 /// Positions with a heading, a speed and an input, as CSV.
@@ -473,11 +473,11 @@ fn law_logs_that_contradict_themselves_or_the_plan_are_refused_and_their_healthy
     ] {
         put(&folder, "positions.csv", &text);
         let ran = run(&folder, FOLLOW);
-        let follow = json(&folder, "rest/follow.json")["data"].take();
+        let follow = json(&folder, "rest/plan.json")["data"]["begun"].take();
         assert!(follow.get("doubts").is_none() && follow["step"] == step + 1, "{name}: {ran} {follow}");
         let left_out = u64::from(["null", "spike"].contains(&name));
         assert_eq!(follow["left_out"], left_out, "{name}");
-        for name in PLANNED.iter().chain(&["follow.json"]) {
+        for name in PLANNED {
             let _ = fs::remove_file(folder.path().join("rest").join(name));
         }
     }
@@ -490,8 +490,8 @@ fn law_logs_that_contradict_themselves_or_the_plan_are_refused_and_their_healthy
         put(&folder, "positions.csv", &text);
         let ran = run(&folder, FOLLOW);
         assert!(ran.stderr.contains(piece), "{piece}: {ran}");
-        assert_eq!(json(&folder, "rest/follow.json")["data"]["step"], step + 1, "{piece}");
-        for name in PLANNED.iter().chain(&["follow.json"]) {
+        assert_eq!(json(&folder, "rest/plan.json")["data"]["begun"]["step"], step + 1, "{piece}");
+        for name in PLANNED {
             let _ = fs::remove_file(folder.path().join("rest").join(name));
         }
     }
@@ -582,7 +582,7 @@ fn law_a_maneuver_that_was_not_sailed_as_planned_is_planned_again() {
     ] {
         put(&folder, "positions.csv", &seconds(&rows));
         let ran = run(&folder, FOLLOW);
-        let follow = json(&folder, "rest/follow.json")["data"].take();
+        let follow = json(&folder, "rest/plan.json")["data"]["begun"].take();
         let own = &follow["steps"][step];
         assert_eq!(own["state"], state, "{why}: {ran} {follow}");
         assert!(own["why"].as_str().unwrap_or_default().starts_with(why), "{own}");
@@ -602,7 +602,7 @@ fn law_a_maneuver_that_was_not_sailed_as_planned_is_planned_again() {
     for (share, state) in [(0.0, "done"), (0.4, "spoiled")] {
         put(&folder, "positions.csv", &logged(share));
         run(&folder, FOLLOW);
-        let own = json(&folder, "rest/follow.json")["data"]["steps"][step].take();
+        let own = json(&folder, "rest/plan.json")["data"]["begun"]["steps"][step].take();
         assert!(
             own["state"] == state && (state == "done" || own["why"].as_str().unwrap().contains("`tau3`")),
             "{own}"

@@ -263,15 +263,15 @@ fn results_of_another_study_are_not_written_over() {
 #[test]
 fn a_setting_on_the_command_line_replaces_that_of_the_study() {
     let folder = written(4);
-    put(&folder, "study.toml", "[design]\ntolerance = 1e-9\n");
+    put(&folder, "study.toml", "[design]\nduration_s = 90\n");
     // The usual flags stay, as far as they go together.
     let usual = "--for output-error --criterion d";
     let ship = "--vessel {study}/vessel.toml --dictionary {study}/dictionary.toml";
     for (own, whole) in [
-        ("tolerance=1e-7", format!("{usual} --arrange --tolerance 0.0000001 {ship}")),
-        ("most_maneuvers=3", format!("{usual} --most-maneuvers 3 --tolerance 0.000000001")),
-        ("criterion=a", "--criterion a --tolerance 0.000000001".to_owned()),
-        ("arrange=false", format!("{usual} --tolerance 0.000000001")),
+        ("duration_s=60", format!("{usual} --arrange --duration-s 60 {ship}")),
+        ("most_maneuvers=3", format!("{usual} --duration-s 90 --most-maneuvers 3")),
+        ("criterion=a", "--criterion a --duration-s 90".to_owned()),
+        ("arrange=false", format!("{usual} --duration-s 90")),
     ] {
         run(&folder, &format!("run . --out out --stage design --set study.design.{own}")).succeeds();
         let document = json(&folder, "out/run.json");

@@ -13,7 +13,7 @@ const SLOPES: &str = "validate merit --vessel vessel.toml --dictionary dictionar
 const EXPECTED: &str = "moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --estimator \
                         output-error --out moments.json";
 const OUTPUT_ERROR: &str =
-    "design --moments moments.json --for output-error --duration-s 5400 --starts 1 --out design.json";
+    "design --moments moments.json --for output-error --duration-s 5400 --out design.json";
 
 /// A folder with the coaster's moments and figures.
 fn folder() -> TempDir {
@@ -118,7 +118,7 @@ fn law_figures_stand_beside_every_criterion_and_estimator() {
         let [one, other] = [own, other].map(|own| number(own, "d_optimal"));
         assert!((one - other).abs() <= 1e-6 * one, "{own}");
     }
-    let iv = "design --moments moments.json --starts 1 --out design.json";
+    let iv = "design --moments moments.json --out design.json";
     let paper = designed(&folder, &format!("{iv} {flags}"));
     assert_eq!((&paper["criterion"], &paper["figures"]["samples"]), (&"D".into(), &1.into()));
     let own = designed(&folder, &format!("{iv} --criterion figures {flags}"));
@@ -137,8 +137,7 @@ fn law_figures_stand_beside_every_criterion_and_estimator() {
 #[test]
 fn law_a_figure_is_as_well_known_as_is_wanted_and_no_better() {
     let folder = folder();
-    let line =
-        "design --moments moments.json --for output-error --starts 1 --figures merit.json --out design.json";
+    let line = "design --moments moments.json --for output-error --figures merit.json --out design.json";
     let asked = |wanted: &str| {
         designed(&folder, &format!("{line} --accuracy circle-port/tactical-diameter={wanted}"))
     };

@@ -11,7 +11,7 @@ const GENERATE: &str = "duration_s = 37.5\n[generate]\ncandidates = 120\nseed = 
      r_rad_s = 0.6\ninputs = { tau2 = 1430.0 }\n";
 const OUTPUT_ERROR: &str = "moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --estimator \
      output-error --out moments.json";
-const FOR: &str = "design --moments moments.json --for output-error --criterion a-relative --relative-to value --tolerance 1e-8 --out design.json";
+const FOR: &str = "design --moments moments.json --for output-error --criterion a-relative --relative-to value --out design.json";
 
 /// A folder with a generated dictionary and its moments.
 fn generated() -> TempDir {
@@ -172,7 +172,7 @@ fn law_names_and_inputs_of_candidates_do_not_depend_on_their_number_or_the_limit
 #[test]
 fn a_campaign_runs_the_generated_maneuvers_in_the_designs_order() {
     let folder = generated();
-    let line = format!("{FOR} --duration-s 125 --starts 0");
+    let line = format!("{FOR} --duration-s 125");
     let arrange = "--arrange --vessel vessel.toml --dictionary dictionary.toml";
     run(&folder, &line).succeeds();
     let plain = data(&folder);
@@ -190,7 +190,7 @@ fn a_campaign_runs_the_generated_maneuvers_in_the_designs_order() {
     let mixed = format!("{CAMPAIGN} --allow=mixed");
     refused(&folder, 3, &mixed, &["design.json", "`data.sequence`", "1000 samples", "800 samples"]);
     // The length of the moments' campaign, and no piece below 15 % of the maneuvers' 37.5 s.
-    run(&folder, &format!("{FOR} --starts 0 {arrange}")).succeeds();
+    run(&folder, &format!("{FOR} {arrange}")).succeeds();
     assert_eq!(data(&folder)["sequence"], *sequence);
     assert!(parts.iter().all(|part| part["samples"].as_u64().unwrap() >= 45), "{parts:?}");
     refused(&folder, 2, &format!("{line} --arrange"), &["--vessel"]);
@@ -242,7 +242,6 @@ fn designs_for_output_error_are_proved_where_there_is_no_current() {
                 "{name}: {}",
                 found["statement"]
             );
-            assert_eq!(found["proved_global"], still);
         }
     }
 }
@@ -250,7 +249,7 @@ fn designs_for_output_error_are_proved_where_there_is_no_current() {
 #[test]
 fn few_maneuvers_cost_what_they_say() {
     let folder = generated();
-    run(&folder, &format!("{FOR} --starts 0 --duration-s 125 --most-maneuvers 4")).succeeds();
+    run(&folder, &format!("{FOR} --duration-s 125 --most-maneuvers 4")).succeeds();
     let found = data(&folder);
     assert!(used(&found).len() <= 4 && found["status"] == "restricted", "{}", found["statement"]);
     assert!(found["statement"].as_str().unwrap().contains("not proved global"), "{}", found["statement"]);

@@ -29,8 +29,8 @@ fn command_lines_that_say_too_little_or_too_much_are_refused() {
     }
     run(&folder, "simulate").refuses(2, &["subcommand"]);
     refused(&folder, 2, "simulate dictionry", &["dictionry", "dictionary"]);
-    refused(&folder, 2, &format!("{DESIGN} --tolerance 0"), &["--tolerance", "above 0"]);
-    refused(&folder, 2, &format!("{DESIGN} --tolerance nan"), &["--tolerance", "NaN"]);
+    refused(&folder, 2, &format!("{DESIGN} --duration-s 0"), &["--duration-s", "above 0"]);
+    refused(&folder, 2, &format!("{DESIGN} --duration-s nan"), &["--duration-s", "NaN"]);
     refused(&folder, 2, &format!("{DESIGN} --segments 5"), &["--segment-samples"]);
     refused(&folder, 2, &format!("{DESIGN} --segments 0 --segment-samples 200"), &["--segments", "0"]);
 }

@@ -8,7 +8,7 @@ use study::documents::{
     Bounds, CriterionName, Degree, DegreeMoments, DegreeSummary, DesignDocument, DesignScores, DesignStatus,
     DesignSummary, Efficiency, EstimateDocument, Estimator, InstrumentKind, ManeuverMoments, MeanRemoval,
     Moments, MomentsDocument, ParameterSummary, Published, PublishedShare, Quantiles, Reference, ScoreStatus,
-    Start, ValidationDocument,
+    ValidationDocument,
 };
 use study::scores::Row;
 
@@ -128,13 +128,6 @@ fn by_name(value: impl Fn(&Maneuver) -> f64) -> BTreeMap<String, f64> {
 }
 
 fn design() -> DesignDocument {
-    let start = |index: u32| Start {
-        name: if index == 0 { "equal".to_owned() } else { format!("random {index}") },
-        log_det: -41.273_918_24,
-        relative_gap: 3.1e-10 * f64::from(index + 1),
-        iterations: u64::from(41 + 3 * index),
-        agrees: true,
-    };
     DesignDocument {
         criterion: CriterionName::DHessian,
         mean_removal: Some(MeanRemoval::Complete),
@@ -155,8 +148,6 @@ fn design() -> DesignDocument {
         gap: Some(4.1e-9),
         relative_gap: Some(3.15e-10),
         log_det: Some(-41.273_918_24),
-        proved_global: false,
-        starts: (0..6).map(start).collect(),
         efficiency: Some(Efficiency { equal_shares: 0.571, single: by_name(|m| m.3) }),
         counts: None,
         counted: None,

@@ -84,6 +84,7 @@ pub fn plan() -> PlanDocument {
         voyage: Some(voyage()),
         charts: Vec::new(),
         beyond: Vec::new(),
+        begun: None,
     }
 }
 

@@ -68,11 +68,6 @@ pub struct DesignDocument {
     /// log|det| of the information matrix at the shares, whatever the criterion.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub log_det: Option<f64>,
-    /// Whether the problem is concave, so that the gap bounds the distance to the global optimum.
-    pub proved_global: bool,
-    /// Equal shares first, then the random starts; absent where no start's end is the design.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub starts: Vec<Start>,
     /// Efficiency of other shares of the same maneuvers against these.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub efficiency: Option<Efficiency>,
@@ -287,22 +282,6 @@ pub struct CovarianceCriterion {
     pub samples: u64,
     /// Predicted standard error of every parameter, in the parameter's unit; in proportion to 1/√samples.
     pub standard_errors: BTreeMap<String, f64>,
-}
-
-/// One start of the solver.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Start {
-    /// `equal` or `random N`.
-    pub name: String,
-    /// Value of the criterion that it reached; for a covariance minus its logarithm.
-    pub log_det: f64,
-    /// Its relative Kiefer–Wolfowitz gap.
-    pub relative_gap: f64,
-    /// Iterations of the solver.
-    pub iterations: u64,
-    /// Whether it reached the value of the best start to 1e-8 relative.
-    pub agrees: bool,
 }
 
 /// Efficiencies, for D |det Γ(w)/det Γ(w*)|^(1/n_θ): the fraction of the experiment time that the optimal shares would

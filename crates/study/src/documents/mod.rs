@@ -54,8 +54,7 @@ pub use compare::{
 };
 pub use design::{
     Accuracy, AccuracyPoint, Counts, CovarianceCriterion, DesignDocument, DesignFigure, DesignFigures,
-    DesignPromise, DesignStatus, Efficiency, Restricted, Sequence, SequencePart, SolvedFigures, Start,
-    Unreached,
+    DesignPromise, DesignStatus, Efficiency, Restricted, Sequence, SequencePart, SolvedFigures, Unreached,
 };
 pub(crate) use estimate::bounded;
 pub use estimate::{
@@ -71,14 +70,15 @@ pub use ingest::{
     SIMULATED_FILE, SimulatedLogsDocument, SimulatedRecording, State, WarningKind, WarningSummary,
 };
 pub use map::{
-    FollowDocument, FollowStatus, FollowedStep, MapArea, MapCellClass, MapCells, MapClass, MapContour,
-    MapDocument, MapFrame, MapLine, MapMargin, MapMeridian, MapName, MapParallel, MapPlace, MapPurpose,
-    MapRaster, MapRuns, MapSpot, MapSwept, MapSymbol, MapTrack, MapTrackKind,
+    MapArea, MapCellClass, MapCells, MapClass, MapContour, MapDocument, MapFrame, MapLine, MapMargin,
+    MapMeridian, MapName, MapParallel, MapPlace, MapPurpose, MapRaster, MapRuns, MapSpot, MapSwept,
+    MapSymbol, MapTrack, MapTrackKind,
 };
 pub use model::{ModelDegree, ModelDocument, ModelParameter};
 pub use plan::{
-    CostUnit, DroppedMove, LeftOut, PlanChart, PlanChartClass, PlanDepths, PlanDocument, PlanHandling,
-    PlanLattice, PlanPose, PlanStatus, PlanStep, PlanUnitFrom, SecondaryCost, Voyage,
+    BegunPlan, CostUnit, DroppedMove, FollowStatus, FollowedStep, LeftOut, PlanChart, PlanChartClass,
+    PlanDepths, PlanDocument, PlanHandling, PlanLattice, PlanPose, PlanStatus, PlanStep, PlanUnitFrom,
+    SecondaryCost, Voyage,
 };
 pub use refined::{
     DesignUpdateDocument, RefinedDesign, RefinedExperiment, RefinedLimit, UpdatedAccuracy, UpdatedCriterion,
@@ -98,7 +98,6 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (DesignDocument::ID, json_schema::<DesignDocument>()),
         (DesignUpdateDocument::ID, json_schema::<DesignUpdateDocument>()),
         (EstimateDocument::ID, json_schema::<EstimateDocument>()),
-        (FollowDocument::ID, json_schema::<FollowDocument>()),
         (IngestDocument::ID, json_schema::<IngestDocument>()),
         (ValidationDocument::ID, json_schema::<ValidationDocument>()),
         (TallyDocument::ID, json_schema::<TallyDocument>()),

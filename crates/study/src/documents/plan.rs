@@ -2,8 +2,12 @@ use std::collections::BTreeMap;
 
 use chart::{Measured, UnitFrom};
 use files::{Document, Units};
-use plan::voyage::{Check, FrontPoint, Information, Passage, Primary, Primitive, Secondary, VoyageLeg};
+use plan::voyage::{
+    Check, FrontPoint, Gathered, GatheredManeuver, Information, Passage, Primary, Primitive, RestartPoint,
+    Secondary, StepState, VoyageLeg,
+};
 use plan::{DerivedHandling, Handling, Side};
+use refusal::{Invalid, check_numbers};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -38,9 +42,31 @@ pub struct PlanDocument {
     /// Where its maneuvers leave what the logs of the model cover, in words.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub beyond: Vec<String>,
+    /// Of the rest of a plan that was begun, by positions: what is done of it. With nothing left to plan there are no steps.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub begun: Option<BegunPlan>,
 }
 
 impl PlanDocument {
+    /// The rest of the plan that is `begun`, where none of its maneuvers are left.
+    pub fn done(begun: BegunPlan) -> Self {
+        Self {
+            status: PlanStatus::Optimal,
+            statement: begun.statement.clone(),
+            cost_unit: CostUnit::Cost,
+            cost: 0.0,
+            lower_bound: 0.0,
+            gap: 0.0,
+            secondary: None,
+            counts: BTreeMap::new(),
+            steps: Vec::new(),
+            voyage: None,
+            charts: Vec::new(),
+            beyond: Vec::new(),
+            begun: Some(begun),
+        }
+    }
+
     /// Its status; of a feasible plan with its gap.
     pub fn known(&self) -> String {
         match self.status {
@@ -353,6 +379,96 @@ pub struct DroppedMove {
     pub why: String,
 }
 
+/// Where a ship was in the plan before, by her positions so far.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BegunPlan {
+    /// What is known, in words.
+    pub statement: String,
+    /// What is left to do.
+    pub status: FollowStatus,
+    /// When the plan began, in UTC; absent where neither the plan nor the positions say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub departure: Option<String>,
+    /// When the last position was, in UTC; absent as above.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<String>,
+    /// The same after the departure; after the first position where the plan has no departure and positions have times of
+    /// day \[s\].
+    pub at_s: f64,
+    /// Number of positions.
+    pub positions: u64,
+    /// How many more were left out: without a fix, at 0 N 0 E, or where she cannot have come to and back from.
+    #[serde(default)]
+    pub left_out: u64,
+    /// What is odd about them, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub doubts: Vec<String>,
+    /// Number of the step that the ship is at, from 1.
+    pub step: u64,
+    /// Distance of the ship from where the plan has her, the delay apart \[m\].
+    pub deviation_m: f64,
+    /// How much later she is there than planned; negative where she is earlier \[s\].
+    pub delay_s: f64,
+    /// All steps of the plan.
+    pub steps: Vec<FollowedStep>,
+    /// How much of the information of the plan's maneuvers those have that are done.
+    pub information: Gathered,
+    /// Where the ship goes on.
+    pub from: RestartPoint,
+}
+
+refusal::choices! {
+    /// What is left to do of a plan.
+    pub enum FollowStatus {
+        /// Maneuvers.
+        UnderWay = "under-way",
+        /// The way to its end.
+        ManeuversDone = "maneuvers-done",
+        /// Nothing.
+        Finished = "finished",
+    }
+}
+
+/// A step of a plan, and what became of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FollowedStep {
+    /// Name of its action.
+    pub action: String,
+    /// Whether it is an informative maneuver.
+    pub informative: bool,
+    /// What became of it.
+    pub state: StepState,
+    /// The greatest distance of the ship from its track, where she came along it; absent where she did not \[m\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub deviation_m: Option<f64>,
+    /// Within which it counts as done \[m\].
+    pub within_m: f64,
+    /// Why its maneuver is spoiled; absent where it is not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub why: Option<String>,
+}
+
+impl BegunPlan {
+    /// What to print of it.
+    pub fn summary(&self) -> String {
+        let uses =
+            |of: fn(&GatheredManeuver) -> u64| -> u64 { self.information.maneuvers.iter().map(of).sum() };
+        let share = self
+            .information
+            .share
+            .map_or(String::new(), |share| format!(" with {:.0} % of the information", 100.0 * share));
+        format!(
+            "step {} of {}, {} of {} maneuvers done{share}",
+            self.step,
+            self.steps.len(),
+            uses(|step| step.done),
+            uses(|step| step.planned)
+        )
+    }
+}
+
 impl Document for PlanDocument {
     const ID: &'static str = "plan";
     const VERSION: u32 = 2;
@@ -380,7 +496,17 @@ impl Document for PlanDocument {
              response_s lag_s",
         ),
         ("as declared in vessel.toml", "largest_inputs numbers"),
+        ("s", "at_s delay_s"),
+        ("m", "deviation_m within_m"),
+        ("1", "positions left_out share planned done"),
     ];
+
+    fn check(&self) -> Result<(), Invalid> {
+        let Some(BegunPlan { step, steps, .. }) = &self.begun else { return Ok(()) };
+        let most = steps.len() as f64;
+        let expected = format!("a step from 1 to {most}");
+        check_numbers([("data.begun.step", *step as f64)], &expected, |step| (1.0..=most).contains(&step))
+    }
 }
 
 /// What the depths, or heights, of a chart are measured in, and from.

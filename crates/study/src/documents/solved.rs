@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use design::{
     Accuracy, AccuracyOf, Available, Bounds, Criterion, CriterionName, Design, Dictionary, Predicted,
-    Restricted, Segments, Status, Streamed, Whole,
+    Restricted, Segments, Streamed, Whole,
 };
 use estimation::Estimator;
 use estimation::refine::Forward;
@@ -15,7 +15,7 @@ use trial::refining::Refinement;
 
 use super::design::{
     Accuracy as AccuracyDocument, Counts, CovarianceCriterion, DesignDocument, DesignPrior, DesignPromise,
-    DesignStatus, Efficiency, Restricted as RestrictedDocument, Sequence, SequencePart, SolvedFigures, Start,
+    DesignStatus, Efficiency, Restricted as RestrictedDocument, Sequence, SequencePart, SolvedFigures,
     Unreached,
 };
 use super::refined::{RefinedDesign, RefinedExperiment, RefinedLimit};
@@ -58,8 +58,7 @@ impl From<Solved<'_>> for DesignDocument {
         let Solved { dictionary, criterion, design, .. } = solved;
         let named = |values: &[f64]| by_name(&dictionary.maneuvers, values);
         let (count, p) = (dictionary.maneuvers.len(), criterion.degree());
-        let starts = starts(design);
-        let statement = statement(&solved, &starts);
+        let statement = statement(&solved);
         let parameters = dictionary.parameters();
         let log_det = match criterion {
             Criterion::Information(_) => Some(design.log_det),
@@ -90,8 +89,6 @@ impl From<Solved<'_>> for DesignDocument {
             gap: Some(design.gap),
             relative_gap: Some(design.gap / p),
             log_det,
-            proved_global: design.status == Status::Optimal && solved.restricted.is_none(),
-            starts,
             efficiency: Some(Efficiency {
                 equal_shares,
                 single: named(&criterion.single_efficiencies(design, parameters)),
@@ -180,28 +177,12 @@ fn unreached(solved: &Solved) -> Option<Unreached> {
     Some(Unreached { from: sampled.from, ships: sampled.ships, motions, statement })
 }
 
-fn starts(design: &Design) -> Vec<Start> {
-    let start = |(i, s): (usize, &design::Start)| Start {
-        name: if i == 0 { "equal".into() } else { format!("random {i}") },
-        log_det: s.log_det,
-        relative_gap: s.relative_gap,
-        iterations: s.iterations,
-        agrees: design.agrees(s),
-    };
-    design.starts.iter().enumerate().map(start).collect()
-}
-
-fn statement(solved: &Solved, starts: &[Start]) -> String {
+fn statement(solved: &Solved) -> String {
     match &solved.restricted {
         Some((_, restricted)) => statements::restricted(restricted),
         None => {
             let binds = |a: &Available| Bounds::new(&a.shares).is_ok_and(|bounds| bounds.bind());
-            statements::certificate(
-                solved.design,
-                solved.criterion,
-                starts,
-                solved.available.is_some_and(binds),
-            )
+            statements::certificate(solved.design, solved.criterion, solved.available.is_some_and(binds))
         }
     }
 }
@@ -373,8 +354,6 @@ impl RefinedFiles<'_> {
             gap: None,
             relative_gap: None,
             log_det: forward.log_det(samples),
-            proved_global: false,
-            starts: Vec::new(),
             efficiency: None,
             counts: None,
             counted: None,

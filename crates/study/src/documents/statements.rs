@@ -8,30 +8,32 @@ use trial::arranging::{Arranged, Kept};
 use trial::moments::{Promise, SampledFrom, SampledShips, UnreachedMotion};
 use trial::refining::Refinement;
 
-use super::design::{DesignPromise, Start};
+use super::design::DesignPromise;
 
 /// About shares. `bound`: whether the available amounts limit them.
-pub(super) fn certificate(design: &Design, criterion: &Criterion, starts: &[Start], bound: bool) -> String {
-    let agreeing = starts.iter().filter(|s| s.agrees).count();
-    let starts = format!("{agreeing} of {} starts reached this value", starts.len());
+pub(super) fn certificate(design: &Design, criterion: &Criterion, bound: bool) -> String {
+    let agreeing = design.starts.iter().filter(|start| design.agrees(start)).count();
+    let starts = match design.starts.len() {
+        1 => String::new(),
+        all => format!("; {agreeing} of {all} starts reached this value"),
+    };
     let gap = design.gap / criterion.degree();
     let within = if bound { " that are available" } else { "" };
     match (design.status, criterion) {
         (Status::Optimal, Criterion::Information(_)) => format!(
-            "Globally optimal: the problem is concave, and no shares{within} have a criterion more than {:.1e} higher; \
-             {starts}.",
+            "Globally optimal: the problem is concave, and no shares{within} have a criterion more than {:.1e} higher{starts}.",
             design.gap.max(0.0)
         ),
         (Status::Optimal, Criterion::Covariance(_)) => format!(
-            "Globally optimal: the problem is convex, and no shares{within} save more than {:.1e} of the time; {starts}.",
+            "Globally optimal: the problem is convex, and no shares{within} save more than {:.1e} of the time{starts}.",
             gap.max(0.0)
         ),
         (Status::Stationary, _) => format!(
-            "Stationary{} to a relative gap of {gap:.1e}, not proved global (the problem is not concave); {starts}.",
+            "Stationary{} to a relative gap of {gap:.1e}, not proved global (the problem is not concave){starts}.",
             if bound { " within what is available" } else { "" }
         ),
         (Status::Stalled, _) => {
-            format!("The search stalled at a relative gap of {gap:.1e}: not optimal; {starts}.")
+            format!("The search stalled at a relative gap of {gap:.1e}: not optimal{starts}.")
         }
     }
 }

@@ -76,6 +76,7 @@ fn plan(
         voyage: None,
         charts: Vec::new(),
         beyond: Vec::new(),
+        begun: None,
     }
 }
 

@@ -1,4 +1,4 @@
-//! A plan that is followed: its positions so far as a file, and `follow.json` of them.
+//! A plan that is followed: its positions so far as a file, and what they say of it.
 
 use std::collections::BTreeMap;
 use std::io::{BufReader, Read};
@@ -14,7 +14,7 @@ use plan::voyage::{
 };
 use refusal::Invalid;
 
-use crate::documents::{FollowDocument, FollowStatus, FollowedStep, PlanDocument, PlanStep, Voyage};
+use crate::documents::{BegunPlan, FollowStatus, FollowedStep, PlanDocument, PlanStep, Voyage};
 use crate::tables::track::planned_points;
 
 /// The files of a plan that is followed.
@@ -38,8 +38,8 @@ struct Clock {
 /// A plan that is followed.
 #[derive(Clone, Debug)]
 pub struct FollowedPlan {
-    /// `follow.json`.
-    pub document: FollowDocument,
+    /// What is known of it.
+    pub begun: BegunPlan,
     /// The positions, on the plane of the trial.
     pub positions: Vec<ShipPosition>,
 }
@@ -152,7 +152,7 @@ impl FollowedPlan {
                 None => rest,
             };
         }
-        let document = FollowDocument {
+        let begun = BegunPlan {
             statement: statement(plan, &followed, &information, status),
             doubts: doubts(plan, &followed),
             left_out: (followed.spikes + logged.left_out) as u64,
@@ -168,7 +168,7 @@ impl FollowedPlan {
             information,
             from,
         };
-        Ok(Self { document, positions: followed.positions })
+        Ok(Self { begun, positions: followed.positions })
     }
 }
 
@@ -359,7 +359,7 @@ fn states(voyage: &Voyage, track: &PlannedTrack, followed: &Followed) -> Vec<Fol
     .collect()
 }
 
-/// `follow.json` in words.
+/// The same in words.
 fn statement(
     plan: &PlanDocument,
     followed: &Followed,
