@@ -103,6 +103,12 @@ const GONE: &[(&str, &str)] = &[
     ("refine", "it is gone: `design --refine design.json` improves the input signals of that design"),
     ("--starts", "it is gone: a search starts at random places where its problem is not concave"),
     ("--tolerance", "it is gone: a search ends where rounding does, and its gap is stated"),
+    ("--hold-unexcited", "it is gone: parameters that no maneuver excites are held and named"),
+    (
+        "--instruments",
+        "it is gone: `--estimator ls` takes the regressors as instruments, `iv` those of the nominal model",
+    ),
+    ("--table", "it is gone: `--keep table` writes moments.parquet beside the document"),
     ("--limits", "it is gone: a table [limits] in dictionary.toml states them"),
     ("--per-parameter", "it is gone: `--accuracy` is of all parameters together"),
     (

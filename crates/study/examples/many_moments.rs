@@ -1,4 +1,4 @@
-//! Writes `moments.json` and its table, as `moments --table` does, for random maneuvers: `many_moments 1000000
+//! Writes `moments.json` and its table, as `moments --keep table` does, for random maneuvers: `many_moments 1000000
 //! FOLDER`. It serves to measure the time and memory of `design` for a table of a size.
 
 use std::path::PathBuf;

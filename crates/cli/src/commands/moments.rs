@@ -31,7 +31,8 @@ use crate::inputs::{self, ordered};
 use crate::pool::Nominal;
 use crate::stage::{Summary, Task};
 
-/// Computes how much each maneuver says about each parameter: its moments, the matrices M of docs/notation.md
+/// Computes how much each maneuver says about each parameter: its moments, the matrices M of docs/notation.md. Parameters that no
+/// maneuver excites apart from the others are held at their values
 #[derive(Parser)]
 #[command(
     name = "moments",
@@ -51,21 +52,16 @@ pub struct MomentsArguments {
     /// data), or a previous estimate.json
     #[arg(long, value_name = "given|least-squares|FILE")]
     nominal: Option<Nominal>,
-    /// What the instruments are made of
-    #[arg(long, value_parser = choice(&InstrumentKind::ALL, InstrumentKind::name, InstrumentKind::description), default_value_t = InstrumentKind::Nominal)]
-    instruments: InstrumentKind,
     /// The disturbances to expect: adds the matrices B that the estimate's covariance is made of
-    #[arg(long, value_name = "campaign.toml")]
+    #[arg(long, required_if_eq("estimator", "output-error"), value_name = "campaign.toml")]
     campaign: Option<PathBuf>,
-    /// The estimator to predict besides: `output-error` adds the matrices F and P, and G of the campaign's validation maneuvers
-    #[arg(long, value_parser = choice(&Estimator::PREDICTED, Estimator::name, Estimator::description), default_value_t = Estimator::Iv, requires = "campaign")]
+    /// The estimator to predict: of `ls` the regressors are the instruments; `output-error` adds the matrices F and P, and G of the
+    /// campaign's validation maneuvers
+    #[arg(long, value_parser = choice(&PREDICTED, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
     estimator: Estimator,
     /// Writes the maneuvers into moments.parquet beside the document, as they come: for dictionaries of very many
-    #[arg(long, conflicts_with_all = ["campaign", "shard", "gather"])]
-    table: bool,
-    /// Holds parameters that no maneuver excites apart from the others at their values, says so, and gives the moments of the others
-    #[arg(long, conflicts_with_all = ["table", "shard", "gather"])]
-    hold_unexcited: bool,
+    #[arg(long, value_parser = ["table"], conflicts_with_all = ["campaign", "shard", "gather"])]
+    keep: Option<String>,
     #[command(flatten)]
     sharding: Sharding,
 }
@@ -88,9 +84,9 @@ impl Task for MomentsArguments {
         if vessel.model.forces.is_some() {
             return self.of_forces(common, &vessel, &reader, provenance);
         }
-        provenance.settings.insert("instruments".into(), json!(self.instruments));
+        provenance.settings.insert("instruments".into(), json!(self.instruments()));
         let beyond = study::beyond(&self.vessel, &self.trajectories, None)?;
-        let is_own = !self.table && matches!(self.nominal, None | Some(Nominal::Given));
+        let is_own = self.keep.is_none() && matches!(self.nominal, None | Some(Nominal::Given));
         let sampled = is_own.then(|| sampled_ships(&self.vessel, &vessel, &reader)).transpose()?.flatten();
         let inputs = [&self.vessel, &self.trajectories].into_iter().chain(&self.campaign);
         let out = common.main_output("moments.json", inputs.chain(&self.sharding.gather))?;
@@ -105,7 +101,7 @@ impl Task for MomentsArguments {
             let head = |maneuvers: Vec<ManeuverMoments>| Moments {
                 vessel: vessel.name.clone(),
                 sample_rate_hz: vessel.sample_rate_hz,
-                instruments: Some(self.instruments),
+                instruments: Some(self.instruments()),
                 degrees: structure(&vessel.model),
                 maneuvers,
                 held: held.clone(),
@@ -115,7 +111,7 @@ impl Task for MomentsArguments {
                 prior: known.clone(),
                 sampled: sampled.clone(),
             };
-            if self.table {
+            if self.keep.is_some() {
                 return reading.table(&out, &provenance, &MomentsDocument(head(Vec::new())));
             }
             if self.sharding.gathers() {
@@ -152,7 +148,15 @@ fn published(out: &Path, provenance: &Provenance, document: &MomentsDocument) ->
     Ok(Summary::of(out, format!("moments of {count} maneuvers{part}{said}{current}"), details))
 }
 
+/// The estimators that moments are of.
+const PREDICTED: [Estimator; 3] = [Estimator::Ls, Estimator::Iv, Estimator::OutputError];
+
 impl MomentsArguments {
+    /// What the instruments are made of.
+    fn instruments(&self) -> InstrumentKind {
+        if self.estimator == Estimator::Ls { InstrumentKind::Regressors } else { InstrumentKind::Nominal }
+    }
+
     /// The moments of a ship with forces, for an output-error estimate.
     fn of_forces(
         &self,
@@ -167,11 +171,7 @@ impl MomentsArguments {
                 Failure::invalid(&self.vessel, &Invalid { remedy: remedy.into(), ..e })
             })?;
         }
-        let flags = [
-            ("--nominal", self.nominal.is_some()),
-            ("--instruments", self.instruments != InstrumentKind::Nominal),
-            ("--table", self.table),
-        ];
+        let flags = [("--nominal", self.nominal.is_some()), ("--keep", self.keep.is_some())];
         none_given(flags, "a vessel with forces, which has no instruments", "one with terms per sample")?;
         let inputs = [&self.vessel, &self.trajectories].into_iter().chain(&self.campaign);
         let out = common.main_output("moments.json", inputs.chain(&self.sharding.gather))?;
@@ -213,9 +213,9 @@ impl MomentsArguments {
         }
     }
 
-    /// The parameter to be held next, if such are held.
+    /// The parameter to be held next, since no maneuver excites it apart from the others; none of a part of the maneuvers.
     fn unexcited(&self, moments: &Moments) -> Result<Option<HeldParameter>, Failure> {
-        if !self.hold_unexcited {
+        if self.sharding.shard.is_some() {
             return Ok(None);
         }
         let estimated = match self.estimator {
@@ -268,7 +268,7 @@ impl Reading<'_> {
         let mut names = HashSet::new();
         self.each(|pooled, more| {
             if pooled || !names.insert(more.name.clone()) {
-                return Err(self.pooled(&more.name, "--table"));
+                return Err(self.pooled(&more.name, "--keep table"));
             }
             let long_enough = more.check_length(&self.vessel.model);
             long_enough.map_err(|e| Failure::invalid(&self.a.trajectories, &e))?;
@@ -294,7 +294,7 @@ impl Reading<'_> {
         mut take: impl FnMut(bool, ManeuverMoments) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let Self { a, vessel, prediction, forces, reader, quiet } = self;
-        let instruments = RunInstruments::new(vessel, a.instruments);
+        let instruments = RunInstruments::new(vessel, a.instruments());
         let blocks = a.sharding.shard.map_or(0..reader.blocks(), |shard| shard.range(reader.blocks()));
         let share = blocks.len() as f64 / reader.blocks().max(1) as f64;
         let seconds = share * reader.rows().0 as f64 / ROWS_PER_SECOND;
@@ -337,10 +337,10 @@ fn predicted(
 ) -> Result<(Option<Expected>, Option<FreeRunModel>), Failure> {
     let Some(campaign) = &a.campaign else { return Ok((None, None)) };
     let config = read_campaign(campaign, provenance)?;
-    let noise = if a.estimator == Estimator::OutputError && a.instruments == InstrumentKind::Nominal {
+    let noise = if a.estimator == Estimator::OutputError {
         config.output_noise()
     } else {
-        config.noise_for(a.instruments).map_err(|e| Failure::invalid(campaign, &e))?
+        config.noise_for(a.instruments()).map_err(|e| Failure::invalid(campaign, &e))?
     };
     let expected = expected(a, vessel, &config, noise)?;
     if a.estimator != Estimator::OutputError {

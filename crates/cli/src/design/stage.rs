@@ -71,7 +71,7 @@ impl DesignArguments {
         if let Some((_, flag)) = limits.into_iter().find(|(given, _)| *given) {
             return Err(Failure::Usage(format!(
                 "{flag}: found moments in a table, which is gone through without it, expected moments in a document; run `moments` \
-                 without --table, or leave it out"
+                 without --keep table, or leave it out"
             )));
         }
         let table = MomentsTable::open(self.moments(), head, self.estimated())?;

@@ -96,10 +96,16 @@ pub fn simulated(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep>
 /// Flags of the moments. Where a study does not say others: for the best estimator in nine of ten cases measured.
 fn information(settings: &StudySettings) -> Vec<String> {
     let asked = &settings.moments;
-    if asked.has(&["instruments", "nominal", "table"]) && !asked.has(&["estimator"]) {
+    let estimator = asked.value("estimator");
+    if asked.has(&["nominal", "keep"]) && estimator.is_none() {
         return asked.over("");
     }
-    asked.over(&format!("{SEA} --estimator output-error"))
+    // Other criteria than the paper's predict errors by the disturbances.
+    let predicts = settings.design.value("criterion").is_some_and(|name| name != "d-hessian");
+    match estimator.is_some_and(|name| name != Estimator::OutputError.name()) && !predicts {
+        true => asked.over(""),
+        false => asked.over(&format!("{SEA} --estimator output-error")),
+    }
 }
 
 /// Flags of the design: those of the study over the usual ones, unless it says what moments or design are for. What the search for
@@ -310,7 +316,7 @@ fn next_trial(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
     // A fitted ship may not go straight ahead: that is said.
     let unreached = if is_searched { "" } else { "--allow=unreached" };
     let dictionary = format!("simulate dictionary {model} {HELM} {allowed} {unreached}");
-    let moments = format!("moments {model} {MADE} {SEA} --estimator output-error --hold-unexcited");
+    let moments = format!("moments {model} {MADE} {SEA} --estimator output-error");
     let design = "design --moments \0out/measured/next/moments.json --for output-error";
     let usual = match is_searched {
         true => "",

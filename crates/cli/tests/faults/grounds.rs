@@ -63,7 +63,7 @@ static PAPER: [Stage; 20] = [
     stage(
         "moments --vessel vessel.toml --trajectories dictionary.parquet",
         "moments.json",
-        ["--vessel", "--instruments regressors --vessel"],
+        ["--vessel", "--estimator ls --vessel"],
         &["vessel.toml", "dictionary.parquet"],
     ),
     stage(
@@ -257,7 +257,7 @@ static LOGS: [Stage; 9] = [
     stage(
         "moments --vessel vessel.toml --trajectories trajectories.parquet --nominal least-squares",
         "moments.json",
-        ["--nominal least-squares", "--instruments regressors"],
+        ["--nominal least-squares", "--estimator ls"],
         &["trajectories.parquet"],
     ),
     stage(

@@ -68,7 +68,7 @@ fn recordings_left_out_of_the_esso_osaka_are_followed_better_than_the_baseline()
 #[test]
 fn the_optimized_selection_of_the_esso_osaka_is_more_than_twice_as_good_as_a_random_one() {
     let Some(folder) = ingested("esso-osaka", "esso_osaka") else { return };
-    run(&folder, &format!("moments {LOGGED} --instruments regressors --out moments.json")).succeeds();
+    run(&folder, &format!("moments {LOGGED} --estimator ls --out moments.json")).succeeds();
     run(
         &folder,
         "design --moments moments.json --segments 6 --segment-samples 60 --available ingest.json --out design.json",

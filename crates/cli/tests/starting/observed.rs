@@ -369,7 +369,7 @@ fn what_is_no_file_or_too_long_is_refused_by_name_and_without_waiting() {
     fs::File::create(folder.path().join("study.toml")).unwrap().set_len(2 << 30).unwrap();
     run(&folder, "run . --out out --quiet --stage design").refuses(3, &["study.toml", "2147483648 bytes"]);
     // A text that names a path is no input.
-    put(&folder, "study.toml", "[moments]\ninstruments = \"nominal\"\n[design]\nfor = \"iv\"\n");
+    put(&folder, "study.toml", "[moments]\nestimator = \"iv\"\n[design]\nfor = \"iv\"\n");
     edit(&folder, "campaign.toml", "seed = 1", "name = \"/proc/self\"\nseed = 1");
     run(&folder, "run . --out out --quiet --stage design").succeeds();
 }

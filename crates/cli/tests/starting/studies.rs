@@ -161,7 +161,7 @@ fn the_trial_on_a_chart_begins_where_there_is_most_room() {
 }
 
 /// What the stages do without flags.
-const PAPERS: &str = "[moments]\ninstruments = \"nominal\"\n[design]\nfor = \"iv\"\ncriterion = \"d-hessian\"\n[estimate]\nestimator = \"iv\"\n";
+const PAPERS: &str = "[moments]\nestimator = \"iv\"\n[design]\nfor = \"iv\"\ncriterion = \"d-hessian\"\n[estimate]\nestimator = \"iv\"\n";
 
 #[test]
 fn law_run_writes_the_bytes_that_the_stages_write() {

@@ -215,6 +215,6 @@ fn refusals_of_criteria() {
 #[test]
 fn least_squares_instruments_have_no_such_covariance() {
     let folder = folder();
-    let line = format!("{EXPECTED} --instruments regressors").replace("moments.json", "other.json");
-    run(&folder, &line).refuses(3, &["campaign.toml", "measurement", "--instruments nominal"]);
+    let line = format!("{EXPECTED} --estimator ls").replace("moments.json", "other.json");
+    run(&folder, &line).refuses(3, &["campaign.toml", "measurement", "--estimator iv"]);
 }

@@ -106,7 +106,7 @@ fn law_a_design_over_a_table_is_the_one_over_the_document() {
     run(&folder, DESIGN).succeeds();
     let whole = data(&folder);
     let table = |line: &str| line.replace("moments.json", "moments-2.json");
-    run(&folder, &format!("{} --table", table(MOMENTS))).succeeds();
+    run(&folder, &format!("{} --keep table", table(MOMENTS))).succeeds();
     assert!(folder.path().join("moments-2.parquet").is_file());
     run(&folder, &table(DESIGN)).succeeds();
     let streamed = data(&folder);
@@ -125,9 +125,9 @@ fn law_a_design_over_a_table_is_the_one_over_the_document() {
     let refused = |more: &str, code, pieces: &[&str]| {
         run(&folder, &format!("{} {more}", table(DESIGN))).refuses(code, pieces)
     };
-    refused("--most-maneuvers 3", 2, &["--most-maneuvers", "without --table"]);
+    refused("--most-maneuvers 3", 2, &["--most-maneuvers", "without --keep table"]);
     refused("--criterion a-relative", 3, &["moments-2.json", "no expected disturbances"]);
-    run(&folder, &format!("{MOMENTS} --table --shard 1/2")).refuses(2, &["--table", "--shard"]);
+    run(&folder, &format!("{MOMENTS} --keep table --shard 1/2")).refuses(2, &["--keep", "--shard"]);
     std::fs::remove_file(folder.path().join("moments-2.parquet")).unwrap();
     run(&folder, &table(DESIGN)).refuses(3, &["moments-2"]);
 }

@@ -1,4 +1,4 @@
-//! Parameters that no maneuver excites apart from the others: refused, or held and told.
+//! Parameters that no maneuver excites apart from the others: held and told.
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -38,9 +38,14 @@ fn ahead(keys: &str) -> TempDir {
 #[test]
 fn law_a_design_that_holds_a_parameter_is_that_of_a_vessel_in_which_it_is_fixed() {
     let folder = ahead("");
-    run(&folder, &moments("")).succeeds();
-    run(&folder, DESIGNED).refuses(4, &["no maneuver excites", "(sway)", "--hold-unexcited"]);
-    let told = run(&folder, &moments("--hold-unexcited")).succeeds();
+    // Of maneuvers in parts none is held, and the design says what to do.
+    for (flags, out) in
+        [("--shard 1/2", "one"), ("--shard 2/2", "other"), ("--gather one.json other.json", "moments")]
+    {
+        run(&folder, &moments(flags).replace("--out moments", &format!("--out {out}"))).succeeds();
+    }
+    run(&folder, DESIGNED).refuses(4, &["no maneuver excites", "(sway)", "in one document"]);
+    let told = run(&folder, &moments("")).succeeds();
     let words = "no maneuver excites `Y_abs_u_r` (`|u| r` in sway) apart from the others: is held at the model's values";
     assert!(told.stdout.contains(words), "{told}");
     let told = run(&folder, DESIGNED).succeeds();
@@ -51,7 +56,7 @@ fn law_a_design_that_holds_a_parameter_is_that_of_a_vessel_in_which_it_is_fixed(
     let tally = json(&folder, "tally.json");
 
     let fixed = ahead("fixed = true");
-    let told = run(&fixed, &moments("--hold-unexcited")).succeeds();
+    let told = run(&fixed, &moments("")).succeeds();
     assert!(!told.stdout.contains("excites"), "{told}");
     run(&fixed, DESIGNED).succeeds();
     let own = json(&fixed, "design.json");
@@ -65,11 +70,4 @@ fn law_a_design_that_holds_a_parameter_is_that_of_a_vessel_in_which_it_is_fixed(
     run(&fixed, MONTE_CARLO).succeeds();
     let counted = |of: &Value| of["data"]["counted"].clone();
     assert_eq!(counted(&json(&fixed, "tally.json"))[0]["identified"], counted(&tally)[0]["identified"]);
-}
-
-#[test]
-fn parameters_are_held_of_whole_moments_alone() {
-    let folder = written(2);
-    let line = "moments --vessel vessel.toml --trajectories dictionary.parquet --hold-unexcited --table --out moments.json";
-    run(&folder, line).refuses(2, &["--hold-unexcited", "--table"]);
 }

@@ -76,7 +76,7 @@ impl MomentsTable {
         let reader = TableReader::open(table_of(moments), ID, VERSION)?;
         reader.require(&columns(&head.degrees).schema().columns)?;
         if estimated == Estimated::OutputError {
-            let (expected, remedy) = ("moments of a document", "run `moments` without --table");
+            let (expected, remedy) = ("moments of a document", "run `moments` without --keep table");
             return Err(crate::refuse(reader.path(), "`--for output-error`", "a table", expected, remedy));
         }
         Ok(Self { reader, head, estimated })

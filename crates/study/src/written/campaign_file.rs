@@ -168,9 +168,9 @@ impl CampaignFile {
         if instruments == InstrumentKind::Regressors && noise.measurement.iter().any(|std| *std > 0.0) {
             return Err(Invalid::new(
                 "`measurement`",
-                "noise in the regressors that --instruments regressors makes the instruments of",
+                "noise in the regressors, which --estimator ls makes the instruments",
                 "instruments free of noise: a covariance does not tell how far least squares is off",
-                "take --instruments nominal, or leave out --campaign",
+                "take --estimator iv, or leave out --campaign",
             ));
         }
         Ok(noise)
