@@ -4,8 +4,7 @@ use maud::{Markup, PreEscaped, Render, html};
 use refusal::listed;
 use study::documents::ValidationDocument;
 
-/// Name of the page to explore, beside the report.
-pub const EXPLORE: &str = "explore.html";
+use crate::interactive::Panel;
 
 /// A section of the page.
 pub(super) struct Section {
@@ -65,12 +64,21 @@ pub(super) fn coded(text: &str) -> Markup {
 }
 
 /// The figures made so far, under the names of their files.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub(super) struct Figures {
     pub(super) files: Vec<(String, String)>,
+    /// What takes the places of some of them where scripts run.
+    pub(super) panels: Vec<Panel>,
 }
 
 impl Figures {
+    /// Places figures on the page, and a panel in their place on a screen where scripts run.
+    pub(super) fn interactive(&mut self, panel: Panel, figures: &Markup) -> Markup {
+        let both = html! { div { (figures) } div.live id=(panel.id) hidden { (panel.about) } };
+        self.panels.push(panel);
+        both
+    }
+
     /// Keeps the drawing as `<name>.svg` and places it on the page with its caption.
     pub(super) fn place(&mut self, name: &str, svg: String, caption: &Markup) -> Markup {
         self.placed(name, svg, caption, "figure")
