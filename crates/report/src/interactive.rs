@@ -49,7 +49,7 @@ const MOST: usize = 12_000;
 pub(super) fn over_time(windows: &[&[Traced]]) -> Panel {
     let every = stride(windows.iter().map(|rows| rows.len()).sum(), MOST);
     let about = html! {
-        p {
+        p.note {
             "Measured in the colour of the text, simulated in blue with its 95 % band. "
             "Drag to zoom; all three plots have the same time."
         }
@@ -194,7 +194,7 @@ fn runs_panel<R>(id: &str, columns: &[Value], rows: &[R], row: impl Fn(&R) -> Va
     let every = stride(rows.len(), MOST_RUNS);
     let shown: Vec<Value> = rows.iter().step_by(every).map(row).collect();
     let about = html! {
-        p {
+        p.note {
             "Each dot is one of " (rows.len()) " trials. Drag over dots to keep them in the table, or type limits. "
             "Click a row to find its dot."
         }
@@ -205,11 +205,10 @@ fn runs_panel<R>(id: &str, columns: &[Value], rows: &[R], row: impl Fn(&R) -> Va
 }
 
 /// A plan on its map. The track is linked to the steps of the maneuver sheet that `legs` belong to.
-pub(super) fn chart(id: &str, caption: &Markup, map: &MapDocument, legs: &[VoyageLeg]) -> Panel {
+pub(super) fn chart(id: &str, map: &MapDocument, legs: &[VoyageLeg]) -> Panel {
     let steps = steps_of(&map.tracks, legs);
     let about = html! {
-        p.note { (caption) }
-        p {
+        p.note {
             "Drag to pan. After a click into the map, the wheel zooms; two fingers, + and − always do. "
             @if steps.is_some() { "A row of the maneuver sheet shows its step here, and a click on the track finds its row." }
         }

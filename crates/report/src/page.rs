@@ -48,7 +48,7 @@ pub fn render(study: &Study) -> Rendered {
 fn of_trials(study: &Study, figures: &mut Figures) -> Vec<Section> {
     let mut sections: Vec<Section> = trajectory(study, figures).into_iter().collect();
     sections.extend(merit(study, figures));
-    sections.extend([comparison(study), errors(study, figures), parameters(study, figures)]);
+    sections.extend([errors(study, figures), comparison(study), parameters(study, figures)]);
     sections.extend(realizations(study));
     sections.extend(estimators(study));
     sections.extend([allocation(study, figures), certificate(study), dictionary(study, figures)]);

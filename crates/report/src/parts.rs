@@ -4,6 +4,7 @@ use maud::{Markup, PreEscaped, Render, html};
 use refusal::listed;
 use study::documents::ValidationDocument;
 
+use crate::figures::map::parted;
 use crate::interactive::Panel;
 
 /// A section of the page.
@@ -89,20 +90,24 @@ impl Figures {
         self.placed(name, svg, caption, "figure wide")
     }
 
-    /// As [`Figures::place`], also for a drawing in parts, which are side by side if the page is wide enough.
-    pub(super) fn place_parted(
+    /// As [`Figures::place`], for a map: its legend is beside it if the page is wide enough, and a panel in its place.
+    pub(super) fn place_map(
         &mut self,
         name: &str,
-        svg: String,
-        parts: Option<[String; 2]>,
+        svg: &str,
+        panel: Option<Panel>,
         caption: &Markup,
     ) -> Markup {
-        let Some([first, second]) = parts else { return self.place(name, svg, caption) };
-        self.files.push((format!("{name}.svg"), svg));
+        self.files.push((format!("{name}.svg"), svg.to_owned()));
+        let (map, legend) = parted(svg).map_or((svg.to_owned(), None), |[map, legend]| (map, Some(legend)));
+        let mut map = html! { figure { (PreEscaped(map)) } };
+        if let Some(panel) = panel {
+            map = self.interactive(panel, &map);
+        }
         html! {
-            figure.figure {
-                div.parted { div { (PreEscaped(first)) } div { (PreEscaped(second)) } }
-                figcaption { (caption) }
+            div.map {
+                div.parted { div { (map) } @if let Some(legend) = legend { figure { (PreEscaped(legend)) } } }
+                p.note { (caption) }
             }
         }
     }

@@ -15,7 +15,6 @@ use study::documents::{
 use trials::{passage, trials};
 use words::{cost, cost_title, level, minutes};
 
-use crate::figures::map::parted;
 use crate::figures::{FrontDot, front as drawing};
 use crate::interactive::chart;
 use crate::number::{exact, percent, three};
@@ -99,12 +98,8 @@ fn drawn(
     legs: &[VoyageLeg],
     figures: &mut Figures,
 ) -> Option<Markup> {
-    let svg = trial.map.as_ref()?;
-    let still = html! { div.map { (figures.place_parted(name, svg.clone(), parted(svg), caption)) } };
-    Some(match &trial.document {
-        Some(map) => figures.interactive(chart(&format!("{name}-layers"), caption, map, legs), &still),
-        None => still,
-    })
+    let layers = trial.document.as_ref().map(|map| chart(&format!("{name}-layers"), map, legs));
+    Some(figures.place_map(name, trial.map.as_ref()?, layers, caption))
 }
 
 /// Variants of the plan: a smaller map and one line each.
