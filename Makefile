@@ -233,7 +233,7 @@ smoke:
 # The small study and the README's commands run the programs that the unit tests have just run: nothing is compiled twice.
 .PHONY: test
 test: format-check clippy unit
-	$(MAKE) BIN=target/debug surface-check smoke readme-check book-check results-check sweep-check explore-check
+	$(MAKE) BIN=target/debug surface-check smoke readme-check book-check results-check sweep-check page-check
 
 .PHONY: format-check
 format-check:
@@ -268,9 +268,9 @@ surface-check: build
 	BIN=$(BIN) sh scripts/surface.sh
 
 # The pages of the small study and of the paper's in a browser; skipped where there is no Chromium
-.PHONY: explore-check
-explore-check: smoke readme-check
-	sh scripts/explore-check.sh out/smoke out/paper
+.PHONY: page-check
+page-check: smoke readme-check
+	sh scripts/page-check.sh out/smoke out/paper
 
 # A small sweep with a full disk and a killed master; skipped where there is no Python
 .PHONY: sweep-check
@@ -282,7 +282,7 @@ sweep-check: build
 .PHONY: nightly
 nightly: test
 	$(MAKE) BIN=target/release study helsinki results-check
-	sh scripts/explore-check.sh out/helsinki
+	sh scripts/page-check.sh out/helsinki
 	bash scripts/sweep-check.sh target/release slurm
 	$(MAKE) faults CASES=20000
 	$(CARGO) test --workspace --locked --tests -- --ignored --skip write

@@ -9,6 +9,7 @@ use crate::figures::{
     CorrelationCell, CorrelationRow, Curve, TraceColumn, TraceRow, TrackCell, TrackLine, correlations,
     palette, traces, tracks,
 };
+use crate::interactive;
 use crate::loader::Loader;
 use crate::number::{exact, fit, three, three_or_dash, three_within, windows_of};
 use crate::parts::{Figures, HtmlTable, Section, grouped, statements};
@@ -122,8 +123,9 @@ fn over_time(trace: &[Traced], figures: &mut Figures) -> Markup {
         " All rows of a column share one axis."
         @if windows.len() > drawn.len() { " The first " (drawn.len()) " of " (windows.len()) " windows." }
     };
+    let drawn = figures.place_wide("compared", traces(&columns, &rows), &caption);
     html! {
-        (figures.place_wide("compared", traces(&columns, &rows), &caption))
+        (figures.interactive(interactive::over_time(&windows), &drawn))
         (sailed(&windows, figures))
     }
 }

@@ -9,6 +9,7 @@ use study::selection::Row as SelectionRow;
 
 use crate::dictionary::validation_input;
 use crate::figures::HistogramPanel;
+use crate::interactive;
 use crate::number::{
     exact, median, or_dash, parameter_share, percent, percent_within, published, q90, simulation_share, three,
 };
@@ -144,7 +145,7 @@ fn drawn(study: &Study, scores: &[Row], figures: &mut Figures) -> Markup {
     let parameter = bounds.map(|b| -> Good { (b.parameter_error, |d| d.parameter_error_share) });
     let simulation = bounds.map(|b| -> Good { (b.simulation_error, |d| d.simulation_error_share) });
     let degrees = ErrorFigure::thirds(["rmse-surge", "rmse-sway", "rmse-yaw"], [1.0, 0.25, 0.15]);
-    html! {
+    let histograms = html! {
         div.pair {
             (PARAMETER.bounded(parameter.map(|p| p.0)).place(&panels(&|r| r.parameter_error, parameter), figures))
             (SIMULATION.bounded(simulation.map(|s| s.0)).place(&panels(&|r| r.simulation_error, simulation), figures))
@@ -154,7 +155,8 @@ fn drawn(study: &Study, scores: &[Row], figures: &mut Figures) -> Markup {
                 (figure.captioned(CAPTIONS[d]).place(&panels(&|r| r.rmse[d], None), figures))
             }
         }
-    }
+    };
+    figures.interactive(interactive::scored(scores), &histograms)
 }
 
 /// The selection study compared with a published one: a table, and figures with the published limits. `None` unless

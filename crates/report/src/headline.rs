@@ -6,7 +6,7 @@ use study::documents::{
 
 use crate::dictionary::used as is_used;
 use crate::number::{exact, parameter_share, percent, percent_within, simulation_share, three};
-use crate::parts::{EXPLORE, card};
+use crate::parts::card;
 use crate::study::Study;
 use crate::trajectory::words::{clearance, cost, gap, minutes};
 
@@ -47,7 +47,6 @@ pub(super) fn headline(study: &Study) -> Markup {
                     (study.mixed.join(", ")) "."
                 }
             }
-            p.about { a href=(EXPLORE) { "Explore" } " trials, motion over time and plans: zoom, filter, sort." }
             p.answer { (answer(study)) }
             @if study.scored().iter().any(|d| d.design == PRACTICE) { p.note { (PRACTISED) } }
             (cards(study))
@@ -62,10 +61,12 @@ fn answer(study: &Study) -> String {
     if let (Some(rounds), None) = (&study.sequential, &study.design) {
         return in_rounds(rounds);
     }
+    if let Some(plan) = plan(study) {
+        return planned(plan);
+    }
     match (&study.validation, &study.design) {
         (Some(validation), _) if !validation.designs.is_empty() => compared(study, validation),
         (_, Some(design)) => format!("{} {}", mix(design), waste_of_equal_shares(design)),
-        _ if plan(study).is_some() => plan(study).map(planned).unwrap_or_default(),
         _ => "Nothing has been designed or validated yet. The sections below say which files are missing."
             .to_owned(),
     }
@@ -101,7 +102,7 @@ fn plan(study: &Study) -> Option<&PlanDocument> {
     study.trajectory.as_ref()?.main.as_ref().map(|main| &main.plan)
 }
 
-/// Both sentences about a trial that has only been planned.
+/// Both sentences about a planned trial.
 fn planned(plan: &PlanDocument) -> String {
     let cost = self::cost(plan.cost, plan.cost_unit);
     let proof = gap(plan).map_or(", and no plan costs less".to_owned(), |gap| format!(", {gap}"));
@@ -202,13 +203,13 @@ fn cards(study: &Study) -> Markup {
     let scored = study.scored();
     html! {
         div.cards {
+            @if let Some(plan) = plan(study) { (plan_card(plan)) }
             @if let Some(measured) = &study.measured { (measured.cards(study.selection.as_ref())) }
             @if let (Some(validation), false) = (&study.validation, scored.is_empty()) {
                 (share_card("Parameter error below", validation.bounds.parameter_error, &scored, |d| (d.parameter_error_share, d.parameter_error_share_interval)))
                 (share_card("Simulation error below", validation.bounds.simulation_error, &scored, |d| (d.simulation_error_share, d.simulation_error_share_interval)))
             }
             @if let Some(design) = &study.design { (design_cards(design)) }
-            @if let Some(plan) = plan(study) { (plan_card(plan)) }
         }
     }
 }

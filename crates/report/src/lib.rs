@@ -1,8 +1,8 @@
-//! Figures as SVG, and two self-contained HTML pages about a study: to read, and to explore.
+//! Figures as SVG, and a self-contained HTML page about a study.
 //!
 //! A [`Study`] holds the results that exist; [`render`] shows them and says what is missing and which stage makes it.
-//! The page has no script and no outside resource. [`explore`] makes the one with scripts, which sends no request either.
-//! The same study gives the same bytes.
+//! Without scripts the page has all figures and tables; with them, some figures are there to zoom, filter and sort. It
+//! sends no request. The same study gives the same bytes.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -13,9 +13,9 @@ mod comparison;
 mod delivered;
 mod dictionary;
 mod estimators;
-mod explore;
 pub mod figures;
 mod headline;
+mod interactive;
 mod loader;
 mod measured;
 mod merit;
@@ -32,13 +32,11 @@ mod study;
 mod trajectory;
 mod trust;
 
-pub use explore::explore;
 pub use loader::Sources;
 pub use measured::MeasuredStudy;
 pub use merit::{maneuvers_picture, picture};
 pub use next_trial::NextTrial;
 pub use page::{Rendered, render};
-pub use parts::EXPLORE;
 pub use planned_trial::{PlannedTrial, plan_map};
 pub use selection::SelectionStudy;
 pub use study::{ManeuverTrace, Scenario, Study, Trajectory, load};

@@ -75,12 +75,15 @@ impl SelectionStudy {
 }
 
 impl MeasuredStudy {
-    /// The estimator of least error in cross-validation, with its errors.
-    pub(super) fn best(&self) -> Option<(&EstimatorScore, FreeRunErrors)> {
+    /// The delivered model's estimator in cross-validation, else the one of least error, with its errors.
+    pub(super) fn judged(&self) -> Option<(&EstimatorScore, FreeRunErrors)> {
         let crossval = self.crossval.as_ref()?;
-        let name = *crossval.candidates.first()?;
-        let score = crossval.estimators.iter().find(|e| e.name == name)?;
-        Some((score, score.errors?))
+        let delivered = self.model.as_ref().map(|model| model.estimator);
+        let mut names = delivered.iter().chain(crossval.candidates.first());
+        names.find_map(|name| {
+            let score = crossval.estimators.iter().find(|e| e.name == *name)?;
+            Some((score, score.errors?))
+        })
     }
 
     /// Whether the estimate of all recordings is judged: how far it can be trusted, or what is wrong with forces.
@@ -129,7 +132,7 @@ impl MeasuredStudy {
     /// The answer in a few sentences.
     pub(super) fn answer(&self, selection: Option<&SelectionStudy>) -> String {
         let mut sentences = Vec::new();
-        if let (Some((score, errors)), Some(crossval)) = (self.best(), &self.crossval) {
+        if let (Some((score, errors)), Some(crossval)) = (self.judged(), &self.crossval) {
             let over = windows_of(crossval.window_s);
             sentences.push(format!(
                 "Fitted by {} to the other recordings, the model follows those left out, over {over}, with a fit of {} in \
@@ -187,7 +190,7 @@ impl MeasuredStudy {
             all.map(|(what, value)| card(&format!("Fit of {what}, left out"), fit(value), by, &[]))
         };
         html! {
-            @if let Some((score, errors)) = self.best() {
+            @if let Some((score, errors)) = self.judged() {
                 @for card in fits(errors, &score.name.to_string()) { (card) }
             }
             @if let Some((search, errors)) = self.delivered_search() {

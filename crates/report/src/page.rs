@@ -7,6 +7,7 @@ use crate::delivered::delivered;
 use crate::dictionary::{dictionary, excitation};
 use crate::estimators::{estimators, parameters};
 use crate::headline::{headline, kind};
+use crate::interactive::{Panel, scripts, styles};
 use crate::measured::{MeasuredStudy, logs};
 use crate::merit::merit;
 use crate::next_trial::next_trial;
@@ -28,7 +29,7 @@ pub struct Rendered {
     pub figures: Vec<(String, String)>,
 }
 
-pub(super) const STYLE: &str = include_str!("style.css");
+const STYLE: &str = include_str!("style.css");
 
 /// Renders the page, which names the results that `study` lacks.
 pub fn render(study: &Study) -> Rendered {
@@ -39,33 +40,37 @@ pub fn render(study: &Study) -> Rendered {
         _ => of_trials(study, &mut figures),
     };
     sections.extend([notation(study), files(study)]);
-    let html = document(study, &sections).into_string();
+    let html = document(study, &sections, &figures.panels).into_string();
     Rendered { html, figures: figures.files }
 }
 
-/// The sections of a study of simulated trials.
+/// The sections of a study of simulated trials: the plan on its chart, the ship's figures, the errors, then statistics.
 fn of_trials(study: &Study, figures: &mut Figures) -> Vec<Section> {
-    let mut sections = vec![comparison(study)];
+    let mut sections: Vec<Section> = trajectory(study, figures).into_iter().collect();
+    sections.extend(merit(study, figures));
+    sections.extend([errors(study, figures), comparison(study), parameters(study, figures)]);
     sections.extend(realizations(study));
     sections.extend(estimators(study));
     sections.extend([allocation(study, figures), certificate(study), dictionary(study, figures)]);
-    sections.extend(merit(study, figures));
-    sections.extend(trajectory(study, figures));
     sections.extend(selection(study.selection.as_ref(), figures));
     sections.extend(published_selection(study, figures));
-    sections.extend([errors(study, figures), parameters(study, figures), excitation(study)]);
+    sections.push(excitation(study));
     sections
 }
 
-/// The sections of a study of measured logs.
+/// The sections of a study of measured logs: the ship's figures, her model, the next trial, then how it was found.
 fn of_logs(study: &Study, measured: &MeasuredStudy, figures: &mut Figures) -> Vec<Section> {
-    let mut sections: Vec<Section> = compared(measured.compared.as_ref(), figures).into_iter().collect();
+    let mut sections: Vec<Section> = merit(study, figures).into_iter().collect();
+    sections.extend(compared(measured.compared.as_ref(), figures));
+    sections.push(delivered(measured));
+    if let Some(next) = &measured.next {
+        let sailed = next.planned.as_ref().map(|planned| trajectory::planned(study, planned, figures));
+        sections.push(next_trial(next, sailed));
+    }
     sections.extend(searched(measured.searched.as_ref(), figures));
     let is_searched = measured.searched.is_some();
     sections.extend((measured.crossval.is_some() || !is_searched).then(|| cross_validation(measured)));
-    sections.push(delivered(measured));
     sections.extend((measured.is_judged() || !is_searched).then(|| trust(measured)));
-    sections.extend(merit(study, figures));
     sections.extend(selection(study.selection.as_ref(), figures));
     sections.extend(published_selection(study, figures));
     if study.design.is_some() {
@@ -74,39 +79,36 @@ fn of_logs(study: &Study, measured: &MeasuredStudy, figures: &mut Figures) -> Ve
     if study.dictionary.is_some() {
         sections.push(dictionary(study, figures));
     }
-    if let Some(next) = &measured.next {
-        let sailed = next.planned.as_ref().map(|planned| trajectory::planned(study, planned, figures));
-        sections.push(next_trial(next, sailed));
-    }
     sections.push(logs(measured));
     sections
 }
 
-fn document(study: &Study, sections: &[Section]) -> Markup {
+/// No request leaves the page: the browser refuses all but what stands in it.
+const POLICY: &str =
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:";
+
+fn document(study: &Study, sections: &[Section], panels: &[Panel]) -> Markup {
     let next = study.measured.as_ref().and_then(|measured| measured.next.as_ref());
     let planned = study.trajectory.is_some() || next.is_some_and(|next| next.planned.is_some());
-    let style = planned.then_some(trajectory::STYLE);
-    whole(&format!("{} – {}", study.name, kind(study)), &headline(study), sections, style)
-}
-
-/// The whole document: title, head, sections, and an additional style.
-pub(super) fn whole(title: &str, head: &Markup, sections: &[Section], style: Option<&str>) -> Markup {
     html! {
         (DOCTYPE)
         html lang="en" {
             head {
                 meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(POLICY);
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
-                title { (title) }
-                style { (PreEscaped(STYLE)) @if let Some(more) = style { (PreEscaped(more)) } }
+                title { (study.name) " – " (kind(study)) }
+                style { (PreEscaped(STYLE)) @if planned { (PreEscaped(trajectory::STYLE)) } }
+                (styles(panels))
             }
             body {
                 main {
-                    (head)
+                    (headline(study))
                     nav aria-label="Contents" { @for s in sections { a href={ "#" (s.id) } { (s.title) } } }
                     @for s in sections { (s.content) }
                 }
+                (scripts(panels))
             }
         }
     }

@@ -4,8 +4,8 @@ use maud::{Markup, PreEscaped, Render, html};
 use refusal::listed;
 use study::documents::ValidationDocument;
 
-/// Name of the page to explore, beside the report.
-pub const EXPLORE: &str = "explore.html";
+use crate::figures::map::parted;
+use crate::interactive::Panel;
 
 /// A section of the page.
 pub(super) struct Section {
@@ -65,12 +65,21 @@ pub(super) fn coded(text: &str) -> Markup {
 }
 
 /// The figures made so far, under the names of their files.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub(super) struct Figures {
     pub(super) files: Vec<(String, String)>,
+    /// What takes the places of some of them where scripts run.
+    pub(super) panels: Vec<Panel>,
 }
 
 impl Figures {
+    /// Places figures on the page, and a panel in their place on a screen where scripts run.
+    pub(super) fn interactive(&mut self, panel: Panel, figures: &Markup) -> Markup {
+        let both = html! { div { (figures) } div.live id=(panel.id) hidden { (panel.about) } };
+        self.panels.push(panel);
+        both
+    }
+
     /// Keeps the drawing as `<name>.svg` and places it on the page with its caption.
     pub(super) fn place(&mut self, name: &str, svg: String, caption: &Markup) -> Markup {
         self.placed(name, svg, caption, "figure")
@@ -81,20 +90,24 @@ impl Figures {
         self.placed(name, svg, caption, "figure wide")
     }
 
-    /// As [`Figures::place`], also for a drawing in parts, which are side by side if the page is wide enough.
-    pub(super) fn place_parted(
+    /// As [`Figures::place`], for a map: its legend is beside it if the page is wide enough, and a panel in its place.
+    pub(super) fn place_map(
         &mut self,
         name: &str,
-        svg: String,
-        parts: Option<[String; 2]>,
+        svg: &str,
+        panel: Option<Panel>,
         caption: &Markup,
     ) -> Markup {
-        let Some([first, second]) = parts else { return self.place(name, svg, caption) };
-        self.files.push((format!("{name}.svg"), svg));
+        self.files.push((format!("{name}.svg"), svg.to_owned()));
+        let (map, legend) = parted(svg).map_or((svg.to_owned(), None), |[map, legend]| (map, Some(legend)));
+        let mut map = html! { figure { (PreEscaped(map)) } };
+        if let Some(panel) = panel {
+            map = self.interactive(panel, &map);
+        }
         html! {
-            figure.figure {
-                div.parted { div { (PreEscaped(first)) } div { (PreEscaped(second)) } }
-                figcaption { (caption) }
+            div.map {
+                div.parted { div { (map) } @if let Some(legend) = legend { figure { (PreEscaped(legend)) } } }
+                p.note { (caption) }
             }
         }
     }

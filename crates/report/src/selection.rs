@@ -5,6 +5,7 @@ use study::documents::{Quantiles, SelectionDocument, SelectionScores};
 use study::selection::{self, Row};
 
 use crate::figures::{Histogram, HistogramAxis, HistogramPanel, histogram_pair};
+use crate::interactive;
 use crate::loader::{Loader, existing};
 use crate::number::{exact, median, percent_within, q90};
 use crate::parts::{Figures, HtmlTable, INTERVALS, Section, statements};
@@ -43,6 +44,12 @@ pub(super) fn selection(study: Option<&SelectionStudy>, figures: &mut Figures) -
     let degrees = ErrorFigure::thirds(["selection-surge", "selection-sway", "selection-yaw"], limits);
     let picked: Vec<String> =
         summary.counts.iter().map(|(name, count)| format!("{count} × {name}")).collect();
+    let histograms = html! {
+        div.pair { (norm.place(&study.errors(|r| r.error_norm), figures)) }
+        div.triple {
+            @for (d, figure) in degrees.iter().enumerate() { (figure.place(&study.rmse(d), figures)) }
+        }
+    };
     let body = html! {
         p {
             "Models from " (summary.picks) " of " (summary.parts) " sub-experiments, simulated over all of them: "
@@ -51,10 +58,7 @@ pub(super) fn selection(study: Option<&SelectionStudy>, figures: &mut Figures) -
         (statements(&summary.statements))
         (table(summary))
         p.note { (sample(summary)) ". " (INTERVALS) }
-        div.pair { (norm.place(&study.errors(|r| r.error_norm), figures)) }
-        div.triple {
-            @for (d, figure) in degrees.iter().enumerate() { (figure.place(&study.rmse(d), figures)) }
-        }
+        @if study.rows.is_empty() { (histograms) } @else { (figures.interactive(interactive::picked(&study.rows), &histograms)) }
     };
     Some(Section::new("selection", "Selection", "Selection of sub-experiments", body))
 }

@@ -304,7 +304,7 @@ pub(super) fn cross_validation(measured: &MeasuredStudy) -> Section {
             (about_folds(found))
             (statements(&found.statements))
             (estimators(found))
-            @if let Some((score, _)) = measured.best() { (sources(score)) }
+            @if let Some((score, _)) = measured.judged() { (sources(score)) }
         },
     };
     Section::new("cross-validation", "Cross-validation", "Cross-validation", body)

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use files::{Staged, commit};
-use report::{EXPLORE, Sources, explore, load, render};
+use report::{Sources, load, render};
 use seatrial::export::{COMPILED_WITH, PLATFORM, Portable, Target, read_portable};
 use serde_json::{Value, json};
 use ship::model::Source;
@@ -17,7 +17,7 @@ use crate::stage::{Summary, Task};
 /// Inputs that an output could overwrite: none, since only folders are read.
 const NO_FILES: [&Path; 0] = [];
 
-/// Puts a study's results on one page in HTML, with explore.html to zoom and filter and its figures as SVG beside it
+/// Puts a study's results on one page in HTML, to read, zoom and filter, with its figures as SVG beside it
 #[derive(Parser)]
 #[command(
     name = "report",
@@ -50,16 +50,12 @@ impl Task for ReportArguments {
         })?;
         let page = render(&study);
         let out = common.main_output("report.html", NO_FILES)?;
-        let name = out.file_name().unwrap_or_default().to_string_lossy();
-        let beside = explore(&study, &name);
-        let folder = folder_of(&out);
-        let figures = folder.join("figures");
+        let figures = folder_of(&out).join("figures");
         in_folder(&figures, || {
             let html = std::iter::once_with(|| Staged::bytes(&out, page.html.as_bytes()));
-            let beside = std::iter::once_with(|| Staged::bytes(folder.join(EXPLORE), beside.as_bytes()));
             let svg =
                 page.figures.iter().map(|(name, svg)| Staged::bytes(figures.join(name), svg.as_bytes()));
-            Ok(commit(svg.chain(beside).chain(html).collect::<Result<_, _>>()?)?)
+            Ok(commit(svg.chain(html).collect::<Result<_, _>>()?)?)
         })?;
         let figures = page.figures.len();
         Ok(Summary::of(&out, format!("{figures} figures"), json!({"figures": figures})))

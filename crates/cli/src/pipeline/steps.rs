@@ -89,7 +89,7 @@ pub fn simulated(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep>
         steps.push(step("merit", &line, asked.over(""), &["merit.json"]));
     }
     let line = format!("report --study \0study {HELM} --results \0out");
-    steps.push(step("report", &line, NONE, &["report.html", "explore.html"]));
+    steps.push(step("report", &line, NONE, &["report.html"]));
     steps
 }
 
@@ -202,7 +202,7 @@ pub fn measured(
         steps.push(step("merit", &format!("validate merit {LOGGED}"), flags, &["measured/merit.json"]));
     }
     let line = "report --study \0study --results \0out/measured";
-    steps.push(step("report", line, NONE, &["measured/report.html", "measured/explore.html"]));
+    steps.push(step("report", line, NONE, &["measured/report.html"]));
     steps
 }
 

@@ -277,7 +277,7 @@ fn the_page_shows_what_is_left_of_errors_tracks_and_the_delivered_model() {
     }
     run(&folder, REPORT).succeeds();
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
-    let panels = explored(&folder, "explore.html");
+    let panels = drawn(&folder, "report.html");
     let windows = panels[0]["data"]["windows"].as_array().unwrap();
     assert_eq!((&panels[0]["id"], windows.len() as u64), (&"time".into(), data["windows"].as_u64().unwrap()));
     let samples = windows.iter().map(|own| own["simulated"][2].as_array().unwrap().len() as u64);

@@ -10,13 +10,13 @@ use maud::{Markup, html};
 use sheet::{facts, information, sheet};
 use study::documents::{
     DroppedMove, FrontPoint, Handling, LeftOut, PlanChart, PlanDocument, PlanHandling, PlanLattice,
-    Primitive, Voyage,
+    Primitive, Voyage, VoyageLeg,
 };
 use trials::{passage, trials};
 use words::{cost, cost_title, level, minutes};
 
-use crate::figures::map::parted;
 use crate::figures::{FrontDot, front as drawing};
+use crate::interactive::chart;
 use crate::number::{exact, percent, three};
 use crate::parts::{Figures, HtmlTable, Section, beyond, missing};
 use crate::planned_trial::PlannedTrial;
@@ -86,10 +86,20 @@ fn map(main: &PlannedTrial, figures: &mut Figures) -> Markup {
         b { "The trial on its chart." } " " (main.plan.statement)
         " Numbers: informative maneuvers, as in the maneuver sheet."
     };
-    match &main.map {
-        Some(svg) => html! { div.map { (figures.place_parted("map", svg.clone(), parted(svg), &caption)) } },
-        None => missing("The map is", "map.svg", "plan"),
-    }
+    let legs = main.plan.voyage.as_ref().map_or(&[][..], |voyage| &voyage.legs);
+    drawn(main, "map", &caption, legs, figures).unwrap_or_else(|| missing("The map is", "map.svg", "plan"))
+}
+
+/// The map of a trial, in the place of its figure the layers of its chart; `None` without either.
+fn drawn(
+    trial: &PlannedTrial,
+    name: &str,
+    caption: &Markup,
+    legs: &[VoyageLeg],
+    figures: &mut Figures,
+) -> Option<Markup> {
+    let layers = trial.document.as_ref().map(|map| chart(&format!("{name}-layers"), map, legs));
+    Some(figures.place_map(name, trial.map.as_ref()?, layers, caption))
 }
 
 /// Variants of the plan: a smaller map and one line each.
@@ -99,8 +109,8 @@ fn variants(all: &[PlannedTrial], figures: &mut Figures) -> Markup {
             h3 { "Planned otherwise" }
             div.variants {
                 @for variant in all {
-                    @match &variant.map {
-                        Some(svg) => div.map { (figures.place_parted(&variant.name.replacen("plan", "map", 1), svg.clone(), parted(svg), &in_one_line(variant))) },
+                    @match drawn(variant, &variant.name.replacen("plan", "map", 1), &in_one_line(variant), &[], figures) {
+                        Some(map) => div { (map) },
                         None => p.note { (in_one_line(variant)) " No map.svg." },
                     }
                 }

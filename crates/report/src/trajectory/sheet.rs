@@ -31,7 +31,7 @@ pub(super) fn sheet(study: &Study, plan: &PlanDocument, voyage: &Voyage) -> Mark
             div.scroll { table.compact.tight.sheet {
                 (head(&inputs))
                 tbody {
-                    @for row in rows(plan, voyage) { (line(&row, voyage, &inputs)) }
+                    @for (step, row) in rows(plan, voyage).iter().enumerate() { (line(step, row, voyage, &inputs)) }
                     (end(plan, voyage, &inputs))
                 }
             } }
@@ -113,21 +113,21 @@ fn head(inputs: &InputColumns) -> Markup {
     }
 }
 
-fn line(row: &SheetRow, voyage: &Voyage, inputs: &InputColumns) -> Markup {
-    let (step, leg, number) = row;
+fn line(step: usize, row: &SheetRow, voyage: &Voyage, inputs: &InputColumns) -> Markup {
+    let (done, leg, number) = row;
     let largest = |name: &str, decimals: usize| {
         let value = leg.largest_inputs.get(name).filter(|v| v.is_finite());
         or_dash(value.map(|v| format!("{v:.decimals$}")))
     };
     html! {
-        tr.informative[leg.informative] {
+        tr.informative[leg.informative] data-step=(step) {
             th scope="row" { (badge(*number)) }
             td.time { (clock(leg.start_s)) }
             td.place { (latitude(leg.latitude_deg)) br; (longitude(leg.longitude_deg)) }
             td.number { (heading(leg.heading_deg)) }
             td.number { (or_dash(Some(leg.speed_m_s).filter(|v| v.is_finite()).map(|v| format!("{v:.1}")))) }
             td.number { (knots(leg.speed_m_s)) }
-            td.wrap { (action(step, leg, &voyage.lattice)) }
+            td.wrap { (action(done, leg, &voyage.lattice)) }
             td.number { (seconds(leg.maneuver_start_s.map(|start| start - leg.start_s))) }
             td.number { (seconds(leg.maneuver_s)) }
             td.number { (seconds(Some(leg.duration_s))) }

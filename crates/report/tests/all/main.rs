@@ -2,8 +2,8 @@
 
 mod archipelago;
 mod drawing;
-mod explore;
 mod figures;
+mod interactive;
 mod map;
 mod map_document;
 mod measured;

@@ -1,5 +1,5 @@
 "use strict";
-// Draws the panels of explore.html from the data that stands in the page: tables, dots, curves over time, maps.
+// Draws dots, curves over time and maps in the places of their figures, from the data that stands in the page.
 
 // ---------------------------------------------------------------- elements
 
@@ -49,17 +49,9 @@ function check(words, checked, act, mark) {
   return label;
 }
 
-/** Time since the start: 01:04:52. */
-function clock(seconds) {
-  const whole = Math.round(seconds);
-  const two = (value) => String(Math.floor(value)).padStart(2, "0");
-  return `${two(whole / 3600)}:${two((whole / 60) % 60)}:${two(whole % 60)}`;
-}
-
 /** A value as the page prints it, with four digits unless `short`. */
 function shown(value, kind, short = false) {
   if (value === null || value === undefined) return "–";
-  if (kind === "clock") return clock(value);
   if (kind === "text") return value;
   if (short || Number.isInteger(value)) return String(value).replace(/-/g, "−");
   const size = Math.abs(value);
@@ -90,6 +82,19 @@ function download(name, head, rows) {
 // ---------------------------------------------------------------- tables
 
 const MOST_ROWS = 100;
+
+/** Lets a click, Enter or the space bar choose a row of a table; the arrow keys go to the rows beside it. */
+function pickable(row, choose) {
+  row.tabIndex = 0;
+  row.addEventListener("click", choose);
+  row.addEventListener("keydown", (event) => {
+    const beside = { ArrowDown: row.nextElementSibling, ArrowUp: row.previousElementSibling };
+    if (event.key === "Enter" || event.key === " ") choose();
+    else if (beside[event.key]) beside[event.key].focus();
+    else return;
+    event.preventDefault();
+  });
+}
 
 /** A table that is sorted by its heads; `pick(index)` is called with the index of a chosen row. */
 class Table {
@@ -154,25 +159,11 @@ class Table {
     const own = make("tr", {}, ...this.columns.map(cell));
     own.dataset.row = index;
     own.classList.toggle("picked", index === this.picked);
-    if (this.pick) {
-      own.tabIndex = 0;
-      own.addEventListener("click", () => this.choose(index));
-      own.addEventListener("keydown", (event) => this.key(event, own, index));
-    }
+    pickable(own, () => {
+      this.mark(index);
+      this.pick(index);
+    });
     return own;
-  }
-
-  key(event, own, index) {
-    const beside = { ArrowDown: own.nextElementSibling, ArrowUp: own.previousElementSibling };
-    if (event.key === "Enter" || event.key === " ") this.choose(index);
-    else if (beside[event.key]) beside[event.key].focus();
-    else return;
-    event.preventDefault();
-  }
-
-  choose(index) {
-    this.mark(index);
-    this.pick(index);
   }
 
   /** Marks a row and scrolls the table, not the page, to it; `null` marks none. */
@@ -595,15 +586,16 @@ function picture(pane, [west, south, cell, columns, rows], painted) {
   return L.imageOverlay(canvas.toDataURL(), bounds, { pane, className: "cells", interactive: false });
 }
 
-/** A plan on its chart, with layers; a step of its sheet and its part of the track mark each other. */
+/** A plan on its chart, with layers; a step of the maneuver sheet and its part of the track find each other. */
 class Chart {
-  constructor(host, { map, sheet }, file) {
-    Object.assign(this, { own: map, parts: [] });
+  constructor(host, map) {
+    Object.assign(this, { own: map, parts: [], steps: [] });
     const [west, south, east, north] = map.frame;
     this.bounds = [[south, west], [north, east]];
     this.layers = make("div", { className: "bar layers" });
-    const box = make("div", { className: `map${map.uncharted ? " uncharted" : ""}`, role: "application", ariaLabel: "Map of the plan: arrow keys pan, plus and minus zoom" });
+    const box = make("div", { className: `chart${map.uncharted ? " uncharted" : ""}`, role: "application", ariaLabel: "Map of the plan: arrow keys pan, plus and minus zoom" });
     host.append(this.layers, box);
+    this.box = box;
     const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.map = L.map(box, { crs: L.CRS.Simple, attributionControl: false, minZoom: -12, maxZoom: 4, zoomSnap: 0.25, scrollWheelZoom: false, zoomAnimation: !calm, fadeAnimation: !calm });
     // Else a reader who scrolls down the page would be caught by the map.
@@ -612,7 +604,8 @@ class Chart {
     this.map.fitBounds(this.bounds);
     this.layers.append(button("Show all", () => this.map.fitBounds(this.bounds)));
     this.draw();
-    if (sheet) this.table = new Table(host, `${file}-sheet`, sheet.columns, sheet.rows, map.tracks.some((own) => own[4] !== null) ? (step) => this.find(step) : null);
+    if (map.tracks.some((own) => own[4] !== null)) this.steps = [...document.querySelectorAll(".sheet tr[data-step]")];
+    this.steps.forEach((row, step) => pickable(row, () => this.find(step)));
     follow(box, () => {}, () => this.map.invalidateSize());
   }
 
@@ -705,18 +698,21 @@ class Chart {
   }
 
   pick(step) {
-    if (step === null || !this.table) return;
-    this.table.mark(step);
+    if (step === null) return;
     this.highlight(step);
+    this.steps[step].scrollIntoView({ block: "center" });
+    this.steps[step].focus({ preventScroll: true });
   }
 
   find(step) {
     this.highlight(step);
+    this.box.scrollIntoView({ block: "nearest" });
     const at = this.parts.filter((own) => own.step === step).flatMap((own) => own.at);
     if (at.length) this.map.fitBounds(L.latLngBounds(at).pad(0.6), { maxZoom: 0, animate: false });
   }
 
   highlight(step) {
+    this.steps.forEach((row, index) => row.classList.toggle("picked", index === step));
     for (const own of this.parts) own.part.getElement()?.classList.toggle("picked", own.step === step);
   }
 }
@@ -726,7 +722,9 @@ class Chart {
 const KINDS = { dots: Dots, time: Curves, map: Chart };
 
 for (const { id, data } of JSON.parse(document.getElementById("data").textContent)) {
-  const host = document.querySelector(`#${id} .panel`);
-  // For the console, and for scripts/explore_check.py
+  const host = document.getElementById(id);
+  host.hidden = false;
+  // For the console, and for scripts/page_check.py
   host.drawn = new KINDS[data.kind](host, data, id);
+  host.previousElementSibling.classList.add("replaced");
 }

@@ -1,4 +1,4 @@
-"""Opens the pages of results in headless Chromium and uses them as a reader would (scripts/explore-check.sh).
+"""Opens the pages of results in headless Chromium and uses them as a reader would (scripts/page-check.sh).
 
 Speaks the DevTools protocol over a pair of pipes, so that it needs Python and a browser alone.
 """
@@ -50,7 +50,7 @@ class Browser:
                 return None
             found = os.read(self.inp, 1 << 20)
             if not found:
-                raise SystemExit("explore-check: the browser ended")
+                raise SystemExit("page-check: the browser ended")
             self.rest += found
         if b"\0" not in self.rest:
             return None
@@ -84,10 +84,10 @@ class Browser:
                 continue
             if answer.get("id") == self.number:
                 if "error" in answer:
-                    raise SystemExit(f"explore-check: {method}: {answer['error']['message']}")
+                    raise SystemExit(f"page-check: {method}: {answer['error']['message']}")
                 return answer["result"]
             self.note(answer)
-        raise SystemExit(f"explore-check: {method}: no answer within {PATIENCE} s")
+        raise SystemExit(f"page-check: {method}: no answer within {PATIENCE} s")
 
     def attach(self):
         targets = self.call("Target.getTargets")["targetInfos"]
@@ -107,10 +107,16 @@ class Browser:
         wait(lambda: self.value("document.readyState") == "complete" and self.loaded, "the page to load")
         return address
 
+    def shown(self, panel):
+        """Whether a panel is shown, and whether the figures in whose place it stands are."""
+        style = lambda own: f"getComputedStyle({own}).display !== 'none'"
+        own = f"document.querySelector('{panel}')"
+        return [self.value(style(own)), self.value(style(f"{own}.previousElementSibling"))]
+
     def value(self, script):
         given = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
         if "exceptionDetails" in given:
-            raise SystemExit(f"explore-check: {script}: {given['exceptionDetails']['exception'].get('description')}")
+            raise SystemExit(f"page-check: {script}: {given['exceptionDetails']['exception'].get('description')}")
         return given["result"].get("value")
 
     def mouse(self, kind, x, y):
@@ -172,13 +178,13 @@ def wait(holds, what):
     end = time.monotonic() + PATIENCE
     while not holds():
         if time.monotonic() > end:
-            raise SystemExit(f"explore-check: waited {PATIENCE} s for {what}")
+            raise SystemExit(f"page-check: waited {PATIENCE} s for {what}")
         time.sleep(0.05)
 
 
 def must(holds, said):
     if not holds:
-        raise SystemExit(f"explore-check: {said}")
+        raise SystemExit(f"page-check: {said}")
 
 
 def dots(browser, panel):
@@ -245,7 +251,7 @@ def curves(browser, panel):
 
 
 def chart(browser, panel):
-    """A row shows its step, a click on the track its row; the map pans by keys; a box hides a layer."""
+    """A row of the sheet shows its step, a number on the track its row; the map pans by keys; a box hides a layer."""
     own = f"document.querySelector('{panel}').drawn"
     centre = lambda: browser.value(f"[{own}.map.getCenter().lng, {own}.map.getZoom()]")
     shades = f"[...document.querySelectorAll('{panel} path.depth')].every((own) => getComputedStyle(own).fill.startsWith('rgb'))"
@@ -253,18 +259,20 @@ def chart(browser, panel):
     if not browser.value(f"{own}.parts.some((part) => part.step !== null)"):
         return
     before = centre()
-    browser.focus(f"{panel} tbody tr")
+    browser.focus(".sheet tr[data-step]")
     browser.key("Enter")
     must(browser.value(f"document.querySelectorAll('{panel} path.picked').length") > 0, f"{panel}: a row marks no track")
     must(centre()[1] > before[1], f"{panel}: a row does not zoom the map")
-    browser.box(f"{panel} .map")
-    browser.focus(f"{panel} .map")
+    browser.box(f"{panel} .chart")
+    browser.focus(f"{panel} .chart")
     east = centre()[0]
     browser.key("ArrowRight")
     wait(lambda: centre()[0] > east, "an arrow key to pan the map")
-    numbers = f"document.querySelectorAll('{panel} .map .number')"
+    numbers = f"document.querySelectorAll('{panel} .chart .number')"
     browser.value(f"{numbers}[0].click()")
-    must(browser.value(f"{own}.table.picked") is not None, f"{panel}: a number on the map marks no row")
+    step = browser.value(f"{own}.own.tracks.find((track) => track[2] !== null)[4]")
+    picked = browser.value("[...document.querySelectorAll('.sheet tr.picked')].map((row) => Number(row.dataset.step))")
+    must(picked == [step], f"{panel}: the first number on the map marks the steps {picked}, expected {step}")
     count = browser.value(f"{numbers}.length")
     last = f"[...document.querySelectorAll('{panel} .layers label')].find((own) => own.textContent === 'track').control"
     browser.value(f"{last}.click()")
@@ -290,20 +298,27 @@ def look(browser, path, pictures):
             if pictures:
                 browser.picture(pictures / f"{name}-{width}-{scheme}.png")
             for panel, kind in kinds:
-                drawn = browser.value(f"document.querySelectorAll('#{panel} .panel canvas, #{panel} .panel path').length")
-                must(drawn > 0, f"{said}: nothing is drawn in {panel}")
+                drawn = browser.value(f"document.querySelectorAll('#{panel} canvas, #{panel} path').length")
+                must(drawn > 0 and browser.shown(f"#{panel}") == [True, False], f"{said}: {panel} is not in the place of its figures")
                 if scheme == "light":
-                    USES[kind](browser, f"#{panel} .panel")
+                    USES[kind](browser, f"#{panel}")
             out = [own for own in browser.requests if own != address and not own.startswith(("data:", "blob:"))]
             must(not out, f"{said}: requests {out}")
             must(not browser.errors, f"{said}: errors {browser.errors}")
+    browser.call("Emulation.setEmulatedMedia", media="print")
+    must(all(browser.shown(f"#{panel}") == [False, True] for panel, _ in kinds), f"{path}: printed without its figures")
+    browser.call("Emulation.setEmulatedMedia", media="")
+    browser.call("Emulation.setScriptExecutionDisabled", value=True)
+    browser.open(path, WIDTHS[0], SCHEMES[0])
+    must(all(browser.shown(f"#{panel}") == [False, True] for panel, _ in kinds), f"{path}: without scripts it lacks its figures")
+    browser.call("Emulation.setScriptExecutionDisabled", value=False)
     print(f"{path}: {WIDTHS} px, {SCHEMES}: {len(kinds)} panels used, no error, no request")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("browser")
-    parser.add_argument("folders", nargs="+", type=pathlib.Path, help="results with explore.html")
+    parser.add_argument("folders", nargs="+", type=pathlib.Path, help="results with report.html")
     parser.add_argument("--pictures", type=pathlib.Path, help="folder for a picture of every page as it opens")
     given = parser.parse_args()
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
@@ -311,10 +326,9 @@ def main():
         try:
             browser.attach()
             for results in given.folders:
-                must((results / "explore.html").is_file(), f"{results}: found no explore.html, expected results with a report; run `report`")
-                for page in ("explore.html", "report.html"):
-                    if (results / page).is_file():
-                        look(browser, results / page, given.pictures)
+                page = results / "report.html"
+                must(page.is_file(), f"{results}: found no report.html, expected results with a report; run `report`")
+                look(browser, page, given.pictures)
         finally:
             browser.close()
 
