@@ -141,6 +141,16 @@ const GONE: &[(&str, &str)] = &[
         "--unknown-wind",
         "it is gone: log the wind as a `[[measured]]` channel, or take `--estimator prediction-error`",
     ),
+    ("compare/1", "validation.json has it: made again by: seatrial validate --model"),
+    ("selection/1", "validation.json has it: made again by: seatrial validate --design"),
+    ("selection-realizations/1", "scores.parquet has it: made again by: seatrial validate --design"),
+    ("sequential/1", "validation.json and scores.parquet have it: made again by: seatrial monte-carlo"),
+    ("tally/1", "validation.json has it: made again by: seatrial monte-carlo"),
+    ("compare", "it is gone: `validate --model model.json --trajectories …` tries a model on recordings"),
+    ("selection", "it is gone: `validate --design design.json --trajectories …` compares picks"),
+    ("--against", "it is gone: name other models by `--model` again"),
+    ("--average", "it is gone: `estimate` delivers an average as a model"),
+    ("--counts", "it is gone: a design.json by --design has the counts"),
 ];
 
 /// The remedy for `word`, if that is known no more.
