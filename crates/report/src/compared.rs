@@ -29,10 +29,7 @@ pub(super) fn load(loader: &mut Loader, found: Option<Compared>) -> Result<Optio
 pub(super) type Recorded = (Compared, Vec<Traced>);
 
 /// The model on recordings that it was not fitted to: the verdict, numbers, measured and simulated over time.
-pub(super) fn compared(
-    compared: Option<&Recorded>,
-    figures: &mut Figures,
-) -> Option<Section> {
+pub(super) fn compared(compared: Option<&Recorded>, figures: &mut Figures) -> Option<Section> {
     let (found, trace) = compared?;
     let body = html! {
         (about(found))

@@ -1,7 +1,7 @@
 use maud::{Markup, Render, html};
 use study::documents::{
     DesignScores, Published, PublishedLimits, PublishedPicks, PublishedSelection, PublishedShare, Quantiles,
-    Reference, SelectionScores, Share, SharesBeyond, ScoredEstimates,
+    Reference, ScoredEstimates, SelectionScores, Share, SharesBeyond,
 };
 use study::estimates::distinct;
 use study::scores::Row;

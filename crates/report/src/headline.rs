@@ -1,7 +1,7 @@
 use maud::{Markup, html};
 use study::documents::{
-    Arm, Check, DesignDocument, DesignScores, PlanDocument, RoundGain, TrialsInRounds,
-    ScoredEstimates, Voyage, WorstVessels,
+    Arm, Check, DesignDocument, DesignScores, PlanDocument, RoundGain, ScoredEstimates, TrialsInRounds,
+    Voyage, WorstVessels,
 };
 
 use crate::dictionary::used as is_used;

@@ -2,8 +2,8 @@ use files::Error;
 use maud::{Markup, html};
 use refusal::listed;
 use study::documents::{Quantiles, Selection, SelectionScores, ValidationDocument};
-use study::selection::{self, Row};
 use study::scores;
+use study::selection::{self, Row};
 
 use crate::figures::{Histogram, HistogramAxis, HistogramPanel, histogram_pair};
 use crate::loader::{Loader, existing};
@@ -35,7 +35,9 @@ pub(super) fn load(loader: &mut Loader, found: Option<Selection>) -> Result<Opti
     let what = "picked sub-experiments against random ones";
     let found = match found {
         Some(found) => Some(found),
-        None => loader.document(&file("validation.json"), what)?.and_then(|below: ValidationDocument| below.picks),
+        None => {
+            loader.document(&file("validation.json"), what)?.and_then(|below: ValidationDocument| below.picks)
+        }
     };
     let Some(summary) = found else { return Ok(None) };
     let schema = (scores::ID, scores::VERSION);

@@ -1,5 +1,5 @@
 use maud::{Markup, html};
-use study::documents::{Arm, ArmSummary, RoundGain, TrialsInRounds, Source};
+use study::documents::{Arm, ArmSummary, RoundGain, Source, TrialsInRounds};
 
 use crate::figures::{AccuracyCurve, accuracy};
 use crate::number::{exact, interval, percent_within, three, three_or_dash, three_within};

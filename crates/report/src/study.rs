@@ -347,7 +347,10 @@ fn trajectory(loader: &mut Loader) -> Result<Option<Trajectory>, Error> {
         variants,
         estimate: loader.document("planned/estimate.json", "estimates of the simulated planned trials")?,
         validation: loader
-            .document::<ValidationDocument>("planned/validation.json", "errors of the simulated planned trials")?
+            .document::<ValidationDocument>(
+                "planned/validation.json",
+                "errors of the simulated planned trials",
+            )?
             .and_then(|validation| validation.scored),
     }))
 }

@@ -357,8 +357,7 @@ fn publish(
     }
     let summary = rounds::Summary::new(&rows, trial.ends(), config.accuracy, rate_hz);
     let rounds = document(config, summary, trial.maneuvers());
-    let said: Vec<String> =
-        trial.statement().into_iter().chain(rounds.statements.iter().cloned()).collect();
+    let said: Vec<String> = trial.statement().into_iter().chain(rounds.statements.iter().cloned()).collect();
     let said = said.join("; ");
     let details = json!({"realizations": count, "statements": rounds.statements});
     let document = ValidationDocument { rounds: Some(rounds), ..Default::default() };

@@ -8,7 +8,7 @@ use study::documents::{
     Bounds, CriterionName, Degree, DegreeMoments, DegreeSummary, DesignDocument, DesignScores, DesignStatus,
     DesignSummary, Efficiency, EstimateDocument, Estimator, InstrumentKind, ManeuverMoments, MeanRemoval,
     Moments, MomentsDocument, ParameterSummary, Published, PublishedShare, Quantiles, Reference, ScoreStatus,
-    Start, ScoredEstimates,
+    ScoredEstimates, Start,
 };
 use study::scores::Row;
 

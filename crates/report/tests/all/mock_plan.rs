@@ -7,7 +7,7 @@ use report::{PlannedTrial, Study, Trajectory};
 use study::documents::{
     Ability, Check, CostUnit, DerivedHandling, FrontPoint, Handling, Information, NearestDanger, Passage,
     PassageLeg, PlanDocument, PlanHandling, PlanLattice, PlanPose, PlanStatus, PlanStep, Primitive,
-    Secondary, SecondaryCost, Side, Tide, ScoredEstimates, Voyage, VoyageLeg, WorstVessel, WorstVessels,
+    ScoredEstimates, Secondary, SecondaryCost, Side, Tide, Voyage, VoyageLeg, WorstVessel, WorstVessels,
 };
 
 pub const MAP: &str = "<svg role=\"img\" aria-label=\"Planned trial\" viewBox=\"0 0 5600 8370\" \

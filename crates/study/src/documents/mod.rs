@@ -33,7 +33,9 @@ pub use ::plan::{Ability, DerivedHandling, Handling, Side};
 pub use ::validation::comparison::{Compared, ComparedErrors, ErrorCorrelations, ErrorKind, Traced};
 pub use ::validation::crossval::{EstimatorScore, SourceScore};
 pub use ::validation::merit::{FigureMerit, ManeuverMerit};
-pub use ::validation::selection::{PublishedLimits, Selection, SelectionErrors, SelectionScores, SharesBeyond};
+pub use ::validation::selection::{
+    PublishedLimits, Selection, SelectionErrors, SelectionScores, SharesBeyond,
+};
 pub use ::validation::tally::Bounds;
 pub use estimation::criticism::{Absent, Criticism, FoundNoise, Verdict};
 pub use estimation::pooled::{DegreeTrust, FreeRunErrors, ParameterTrust, SourceErrors};
@@ -49,9 +51,7 @@ pub use crate::written::reference::{
     Published, PublishedPicks, PublishedSelection, PublishedShare, Reference,
 };
 pub use average::{AverageDocument, AverageMember, AverageSummary, AverageTerm};
-pub use compare::{
-    CrossvalDocument, MeritDocument, MeritTableRow, SlopesAt, merit_rows, traces,
-};
+pub use compare::{CrossvalDocument, MeritDocument, MeritTableRow, SlopesAt, merit_rows, traces};
 pub use design::{
     Accuracy, AccuracyPoint, Counts, CovarianceCriterion, DesignDocument, DesignFigure, DesignFigures,
     DesignPromise, DesignStatus, Efficiency, Restricted, Sequence, SequencePart, SolvedFigures, Start,

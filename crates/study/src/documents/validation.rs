@@ -58,7 +58,10 @@ impl Document for ValidationDocument {
         ("the channel's unit", "outside.low outside.high"),
         ("1", "picks counts available parts degenerate_from ratio_q90 degenerate_share"),
         ("1", "degenerate_share_interval"),
-        ("1", "rounds.rounds nominal_spread accuracy maneuvers points.median points.median_interval points.q90"),
+        (
+            "1",
+            "rounds.rounds nominal_spread accuracy maneuvers points.median points.median_interval points.q90",
+        ),
         ("1", "points.q90_interval predicted within within_interval gains.low gains.high stopped"),
         ("1", "median_error median_error_interval within_stopped within_stopped_interval"),
         ("1", "rms_over_accuracy rms_over_accuracy_interval"),

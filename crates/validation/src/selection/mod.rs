@@ -9,10 +9,10 @@ use estimation::{Estimator, ScoreStatus, free_runs};
 use numerics::LANES;
 use numerics::lanes::interleave;
 use refusal::listed;
-use regression::{MeanRemoval, Sums};
 use regression::pooled::{
     Centring, LostInstruments, Options, Part, PooledRuns, PooledSums, Solution, Strength, fit, joined,
 };
+use regression::{MeanRemoval, Sums};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::engine::Streams;

@@ -66,8 +66,14 @@ fn compared(vessels: &[Vessel], oracle: &Value, rmse: Option<[f64; 3]>) -> (Comp
     let standing = if vessels.len() > 1 { Standing::Average } else { Standing::Model };
     let known: Vec<EstimatedErrors> =
         rmse.into_iter().map(|rmse| EstimatedErrors { covariance: None, rmse }).collect();
-    let options =
-        CompareOptions { vessel: "", window: None, known: &known, covered: &[], magnitudes: None, rate_hz: 1.0 };
+    let options = CompareOptions {
+        vessel: "",
+        window: None,
+        known: &known,
+        covered: &[],
+        magnitudes: None,
+        rate_hz: 1.0,
+    };
     compare(&[Contestant { standing, place: None, ships }], &runs(oracle), &options).unwrap()
 }
 
@@ -85,9 +91,7 @@ fn oracle_mean_spread_errors_and_shares_inside() {
     let oracle = oracle();
     let vessels: Vec<Vessel> = oracle["models"].as_array().unwrap().iter().map(vessel).collect();
     let (found, trace) = compared(&vessels, &oracle, Some(three(&oracle["output_rmse"])));
-    let flat = |of: fn(&Traced) -> [f64; 3]| -> Vec<f64> {
-        trace.iter().flat_map(of).collect()
-    };
+    let flat = |of: fn(&Traced) -> [f64; 3]| -> Vec<f64> { trace.iter().flat_map(of).collect() };
     near(&flat(|row| row.simulated), &oracle["mean"]);
     near(&flat(|row| row.half.map(Option::unwrap)), &oracle["half"]);
     let errors = &found.models[0].errors;
