@@ -52,7 +52,7 @@ fn page(study: &Study, report: &str, panels: &[Panel]) -> Markup {
                     @for panel in panels { section id=(panel.id) { h2 { (panel.title) } (panel.about) div.panel {} } }
                     @if panels.is_empty() {
                         (missing("Trials are", "scores.parquet", "validate"))
-                        (missing("Measured and simulated motion is", "compare.parquet", "validate compare"))
+                        (missing("Measured and simulated motion is", "compare.parquet", "validate --model"))
                         (missing("A plan on its map is", "map.json", "plan"))
                     }
                 }

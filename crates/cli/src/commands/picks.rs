@@ -93,8 +93,11 @@ impl PickFlags {
         ];
         let given = settings.into_iter().filter(|(_, value)| *value != json!([]));
         provenance.settings.extend(given.map(|(key, value)| (key.to_owned(), value)));
-        let selector = Selector::new(&pool, &runs, &options);
-        let selector = selector.map_err(|e| Failure::lost(of.file(), &e))?;
+        let selector = Selector::new(&pool, &runs, &options).map_err(|lost| {
+            let expected = "a least-squares fit that follows the data; use --estimator ls";
+            let file = of.file().display();
+            Failure::NoAnswer(format!("{file}: {lost}: found no instruments, expected {expected}"))
+        })?;
         let document = beside(&out, SCORES, MAIN);
         let outputs = [out.as_path(), document.as_path()];
         let made = if sharding.gathers() {

@@ -58,7 +58,7 @@ pub struct ValidateArguments {
 #[derive(Args)]
 struct EstimateFlags {
     /// The bounds below which an estimate counts as good
-    #[arg(long, value_name = "campaign.toml", requires_all = ["vessel", "validation"], conflicts_with = "trajectories")]
+    #[arg(long, value_name = "campaign.toml", requires_all = ["vessel", "validation"], conflicts_with_all = ["trajectories", "recordings", "runs", "leave_out"])]
     campaign: Option<PathBuf>,
     /// The estimates
     #[arg(long, requires = "campaign", value_name = "estimates.parquet")]

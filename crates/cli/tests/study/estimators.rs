@@ -74,11 +74,11 @@ fn compare_has_a_row_per_run_and_estimator_and_alone_each_gives_the_same() {
 fn documents_and_page_tell_of_every_estimator_and_the_study_stays_that_of_instrumental_variables() {
     let folder = compared();
     let (estimate, validation) = (json(&folder, "estimate.json"), json(&folder, "validation.json"));
-    for document in [&estimate, &validation] {
-        let all = document["data"]["compared"].as_array().unwrap();
+    for data in [&estimate["data"], &validation["data"]["scored"]] {
+        let all = data["compared"].as_array().unwrap();
         let names: Vec<&str> = all.iter().map(|e| e["estimator"].as_str().unwrap()).collect();
         assert_eq!(names, NAMES);
-        assert_eq!(all[1]["designs"], document["data"]["designs"], "the study is that of iv");
+        assert_eq!(all[1]["designs"], data["designs"], "the study is that of iv");
         for searched in &all[3..] {
             assert!(searched["designs"][0]["not_converged"].is_u64());
         }

@@ -122,9 +122,9 @@ fn the_chain_of_a_ship_with_forces_goes_from_design_to_scores() {
     )
     .succeeds();
     let scored = json(&folder, "validation.json");
-    run(&folder, "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --design design.json --estimator output-error --out validation.json").succeeds();
-    let tally = json(&folder, "validation.json");
-    let own = tally["data"]["scores"][0]["designs"].as_array().unwrap();
+    run(&folder, "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --design design.json --estimator output-error --out counted.json").succeeds();
+    let tally = json(&folder, "counted.json");
+    let own = tally["data"]["counted"]["scores"][0]["designs"].as_array().unwrap();
     assert!(own.iter().all(|own| own["runs"] == 6 && own["not_converged"] == 0), "{tally:#}");
     assert!(scored["data"].to_string().contains("optimized"), "{scored:#}");
     run(&folder, "report --study . --results . --out report.html").succeeds();
@@ -211,8 +211,8 @@ const OF_TERMS: [(&str, &str, &str); 3] = [
         "`design --for output-error`",
     ),
     (
-        "validate selection --vessel vessel.toml --trajectories d.parquet --design design.json --out s.parquet",
-        "`validate selection` computes",
+        "validate --vessel vessel.toml --trajectories d.parquet --design design.json --out s.parquet",
+        "`validate --design` computes",
         "`validate cross`",
     ),
 ];

@@ -28,7 +28,7 @@ fn shares(design: &Value) -> BTreeMap<String, f64> {
 /// The scores of a design in `validation.json`.
 fn scored(folder: &TempDir, name: &str) -> Value {
     let tally = json(folder, "validation.json");
-    let designs = tally["data"]["scores"][0]["designs"].as_array().unwrap();
+    let designs = tally["data"]["counted"]["scores"][0]["designs"].as_array().unwrap();
     designs.iter().find(|design| design["design"] == name).unwrap().clone()
 }
 

@@ -212,8 +212,8 @@ fn stages_that_need_terms_per_sample_refuse_a_ship_with_forces_by_name() {
         format!("estimate {runs} --estimator ls --out estimates.parquet"),
         format!("estimate pool {runs} --estimator iv --out pool/"),
         format!("validate cross {runs} --estimator iv --out crossval.json"),
-        format!("validate selection {runs} --design design.json --out selection.parquet"),
-        "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --out sequential.parquet".to_owned(),
+        format!("validate {runs} --design design.json --out scores.parquet"),
+        "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --out scores.parquet".to_owned(),
         "design refine --vessel vessel.toml --dictionary dictionary.toml --design design.json --campaign campaign.toml \
          --out refined/"
             .to_owned(),
