@@ -16,20 +16,20 @@ use crate::parts::{Figures, HtmlTable, Section, grouped, statements};
 /// Windows, and recordings, beyond this many are not drawn.
 const MOST: usize = 24;
 
-/// The model on recordings as `found`, and over time by `compare.parquet`.
-pub(super) fn load(loader: &mut Loader, found: Option<Compared>) -> Result<Option<Recorded>, Error> {
-    let Some(found) = found else { return Ok(None) };
+/// The model on `recordings`, and over time by `compare.parquet`.
+pub(super) fn load(
+    loader: &mut Loader,
+    recordings: Option<Compared>,
+) -> Result<Option<(Compared, Vec<Traced>)>, Error> {
+    let Some(recordings) = recordings else { return Ok(None) };
     let reader =
         loader.table("compare.parquet", "the model over time on these recordings", ("compare", 1))?;
     let rows = reader.map(|reader| columns().read(&reader, &Traced::default())).transpose()?;
-    Ok(Some((found, rows.unwrap_or_default())))
+    Ok(Some((recordings, rows.unwrap_or_default())))
 }
 
-/// The model on recordings, and over time.
-pub(super) type Recorded = (Compared, Vec<Traced>);
-
 /// The model on recordings that it was not fitted to: the verdict, numbers, measured and simulated over time.
-pub(super) fn compared(compared: Option<&Recorded>, figures: &mut Figures) -> Option<Section> {
+pub(super) fn compared(compared: Option<&(Compared, Vec<Traced>)>, figures: &mut Figures) -> Option<Section> {
     let (found, trace) = compared?;
     let body = html! {
         (about(found))

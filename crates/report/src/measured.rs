@@ -32,12 +32,15 @@ pub struct MeasuredStudy {
     pub next: Option<NextTrial>,
 }
 
-/// Reads `ingest.json`, `trust.json`, `crossval.json` and `search.json`, with the models on recordings that were `found`; `None` if the last four are
+/// Reads `ingest.json`, `trust.json`, `crossval.json` and `search.json`, with the models on `recordings`; `None` if the last four are
 /// all missing.
-pub(super) fn load(loader: &mut Loader, found: Option<Compared>) -> Result<Option<MeasuredStudy>, Error> {
+pub(super) fn load(
+    loader: &mut Loader,
+    recordings: Option<Compared>,
+) -> Result<Option<MeasuredStudy>, Error> {
     let crossval = loader.document("crossval.json", "free simulation over recordings left out")?;
     let trust = loader.document("trust.json", "how far the pooled estimate can be trusted")?;
-    let compared = super::compared::load(loader, found)?;
+    let compared = super::compared::load(loader, recordings)?;
     let searched = loader.document("search.json", "how a structure was searched for")?;
     if crossval.is_none() && trust.is_none() && compared.is_none() && searched.is_none() {
         return Ok(None);

@@ -58,7 +58,7 @@ repeated study falls into the interval printed here less often, some 83 times of
 
 /// Shares of good models and median errors, by study and design.
 fn designs_section(folders: &[PathBuf], written: Option<&Path>) -> Result<Option<String>, Error> {
-    let (read, missing) = validations(folders, "", |found| found.scored)?;
+    let (read, missing) = validations(folders, "", |of| of.scored)?;
     let (mut rows, mut bounds, mut used) = (Vec::new(), Vec::new(), String::new());
     for (folder, Loaded { data: validation, .. }) in &read {
         let (name, seed) = (label(folder), seed(folder)?);
@@ -237,7 +237,7 @@ fn median(errors: &Quantiles) -> String {
 const DESIGN: &str = "optimized";
 
 fn estimators_section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
-    let (read, missing) = validations(folders, "", |found| found.scored)?;
+    let (read, missing) = validations(folders, "", |of| of.scored)?;
     let compared: Vec<&[EstimatorScores]> =
         read.iter().map(|(_, v)| v.data.compared.as_deref().unwrap_or_default()).collect();
     let given = |estimator: &Estimator| compared.iter().any(|scores| of(scores, *estimator).is_some());
@@ -308,7 +308,7 @@ fn fits(score: &EstimatorScore) -> String {
 
 /// Trials designed in rounds against trials designed once.
 fn rounds_section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
-    let (read, missing) = validations(folders, "", |found| found.rounds)?;
+    let (read, missing) = validations(folders, "", |of| of.rounds)?;
     let mut text = String::new();
     for (folder, Loaded { data: document, provenance, .. }) in &read {
         text += &format!(
@@ -368,7 +368,7 @@ fn stopping(document: &TrialsInRounds) -> Option<String> {
 
 /// Models from sub-experiments that a design picked against random picks.
 fn selections_section(folders: &[PathBuf], written: Option<&Path>) -> Result<Option<String>, Error> {
-    let (read, missing) = validations(folders, "picks", |found| found.picks)?;
+    let (read, missing) = validations(folders, "picks", |of| of.picks)?;
     let mut rows = Vec::new();
     let mut notes: Vec<String> = Vec::new();
     for (folder, Loaded { data: selection, .. }) in &read {
@@ -413,7 +413,7 @@ fn seed_of_logs(folder: &Path) -> Result<Option<u64>, Error> {
 const FLAGS: [(&str, &str); 2] = [("unknown_current", "--unknown-current"), ("intercepts", "--intercepts")];
 
 fn unknown_section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
-    let (read, missing) = validations(folders, "", |found| found.scored)?;
+    let (read, missing) = validations(folders, "", |of| of.scored)?;
     let mut rows = Vec::new();
     for (folder, validation) in &read {
         let estimate = document_at::<EstimateDocument>(folder.join("estimate.json"))?;

@@ -25,21 +25,21 @@ const LIMIT: f64 = 3.0;
 /// The folder of the picks of a study that has other scores.
 const FOLDER: &str = "picks/";
 
-/// Picks as `found`, or else those in the folder `picks`, with their table; `None` without either.
-pub(super) fn load(loader: &mut Loader, found: Option<Selection>) -> Result<Option<SelectionStudy>, Error> {
-    let folder = if found.is_some() { "" } else { FOLDER };
+/// The `picks`, or else those in the folder `picks`, with their table; `None` without either.
+pub(super) fn load(loader: &mut Loader, picks: Option<Selection>) -> Result<Option<SelectionStudy>, Error> {
+    let folder = if picks.is_some() { "" } else { FOLDER };
     let file = |name: &str| format!("{folder}{name}");
     if existing(loader.sources.results.join(file("scores.parquet"))).is_none() {
         return Ok(None);
     }
     let what = "picked sub-experiments against random ones";
-    let found = match found {
-        Some(found) => Some(found),
+    let picks = match picks {
+        Some(picks) => Some(picks),
         None => {
             loader.document(&file("validation.json"), what)?.and_then(|below: ValidationDocument| below.picks)
         }
     };
-    let Some(summary) = found else { return Ok(None) };
+    let Some(summary) = picks else { return Ok(None) };
     let schema = (scores::ID, scores::VERSION);
     let reader = loader.table(&file("scores.parquet"), "errors of every realization", schema)?;
     let rows = reader.map(|reader| selection::rows(&reader)).transpose()?.unwrap_or_default();

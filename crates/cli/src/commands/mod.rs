@@ -7,7 +7,6 @@ mod ingest;
 mod moments;
 mod monte_carlo;
 mod outputs;
-mod picks;
 mod plan;
 mod search;
 mod simulate;

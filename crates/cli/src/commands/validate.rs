@@ -17,8 +17,7 @@ use study::parts::MAIN;
 use study::scores::{self, Row};
 use study::trajectories::refuse_shard;
 
-use super::compare::ModelFlags;
-use super::picks::PickFlags;
+use super::compare::{ModelFlags, PickFlags};
 use crate::cli::{Common, Sharding, beside, given, member};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made};

@@ -121,7 +121,7 @@ pub fn compare(
         Validity::of(known, views, options.rate_hz)
     });
     let [std_u, std_v, std_r] = std;
-    let found = Compared {
+    let tried = Compared {
         vessel: options.vessel.to_owned(),
         window_s: options.window.map(|samples| samples as f64 / options.rate_hz),
         windows: windows().count() as u64,
@@ -138,7 +138,7 @@ pub fn compare(
         outside,
         validity,
     };
-    Ok((found, looked.trace))
+    Ok((tried, looked.trace))
 }
 
 /// The first model sample by sample.
