@@ -168,12 +168,12 @@ sequential: $(ROUNDS_OUT)/report.html
 	@echo
 	@echo "Report: $(ROUNDS_OUT)/report.html"
 
-$(ROUNDS_OUT)/sequential.parquet: $(ROUNDS)/vessel.toml $(ROUNDS_DICTIONARY) $(ROUNDS)/campaign.toml $(BIN)/seatrial
+$(ROUNDS_OUT)/scores.parquet: $(ROUNDS)/vessel.toml $(ROUNDS_DICTIONARY) $(ROUNDS)/campaign.toml $(BIN)/seatrial
 	@mkdir -p $(@D)
 	$(BIN)/seatrial monte-carlo --vessel $(ROUNDS)/vessel.toml --dictionary $(ROUNDS_DICTIONARY) \
 	  --campaign $(ROUNDS)/campaign.toml $(ROUNDS_FLAGS) $(FLAGS) --out $@
 
-$(ROUNDS_OUT)/report.html: $(ROUNDS_OUT)/sequential.parquet $(BIN)/seatrial
+$(ROUNDS_OUT)/report.html: $(ROUNDS_OUT)/scores.parquet $(BIN)/seatrial
 	$(BIN)/seatrial report --study $(ROUNDS) --dictionary $(ROUNDS_DICTIONARY) --results $(ROUNDS_OUT) $(FLAGS) --out $@
 
 # A study over a grid of its values, on Snakemake: on this machine, or on a cluster with PROFILE=slurm. What is there already is

@@ -49,7 +49,7 @@ def measure(a: argparse.Namespace, out: Path) -> None:
         found = json.loads(design.read_text())["data"]["accuracy"]
         length = ("--set", f"campaign.duration_s={found['duration_s']}", "--set", f"campaign.realizations={a.trials}")
         trials = (*vessel, "--dictionary", a.dictionary, *campaign, "--design", design, "--estimator", a.estimator)
-        run(a, "monte-carlo", "--allow=mixed", *trials, *length, "--keep", "estimates", "--out", out / "tally.json")
+        run(a, "monte-carlo", "--allow=mixed", *trials, *length, "--keep", "estimates", "--out", out / "validation.json")
         errors, without = optimized(out / "estimates.parquet", parameters)
         square = math.sqrt(statistics.fmean(error**2 for error in errors))
         holds = "yes" if found["duration_s"] >= found["holds_from_s"] else f"from {found['holds_from_s']:.0f} s"

@@ -169,7 +169,7 @@ class Study:
         """The figures of the ships that trials of design.json estimate."""
         of = ("--vessel", "vessel.toml", "--dictionary", "dictionary.toml", "--campaign", "campaign.toml")
         how = ("--design", "design.json", "--estimator", "output-error", "--keep", "estimates")
-        self.run("monte-carlo", *of, *how, "--out", "tally.json")
+        self.run("monte-carlo", *of, *how, "--out", "validation.json")
         table = pyarrow.parquet.read_table(self.folder / "estimates.parquet").to_pylist()
         rows = [row for row in table if row["design"] == "optimized" and row["status"] == "identified"]
         if len(rows) < self.a.trials:

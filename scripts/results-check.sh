@@ -64,7 +64,7 @@ for name in sequential scenarios; do
   mkdir -p "$out/rounds/$name"
   seatrial monte-carlo --vessel pipelines/sequential/vessel.toml --dictionary pipelines/$name/dictionary.toml \
     --campaign pipelines/sequential/campaign.toml \
-    --set campaign.rounds.realizations=$few --quiet --out "$out/rounds/$name/sequential.parquet" > /dev/null
+    --set campaign.rounds.realizations=$few --quiet --out "$out/rounds/$name/scores.parquet" > /dev/null
   rounds="$rounds $out/rounds/$name"
 done
 selections=""

@@ -58,7 +58,7 @@ sweep() {
   sh pipelines/sweep/run.sh "$work/config.yaml" "$work/$name" "$profile" "$programs" "$@" >> "$work/$name.log" 2>&1
 }
 digests() {
-  (cd "$work/$1" && sha256sum cells/*/tally.json sweep.csv) > "$work/$1.sha256"
+  (cd "$work/$1" && sha256sum cells/*/validation.json sweep.csv) > "$work/$1.sha256"
   cmp -s "$work/$1.sha256" "$work/${2:-$1}.sha256" || { diff "$work/$1.sha256" "$work/${2:-$1}.sha256"; failed "$1: other digests"; }
   echo "sweep check: $1: $(wc -l < "$work/$1.sha256") files, $SECONDS s"
 }

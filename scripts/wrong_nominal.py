@@ -171,9 +171,9 @@ def first_order(a: argparse.Namespace, folder: Path, seed: int) -> float:
 
 def found(a: argparse.Namespace, folder: Path) -> float:
     """The median error over trials of the true ship."""
-    run(a, folder, "monte-carlo", *sailed("campaign.toml"), "--estimator", "output-error", "--out", "tally.json")
-    tally = (folder / "tally.json").read_text()
-    median = re.search(r'"parameter_error": \{[^}]*?"median": ([\d.]+)', json.dumps(json.loads(tally)))
+    run(a, folder, "monte-carlo", *sailed("campaign.toml"), "--estimator", "output-error", "--out", "validation.json")
+    counted = (folder / "validation.json").read_text()
+    median = re.search(r'"parameter_error": \{[^}]*?"median": ([\d.]+)', json.dumps(json.loads(counted)))
     return float(median.group(1)) if median else math.inf
 
 

@@ -24,7 +24,7 @@ def scores(folder):
     if not path.exists():
         remedy = "end with the stage monte-carlo, validate or report"
         sys.exit(f"error: {path}: found none, expected the errors of simulated trials; {remedy}")
-    data = read(path)["data"]
+    data = read(path)["data"]["scored"]
     alone = {"estimator": read(folder / "estimate.json")["settings"]["estimator"], "designs": data["designs"]}
     return data.get("compared") or [alone]
 

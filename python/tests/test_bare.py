@@ -281,8 +281,8 @@ class Models(unittest.TestCase):
 
     def test_compare_and_merit_are_those_of_the_stages(self) -> None:
         ship = seatrial.Model.load(model())
-        compared = ship.compare(results() / "campaign.parquet", out=folder() / "compare.json", runs=["optimized/5"])
-        self.assertEqual(compared.schema, "compare/1")
+        compared = ship.compare(results() / "campaign.parquet", out=folder() / "validation.json", runs=["optimized/5"])
+        self.assertEqual(compared.schema, "validation/2")
         self.assertTrue((folder() / "compare.parquet").is_file())
         coasting = seatrial.Model.load(coaster() / "vessel.toml")
         merit = coasting.merit(coaster() / "dictionary.toml", 100)

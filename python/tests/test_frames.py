@@ -153,9 +153,9 @@ class Figures(unittest.TestCase):
         self.assertEqual(len(figure.axes[0].lines[0].get_xdata()), 1001)
         scores = seatrial.plot(results() / "scores.parquet")
         self.assertEqual(len(scores.axes[0].lines), 3)
-        path = folder() / "compare.json"
+        path = folder() / "validation.json"
         seatrial.Model.load(model()).compare(results() / "campaign.parquet", out=path, runs=["random/3"])
-        compared = seatrial.plot(path.with_suffix(".parquet"))
+        compared = seatrial.plot(path.with_name("compare.parquet"))
         self.assertEqual([line.get_label() for line in compared.axes[0].lines], ["measured", "simulated"])
         compared.savefig(folder() / "compared.svg")
         self.assertIn("<svg", (folder() / "compared.svg").read_text())

@@ -21,10 +21,10 @@ enum Page {
         /// The same with a current as an unknown (validation.json, estimate.json)
         #[arg(long, num_args = 1..)]
         unknown: Vec<PathBuf>,
-        /// Trials in rounds (sequential.json)
+        /// Trials in rounds (validation.json)
         #[arg(long, num_args = 1..)]
         rounds: Vec<PathBuf>,
-        /// Picks of sub-experiments (selection.json)
+        /// Picks of sub-experiments (picks/validation.json)
         #[arg(long, num_args = 1..)]
         selections: Vec<PathBuf>,
         /// Measured logs (crossval.json)

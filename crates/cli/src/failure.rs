@@ -54,7 +54,7 @@ impl Failure {
     }
 
     /// There are no instruments for runs of `file`.
-    pub fn lost(file: &Path, lost: &LostInstruments) -> Self {
+    fn lost(file: &Path, lost: &LostInstruments) -> Self {
         Self::NoAnswer(format!(
             "{}: {lost}: found no instruments, expected a nominal model that follows the data; cut shorter parts with \
              --part-s, name another --nominal, or use --estimator ls",

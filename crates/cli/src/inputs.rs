@@ -1,6 +1,5 @@
 //! Files that stages read. Each is noted, with its digest, in the provenance of the outputs.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -14,7 +13,6 @@ use serde::de::DeserializeOwned;
 use serde_json::json;
 use ship::engine::Run;
 use ship::model::Vessel;
-use study::documents::DesignDocument;
 use study::trajectories::{KeptRuns, Layout, TrajectoryReader};
 use study::{Doubtful, LoggedHelm};
 
@@ -240,19 +238,4 @@ pub fn joined<T: Send, E: Send>(
         (i * JOINED..blocks.min((i + 1) * JOINED)).into_par_iter().map(work).collect();
     let parts: Vec<Vec<T>> = parts.into_iter().collect::<Result<_, _>>()?;
     Ok(parts.into_iter().flatten().collect())
-}
-
-/// The number of sub-experiments of each maneuver to pick: from `--counts label=n`, or from `design.json`, and no
-/// more than available.
-pub fn counts(
-    design: Option<&Path>,
-    written: &[String],
-    available: &BTreeMap<String, u64>,
-    provenance: &mut Provenance,
-) -> Result<BTreeMap<String, u64>, Failure> {
-    let Some(path) = design else {
-        return study::selection::counts(written, available).map_err(Failure::Usage);
-    };
-    let design: DesignDocument = document(path, "design", provenance)?;
-    study::selection::counts_of(&design, available).map_err(|e| Failure::invalid(path, &e))
 }

@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use clap::Args;
 use estimation::pooled::Pool;
-use files::Provenance;
+use files::{Digest, Provenance};
 use regression::MeanRemoval;
 use regression::pooled::{NominalModel, NominalSource, PooledRuns, Recorded};
 use seatrial::core_of;
@@ -55,7 +55,7 @@ pub struct RunFlags {
     /// The runs
     #[arg(long, required = true, value_name = "trajectories.parquet")]
     trajectories: Option<PathBuf>,
-    /// What `ingest` wrote beside the trajectories: names the recordings that runs were cut from
+    /// What `ingest` wrote with the trajectories: names the recordings that runs were cut from [default: ingest.json beside them]
     #[arg(long, value_name = "ingest.json")]
     pub recordings: Option<PathBuf>,
     /// Only these runs or recordings, whose own names may have commas, too; may stand more than once
@@ -82,8 +82,9 @@ impl RunFlags {
         files::Error: From<R::Error>,
     {
         let kept = recorded(self.file(), vessel, provenance)?;
-        let read = |path: &PathBuf| inputs::document::<IngestDocument>(path, "recordings", provenance);
-        let recordings = self.recordings.as_ref().map(read).transpose()?;
+        let recordings = self.recordings.clone().or_else(|| ingested_with(self.file()));
+        let read = |path: PathBuf| inputs::document::<IngestDocument>(&path, "recordings", provenance);
+        let recordings = recordings.map(read).transpose()?;
         let named = recordings.as_ref().map(IngestDocument::recordings_by_run).unwrap_or_default();
         let mut runs = PooledRuns::of(kept, &named).map_err(files::Error::from)?;
         label(runs.designs(), provenance);
@@ -114,6 +115,14 @@ impl RunFlags {
     pub fn file(&self) -> &Path {
         self.trajectories.as_deref().unwrap_or(Path::new(""))
     }
+}
+
+/// `ingest.json` beside `trajectories`, if it was written with them.
+fn ingested_with(trajectories: &Path) -> Option<PathBuf> {
+    let path = trajectories.with_file_name("ingest.json");
+    let known = files::exists(&path).then(|| files::inspect(&path)).and_then(Result::ok).flatten()?;
+    let member = known.members.get(&*trajectories.file_name()?.to_string_lossy());
+    (member == Some(&Digest::of_file(trajectories).ok()?)).then_some(path)
 }
 
 /// Flags of stages that pool sub-experiments.

@@ -10,7 +10,7 @@ use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::str::FromStr;
 
-use refusal::{foreign, gone};
+use refusal::foreign;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
@@ -243,9 +243,7 @@ impl Header {
         }
         let remedy = match schema.split_once('/') {
             Some((kind, number)) if kind == id => version_remedy(number, version),
-            of => of
-                .and_then(|(kind, _)| gone(&format!("{kind}.json")))
-                .map_or_else(|| format!("name a file of kind {id}"), str::to_owned),
+            _ => refusal::gone(schema).map_or_else(|| format!("name a file of kind {id}"), str::to_owned),
         };
         Err(Error::refuse(path, "schema", foreign(schema), expected, remedy))
     }

@@ -96,10 +96,10 @@ const GONE: &[(&str, &str)] = &[
     ("--export-problem", "it is gone: `--keep problem` writes problem.json beside the plan"),
     ("--positions", "it is gone: name the file by `--from`"),
     (
-        "follow.json",
+        "follow/1",
         "it is gone: `seatrial plan --rest-of plan.json --from positions.csv` writes a plan.json that has it",
     ),
-    ("refined.json", "it is gone: `seatrial design --refine` writes a design.json that has it"),
+    ("refined/1", "it is gone: `seatrial design --refine` writes a design.json that has it"),
     ("refine", "it is gone: `design --refine design.json` improves the input signals of that design"),
     ("--starts", "it is gone: a search starts at random places where its problem is not concave"),
     ("--tolerance", "it is gone: a search ends where rounding does, and its gap is stated"),
@@ -156,6 +156,16 @@ const GONE: &[(&str, &str)] = &[
         "--unknown-wind",
         "it is gone: log the wind as a `[[measured]]` channel, or take `--estimator prediction-error`",
     ),
+    ("compare/1", "validation.json has it: made again by: seatrial validate --model"),
+    ("selection/1", "validation.json has it: made again by: seatrial validate --design"),
+    ("selection-realizations/1", "scores.parquet has it: made again by: seatrial validate --design"),
+    ("sequential/1", "validation.json and scores.parquet have it: made again by: seatrial monte-carlo"),
+    ("tally/1", "validation.json has it: made again by: seatrial monte-carlo"),
+    ("compare", "it is gone: `validate --model model.json --trajectories …` tries a model on recordings"),
+    ("selection", "it is gone: `validate --design design.json --trajectories …` compares picks"),
+    ("--against", "it is gone: name other models by `--model` again"),
+    ("--average", "it is gone: `estimate` delivers an average as a model"),
+    ("--counts", "it is gone: a design.json by --design has the counts"),
 ];
 
 /// The remedy for `word`, if that is known no more.

@@ -2,7 +2,7 @@ use files::Error;
 use maud::{Markup, html};
 use ship::engine::{Pose, track};
 use study::documents::{
-    CompareDocument, ComparedErrors, DegreeOfFreedom, ErrorCorrelations, ErrorKind, Traced, traces as columns,
+    Compared, ComparedErrors, DegreeOfFreedom, ErrorCorrelations, ErrorKind, Traced, traces as columns,
 };
 
 use crate::figures::{
@@ -17,21 +17,20 @@ use crate::parts::{Figures, HtmlTable, Section, grouped, statements};
 /// Windows, and recordings, beyond this many are not drawn.
 const MOST: usize = 24;
 
-/// Reads `compare.json` and `compare.parquet`, if both exist.
-pub(super) fn load(loader: &mut Loader) -> Result<Option<(CompareDocument, Vec<Traced>)>, Error> {
-    let document = loader.document("compare.json", "the model on recordings that it was not fitted to")?;
-    let Some(document) = document else { return Ok(None) };
+/// The model on `recordings`, and over time by `compare.parquet`.
+pub(super) fn load(
+    loader: &mut Loader,
+    recordings: Option<Compared>,
+) -> Result<Option<(Compared, Vec<Traced>)>, Error> {
+    let Some(recordings) = recordings else { return Ok(None) };
     let reader =
         loader.table("compare.parquet", "the model over time on these recordings", ("compare", 1))?;
     let rows = reader.map(|reader| columns().read(&reader, &Traced::default())).transpose()?;
-    Ok(Some((document, rows.unwrap_or_default())))
+    Ok(Some((recordings, rows.unwrap_or_default())))
 }
 
 /// The model on recordings that it was not fitted to: the verdict, numbers, measured and simulated over time.
-pub(super) fn compared(
-    compared: Option<&(CompareDocument, Vec<Traced>)>,
-    figures: &mut Figures,
-) -> Option<Section> {
+pub(super) fn compared(compared: Option<&(Compared, Vec<Traced>)>, figures: &mut Figures) -> Option<Section> {
     let (found, trace) = compared?;
     let body = html! {
         (about(found))
@@ -45,7 +44,7 @@ pub(super) fn compared(
     Some(Section::new("compared", "Model on other recordings", "The model on other recordings", body))
 }
 
-fn about(found: &CompareDocument) -> Markup {
+fn about(found: &Compared) -> Markup {
     let windows = windows_of(found.window_s);
     html! {
         p {
@@ -55,7 +54,7 @@ fn about(found: &CompareDocument) -> Markup {
     }
 }
 
-fn models(found: &CompareDocument) -> Markup {
+fn models(found: &Compared) -> Markup {
     let named = HtmlTable::of(&found.models).compact().name("Model", |m| m.name.to_string());
     html! { (errors(named, |m| &m.errors)) }
 }
@@ -76,7 +75,7 @@ fn errors<'a, R: Copy>(table: HtmlTable<R>, of: impl Fn(R) -> &'a ComparedErrors
         .number("Diverged", move |row| of(row).diverged)
 }
 
-fn differences(found: &CompareDocument) -> Markup {
+fn differences(found: &Compared) -> Markup {
     let table = HtmlTable::of(&found.differences)
         .name("Against", |d| d.name.to_string())
         .number("Its error norm lies above by", |d| three_within(d.median, Some(d.interval)))
@@ -130,7 +129,7 @@ fn over_time(trace: &[Traced], figures: &mut Figures) -> Markup {
     }
 }
 
-fn recordings(found: &CompareDocument) -> Markup {
+fn recordings(found: &Compared) -> Markup {
     let rows = grouped(found.models.first(), |model| &model.recordings);
     let named = HtmlTable::of(rows.iter().map(|(_, _, recording)| *recording))
         .compact()

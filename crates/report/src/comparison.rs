@@ -1,7 +1,7 @@
 use maud::{Markup, Render, html};
 use study::documents::{
     DesignScores, Published, PublishedLimits, PublishedPicks, PublishedSelection, PublishedShare, Quantiles,
-    Reference, SelectionScores, Share, SharesBeyond, ValidationDocument,
+    Reference, ScoredEstimates, SelectionScores, Share, SharesBeyond,
 };
 use study::estimates::distinct;
 use study::scores::Row;
@@ -41,7 +41,7 @@ fn use_of_published(reference: &Reference) -> &str {
 /// A row's value for a design, and the published one.
 type ScoreLine<'a> = (&'a str, fn(&DesignScores) -> String, Option<fn(&Published) -> PublishedShare>);
 
-fn table(study: &Study, validation: &ValidationDocument) -> Markup {
+fn table(study: &Study, validation: &ScoredEstimates) -> Markup {
     let (scored, reference) = (study.scored(), study.reference.as_ref());
     let bounds = validation.bounds;
     let parameter = format!("Runs with parameter error below {}", exact(bounds.parameter_error));

@@ -1,7 +1,7 @@
 use maud::{Markup, Render, display, html};
 use study::documents::{
     DegreeOfFreedom, DesignScores, DesignSummary, EstimateDocument, Estimator, EstimatorRecommendation,
-    EstimatorScores, EstimatorSummary, MeanRemoval, ParameterSummary, ValidationDocument,
+    EstimatorScores, EstimatorSummary, MeanRemoval, ParameterSummary, ScoredEstimates,
 };
 use study::files::Vessel;
 
@@ -43,7 +43,7 @@ fn designs(scores: &[EstimatorScores]) -> Vec<&str> {
 }
 
 /// The recommendation of the validation for the design that is shown first.
-fn recommended(validation: &ValidationDocument) -> Markup {
+fn recommended(validation: &ScoredEstimates) -> Markup {
     match recommendation(validation) {
         Some(advice) if advice.candidates.is_empty() => html! { p.missing { (advice.statement) } },
         Some(advice) => html! { p { (advice.statement) } },
@@ -52,7 +52,7 @@ fn recommended(validation: &ValidationDocument) -> Markup {
 }
 
 /// The recommendation for the design that is shown first.
-fn recommendation(validation: &ValidationDocument) -> Option<&EstimatorRecommendation> {
+fn recommendation(validation: &ScoredEstimates) -> Option<&EstimatorRecommendation> {
     let all = validation.recommendations.as_deref().unwrap_or(&[]);
     optimized_first(all, |advice| &advice.design).into_iter().next()
 }

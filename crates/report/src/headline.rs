@@ -1,7 +1,7 @@
 use maud::{Markup, html};
 use study::documents::{
-    Arm, Check, DesignDocument, DesignScores, PlanDocument, RoundGain, SequentialDocument,
-    ValidationDocument, Voyage, WorstVessels,
+    Arm, Check, DesignDocument, DesignScores, PlanDocument, RoundGain, ScoredEstimates, TrialsInRounds,
+    Voyage, WorstVessels,
 };
 
 use crate::dictionary::used as is_used;
@@ -73,7 +73,7 @@ fn answer(study: &Study) -> String {
 }
 
 /// The gain of designing in rounds.
-fn in_rounds(found: &SequentialDocument) -> String {
+fn in_rounds(found: &TrialsInRounds) -> String {
     let arm = |arm: Arm| found.stopping.iter().find(|s| s.arm == arm);
     let mut said = String::new();
     if let (Some(rounds), Some(once)) = (arm(Arm::Sequential), arm(Arm::OneShot)) {
@@ -143,7 +143,7 @@ fn clear(check: &Check) -> String {
 }
 
 /// Both sentences about the designs that were validated.
-fn compared(study: &Study, validation: &ValidationDocument) -> String {
+fn compared(study: &Study, validation: &ScoredEstimates) -> String {
     let scored = study.scored();
     let (bounds, first, others) = (validation.bounds, scored[0], &scored[1..]);
     let length = study.experiment_s.map_or(String::new(), |s| format!(" of {}\u{a0}s", three(s)));

@@ -2,7 +2,7 @@ use files::Error;
 use maud::{Markup, display, html};
 use refusal::listed;
 use study::documents::{
-    COLLINEAR, CompareDocument, CrossvalDocument, DegreeTrust, DeliveredKind, EstimatorScore, FreeRunErrors,
+    COLLINEAR, Compared, CrossvalDocument, DegreeTrust, DeliveredKind, EstimatorScore, FreeRunErrors,
     IngestDocument, ModelDocument, RecordingSummary, SearchDocument, SelectionScores, Traced, TrustDocument,
     WarningSummary,
 };
@@ -24,20 +24,23 @@ pub struct MeasuredStudy {
     pub crossval: Option<CrossvalDocument>,
     /// `model.json`.
     pub model: Option<ModelDocument>,
-    /// `compare.json`, and the model over time.
-    pub compared: Option<(CompareDocument, Vec<Traced>)>,
+    /// The model on recordings of `validation.json`, and over time.
+    pub compared: Option<(Compared, Vec<Traced>)>,
     /// `search.json`.
     pub searched: Option<SearchDocument>,
     /// The next trial.
     pub next: Option<NextTrial>,
 }
 
-/// Reads `ingest.json`, `trust.json`, `crossval.json`, `compare.json` and `search.json`; `None` if the last four are
+/// Reads `ingest.json`, `trust.json`, `crossval.json` and `search.json`, with the models on `recordings`; `None` if the last four are
 /// all missing.
-pub(super) fn load(loader: &mut Loader) -> Result<Option<MeasuredStudy>, Error> {
+pub(super) fn load(
+    loader: &mut Loader,
+    recordings: Option<Compared>,
+) -> Result<Option<MeasuredStudy>, Error> {
     let crossval = loader.document("crossval.json", "free simulation over recordings left out")?;
     let trust = loader.document("trust.json", "how far the pooled estimate can be trusted")?;
-    let compared = super::compared::load(loader)?;
+    let compared = super::compared::load(loader, recordings)?;
     let searched = loader.document("search.json", "how a structure was searched for")?;
     if crossval.is_none() && trust.is_none() && compared.is_none() && searched.is_none() {
         return Ok(None);

@@ -3,7 +3,8 @@
 use files::{Error, Provenance, read_document};
 use maud::{Markup, html};
 use study::documents::{
-    DesignDocument, DesignScores, FreeRunErrors, ModelDocument, Quantiles, SearchDocument, TallyDocument,
+    CountedRuns, DesignDocument, DesignScores, FreeRunErrors, ModelDocument, Quantiles, SearchDocument,
+    ValidationDocument,
 };
 
 use crate::loader::{Loader, existing};
@@ -20,8 +21,8 @@ pub struct NextTrial {
     pub searched: Option<SearchDocument>,
     /// `next/design.json`.
     pub design: DesignDocument,
-    /// `next/tally.json`: estimates from simulations of it.
-    pub tally: Option<TallyDocument>,
+    /// Of `next/validation.json`: estimates from simulations of it.
+    pub counted: Option<CountedRuns>,
     /// `next/plan.json` and its map: its plan on a chart.
     pub planned: Option<PlannedTrial>,
 }
@@ -36,7 +37,9 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<NextTrial>, Error> {
     let Some(design) = read(loader, &mut known, "design", "the next trial's shares")? else {
         return Ok(None);
     };
-    let tally = read(loader, &mut known, "tally", "what is estimated from the next trial")?;
+    let validation: Option<ValidationDocument> =
+        read(loader, &mut known, "validation", "what is estimated from the next trial")?;
+    let counted = validation.and_then(|validation| validation.counted);
     // Its own, or the one that the logs' model is.
     let at = |name| existing(loader.sources.results.join(name)).map(|path| (path, name));
     let Some((path, name)) = at("next/model.json").or_else(|| at("model.json")) else { return Ok(None) };
@@ -49,7 +52,7 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<NextTrial>, Error> {
         plan.map(|plan| PlannedTrial { name: String::new(), plan, map, document, stale: Vec::new() });
     let mut search = Provenance { allow_mixed: loader.sources.allow_mixed, ..Provenance::default() };
     let searched = read(loader, &mut search, "search", "how that model was found")?;
-    Ok(Some(NextTrial { model: model.data, searched, design, tally, planned }))
+    Ok(Some(NextTrial { model: model.data, searched, design, counted, planned }))
 }
 
 fn read<D: files::Document>(
@@ -120,14 +123,14 @@ type ErrorsOfTrials = fn(&DesignScores) -> &Quantiles;
 
 /// The effect of parameter errors on free simulations, next to the errors of the model itself.
 fn free_runs(next: &NextTrial) -> Markup {
-    let Some(tally) = &next.tally else { return html! {} };
+    let Some(counted) = &next.counted else { return html! {} };
     // A row's name, errors on recordings, and scores of simulated trials with the quantile to show.
     let measured = next
         .searched
         .as_ref()
         .and_then(SearchDocument::delivered_errors)
         .map(|errors| ("this model, on recordings left out of the search", Some(errors), None));
-    let scores = tally.scores.iter().flat_map(|score| &score.designs);
+    let scores = counted.scores.iter().flat_map(|score| &score.designs);
     let scored = scores.flat_map(|scores| {
         let half = match scores.design.as_str() {
             "optimized" => "estimated anew from this trial, median",
@@ -158,7 +161,7 @@ fn free_runs(next: &NextTrial) -> Markup {
         h3 { "What that means for the fit" }
         (table)
         p.note {
-            "Free simulations. Of simulated trials: quantiles over " (tally.realizations)
+            "Free simulations. Of simulated trials: quantiles over " (counted.realizations)
             " trials in the stated noise, with 95\u{a0}% intervals (– where there are none to simulate), against the model itself over the validation maneuvers: what errors of the parameters \
              alone cost, in still air and with the right structure."
             @if let Some([u, v, r]) = stds {

@@ -116,12 +116,12 @@ fn document(study: &Study, sections: &[Section], panels: &[Panel]) -> Markup {
 
 /// Statistics of many realizations in memory, by design and estimator, unless they are those of the validation.
 fn realizations(study: &Study) -> Option<Section> {
-    let tally = study.tally.as_ref()?;
-    let counted: u64 = tally.tally.counted.iter().map(|counted| counted.runs).sum();
-    if tally.scores.len() < 2 && study.scored().iter().map(|design| design.runs).sum::<u64>() == counted {
+    let counts = study.counted.as_ref()?;
+    let counted: u64 = counts.tally.counted.iter().map(|counted| counted.runs).sum();
+    if counts.scores.len() < 2 && study.scored().iter().map(|design| design.runs).sum::<u64>() == counted {
         return None;
     }
-    let rows = tally.scores.iter().flat_map(|by| {
+    let rows = counts.scores.iter().flat_map(|by| {
         optimized_first(&by.designs, |d| &d.design).into_iter().map(|scores| (by.estimator, scores))
     });
     let share = |share: f64, interval: Option<[f64; 2]>| {
@@ -145,11 +145,11 @@ fn realizations(study: &Study) -> Option<Section> {
         .number("Not identifiable", |(_, d)| d.not_identifiable);
     let body = html! {
         (table)
-        (statements(&tally.statements))
+        (statements(&counts.statements))
         p.note {
-            "Estimated and scored as soon as they are simulated (" code { "monte-carlo" } "), seed " (tally.seed)
+            "Estimated and scored as soon as they are simulated (" code { "monte-carlo" } "), seed " (counts.seed)
             ". After ±: half of the 95 % interval (Wilson's). Quantiles are read from histograms, to "
-            (percent(tally.quantile_error)) "."
+            (percent(counts.quantile_error)) "."
         }
     };
     Some(Section::new("realizations", "Realizations", "Many realizations", body))

@@ -2,7 +2,7 @@
 
 use maud::{Markup, PreEscaped, Render, html};
 use refusal::listed;
-use study::documents::ValidationDocument;
+use study::documents::ScoredEstimates;
 
 use crate::figures::map::parted;
 use crate::interactive::Panel;
@@ -231,7 +231,7 @@ pub(super) const INTERVALS: &str = "In brackets: 95 % confidence intervals of wh
      ranks. A repeated study's value falls into them less often, some 83 times of 100.";
 
 /// The number of runs of a validation, and their seed: `500 runs per design, seed 1`.
-pub(super) fn drawn_from(validation: &ValidationDocument) -> String {
+pub(super) fn drawn_from(validation: &ScoredEstimates) -> String {
     let counts: Vec<u64> = validation.designs.iter().map(|d| d.runs).collect();
     let runs = match counts.split_first() {
         Some((first, others)) if others.iter().all(|count| count == first) => {

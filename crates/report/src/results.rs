@@ -6,8 +6,7 @@ use files::{Document, Error, Loaded, Provenance, TableReader};
 use serde_json::Value;
 use study::documents::{
     Bounds, CrossvalDocument, DesignScores, EstimateDocument, Estimator, EstimatorScore, EstimatorScores,
-    PublishedShare, Quantiles, Reference, SelectionDocument, SequentialDocument, SimulatedLogsDocument,
-    ValidationDocument,
+    PublishedShare, Quantiles, Reference, SimulatedLogsDocument, TrialsInRounds, ValidationDocument,
 };
 use study::files::{read_campaign, read_reference};
 use study::trajectories;
@@ -26,9 +25,9 @@ pub struct Folders {
     pub scenarios: Vec<PathBuf>,
     /// For each scenario, in a subfolder, estimates with a current as an unknown: validation.json, estimate.json.
     pub unknown: Vec<PathBuf>,
-    /// Trials in rounds: sequential.json.
+    /// Trials in rounds: validation.json.
     pub rounds: Vec<PathBuf>,
-    /// Picks of sub-experiments: selection.json.
+    /// Picks of sub-experiments: picks/validation.json.
     pub selections: Vec<PathBuf>,
     /// Measured logs: crossval.json.
     pub logs: Vec<PathBuf>,
@@ -59,7 +58,7 @@ repeated study falls into the interval printed here less often, some 83 times of
 
 /// Shares of good models and median errors, by study and design.
 fn designs_section(folders: &[PathBuf], written: Option<&Path>) -> Result<Option<String>, Error> {
-    let (read, missing) = documents::<ValidationDocument>(folders, "validation.json")?;
+    let (read, missing) = validations(folders, "", |of| of.scored)?;
     let (mut rows, mut bounds, mut used) = (Vec::new(), Vec::new(), String::new());
     for (folder, Loaded { data: validation, .. }) in &read {
         let (name, seed) = (label(folder), seed(folder)?);
@@ -116,12 +115,30 @@ fn published_share(share: Option<PublishedShare>) -> String {
 type Read<D> = (Vec<(PathBuf, Loaded<D>)>, Vec<String>);
 
 /// The folders with a document `name`, and the names of those without.
-fn documents<D: Document>(folders: &[PathBuf], name: &str) -> Result<Read<D>, Error> {
+fn documents<D: Document>(folders: &[PathBuf], name: impl AsRef<Path>) -> Result<Read<D>, Error> {
     let (mut read, mut missing) = (Vec::new(), Vec::new());
     for folder in folders {
-        match document_at(folder.join(name))? {
+        match document_at(folder.join(name.as_ref()))? {
             Some(document) => read.push((folder.clone(), document)),
             None => missing.push(label(folder)),
+        }
+    }
+    Ok((read, missing))
+}
+
+/// What `section` takes of `validation.json` in the folder `below` each of `folders`.
+fn validations<S>(
+    folders: &[PathBuf],
+    below: &str,
+    section: fn(ValidationDocument) -> Option<S>,
+) -> Result<Read<S>, Error> {
+    let (all, mut missing) =
+        documents::<ValidationDocument>(folders, &Path::new(below).join("validation.json"))?;
+    let mut read = Vec::new();
+    for (folder, Loaded { data, digest, provenance, members }) in all {
+        match section(data) {
+            Some(data) => read.push((folder, Loaded { data, digest, provenance, members })),
+            None => missing.push(label(&folder)),
         }
     }
     Ok((read, missing))
@@ -147,7 +164,7 @@ fn seed(folder: &Path) -> Result<Option<u64>, Error> {
     let Some(path) = names.find_map(|name| existing(folder.join(name))) else {
         // Trials in memory leave no table.
         let validation = document_at::<ValidationDocument>(folder.join("validation.json"))?;
-        return Ok(validation.and_then(|loaded| loaded.data.seed));
+        return Ok(validation.and_then(|loaded| loaded.data.scored?.seed));
     };
     Ok(seed_of(TableReader::open(&path, trajectories::ID, trajectories::VERSION)?.provenance()))
 }
@@ -220,7 +237,7 @@ fn median(errors: &Quantiles) -> String {
 const DESIGN: &str = "optimized";
 
 fn estimators_section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
-    let (read, missing) = documents::<ValidationDocument>(folders, "validation.json")?;
+    let (read, missing) = validations(folders, "", |of| of.scored)?;
     let compared: Vec<&[EstimatorScores]> =
         read.iter().map(|(_, v)| v.data.compared.as_deref().unwrap_or_default()).collect();
     let given = |estimator: &Estimator| compared.iter().any(|scores| of(scores, *estimator).is_some());
@@ -291,7 +308,7 @@ fn fits(score: &EstimatorScore) -> String {
 
 /// Trials designed in rounds against trials designed once.
 fn rounds_section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
-    let (read, missing) = documents::<SequentialDocument>(folders, "sequential.json")?;
+    let (read, missing) = validations(folders, "", |of| of.rounds)?;
     let mut text = String::new();
     for (folder, Loaded { data: document, provenance, .. }) in &read {
         text += &format!(
@@ -311,7 +328,7 @@ fn rounds_section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
 }
 
 /// A row per time, a column per arm.
-fn errors(document: &SequentialDocument) -> Option<String> {
+fn errors(document: &TrialsInRounds) -> Option<String> {
     let times = MarkdownTable::of(document.gains.iter().enumerate())
         .column("after", |(_, gain)| format!("{} s", exact(gain.time_s)));
     let arms = document.arms.iter().fold(times, |table, arm| {
@@ -330,7 +347,7 @@ fn errors(document: &SequentialDocument) -> Option<String> {
 }
 
 /// A row per arm that may stop.
-fn stopping(document: &SequentialDocument) -> Option<String> {
+fn stopping(document: &TrialsInRounds) -> Option<String> {
     let within = format!("within {}, of those promised", exact(document.accuracy));
     let table = MarkdownTable::of(&document.stopping)
         .column("", |arm| arm.arm.name().to_owned())
@@ -351,7 +368,7 @@ fn stopping(document: &SequentialDocument) -> Option<String> {
 
 /// Models from sub-experiments that a design picked against random picks.
 fn selections_section(folders: &[PathBuf], written: Option<&Path>) -> Result<Option<String>, Error> {
-    let (read, missing) = documents::<SelectionDocument>(folders, "selection.json")?;
+    let (read, missing) = validations(folders, "picks", |of| of.picks)?;
     let mut rows = Vec::new();
     let mut notes: Vec<String> = Vec::new();
     for (folder, Loaded { data: selection, .. }) in &read {
@@ -396,7 +413,7 @@ fn seed_of_logs(folder: &Path) -> Result<Option<u64>, Error> {
 const FLAGS: [(&str, &str); 2] = [("unknown_current", "--unknown-current"), ("intercepts", "--intercepts")];
 
 fn unknown_section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
-    let (read, missing) = documents::<ValidationDocument>(folders, "validation.json")?;
+    let (read, missing) = validations(folders, "", |of| of.scored)?;
     let mut rows = Vec::new();
     for (folder, validation) in &read {
         let estimate = document_at::<EstimateDocument>(folder.join("estimate.json"))?;

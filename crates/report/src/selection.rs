@@ -1,7 +1,8 @@
 use files::Error;
 use maud::{Markup, html};
 use refusal::listed;
-use study::documents::{Quantiles, SelectionDocument, SelectionScores};
+use study::documents::{Quantiles, Selection, SelectionScores, ValidationDocument};
+use study::scores;
 use study::selection::{self, Row};
 
 use crate::figures::{Histogram, HistogramAxis, HistogramPanel, histogram_pair};
@@ -13,24 +14,35 @@ use crate::parts::{Figures, HtmlTable, INTERVALS, Section, statements};
 /// The results of a selection study.
 #[derive(Clone, Debug)]
 pub struct SelectionStudy {
-    /// `selection.json`.
-    pub summary: SelectionDocument,
-    /// `selection.parquet`.
+    /// Of `validation.json`.
+    pub summary: Selection,
+    /// `scores.parquet` beside it.
     pub rows: Vec<Row>,
 }
 
 /// The figures end at this many standard deviations of a state.
 const LIMIT: f64 = 3.0;
 
-/// Reads `selection.json` and `selection.parquet`, if both exist.
-pub(super) fn load(loader: &mut Loader) -> Result<Option<SelectionStudy>, Error> {
-    if existing(loader.sources.results.join("selection.parquet")).is_none() {
+/// The folder of the picks of a study that has other scores.
+const FOLDER: &str = "picks/";
+
+/// The `picks`, or else those in the folder `picks`, with their table; `None` without either.
+pub(super) fn load(loader: &mut Loader, picks: Option<Selection>) -> Result<Option<SelectionStudy>, Error> {
+    let folder = if picks.is_some() { "" } else { FOLDER };
+    let file = |name: &str| format!("{folder}{name}");
+    if existing(loader.sources.results.join(file("scores.parquet"))).is_none() {
         return Ok(None);
     }
-    let summary = loader.document("selection.json", "picked sub-experiments against random ones")?;
-    let schema = (selection::ID, selection::VERSION);
-    let Some(summary) = summary else { return Ok(None) };
-    let reader = loader.table("selection.parquet", "errors of every realization", schema)?;
+    let what = "picked sub-experiments against random ones";
+    let picks = match picks {
+        Some(picks) => Some(picks),
+        None => {
+            loader.document(&file("validation.json"), what)?.and_then(|below: ValidationDocument| below.picks)
+        }
+    };
+    let Some(summary) = picks else { return Ok(None) };
+    let schema = (scores::ID, scores::VERSION);
+    let reader = loader.table(&file("scores.parquet"), "errors of every realization", schema)?;
     let rows = reader.map(|reader| selection::rows(&reader)).transpose()?.unwrap_or_default();
     Ok(Some(SelectionStudy { summary, rows }))
 }
@@ -80,13 +92,13 @@ impl SelectionStudy {
 }
 
 /// The number of realizations, and the definition of degenerate.
-fn sample(summary: &SelectionDocument) -> String {
+fn sample(summary: &Selection) -> String {
     let counts: Vec<String> =
         summary.designs.iter().map(|d| format!("{} {}", d.realizations, d.design)).collect();
-    let seed = summary.seed.map_or(String::new(), |seed| format!(", seed {seed}"));
     format!(
-        "{} realizations{seed}; degenerate: a norm of RMSE/std of {:.3} or more, or no model",
+        "{} realizations, seed {}; degenerate: a norm of RMSE/std of {:.3} or more, or no model",
         listed(&counts),
+        summary.seed,
         summary.degenerate_from
     )
 }
@@ -99,7 +111,7 @@ fn round_limit(std: f64) -> f64 {
 /// A column's cell for a design.
 type Cell<'a> = &'a dyn Fn(&SelectionScores) -> String;
 
-fn table(summary: &SelectionDocument) -> HtmlTable<&SelectionScores> {
+fn table(summary: &Selection) -> HtmlTable<&SelectionScores> {
     let or_infinite = |value: Option<f64>, printed: String| value.map_or("∞".to_owned(), |_| printed);
     let median = |errors: &Quantiles| or_infinite(errors.median, median(errors));
     let q90 = |errors: &Quantiles| or_infinite(errors.q90, q90(errors));

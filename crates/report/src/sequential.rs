@@ -1,12 +1,12 @@
 use maud::{Markup, html};
-use study::documents::{Arm, ArmSummary, RoundGain, SequentialDocument, Source};
+use study::documents::{Arm, ArmSummary, RoundGain, Source, TrialsInRounds};
 
 use crate::figures::{AccuracyCurve, accuracy};
 use crate::number::{exact, interval, percent_within, three, three_or_dash, three_within};
 use crate::parts::{Figures, HtmlTable, Section, grouped};
 
 /// Trials designed in rounds compared with trials designed once: at equal time, and when they stop.
-pub(super) fn sequential(found: &SequentialDocument, figures: &mut Figures) -> Vec<Section> {
+pub(super) fn sequential(found: &TrialsInRounds, figures: &mut Figures) -> Vec<Section> {
     let (stops, compares) = match found.statements.split_last() {
         Some((last, others)) => (std::slice::from_ref(last), others),
         None => (&[][..], &[][..]),
@@ -44,7 +44,7 @@ fn label(arm: Arm) -> &'static str {
     }
 }
 
-fn about(found: &SequentialDocument) -> Markup {
+fn about(found: &TrialsInRounds) -> Markup {
     let about = if found.crude_about == Source::Nominal { "nominal" } else { "true" };
     html! {
         p {
@@ -58,7 +58,7 @@ fn about(found: &SequentialDocument) -> Markup {
     }
 }
 
-fn figure(found: &SequentialDocument, figures: &mut Figures) -> Markup {
+fn figure(found: &TrialsInRounds, figures: &mut Figures) -> Markup {
     let curve = |arm: &ArmSummary| AccuracyCurve {
         label: label(arm.name),
         points: arm.points.iter().filter_map(|point| Some((point.time_s, point.median?))).collect(),
@@ -85,7 +85,7 @@ fn gains(gains: &[RoundGain]) -> Markup {
     }
 }
 
-fn errors(found: &SequentialDocument) -> Markup {
+fn errors(found: &TrialsInRounds) -> Markup {
     let table = HtmlTable::of(grouped(&found.arms, |arm| &arm.points))
         .compact()
         .mark("first", |(first, ..)| first)
@@ -108,7 +108,7 @@ fn errors(found: &SequentialDocument) -> Markup {
     }
 }
 
-fn stopping(found: &SequentialDocument) -> Markup {
+fn stopping(found: &TrialsInRounds) -> Markup {
     let table = HtmlTable::of(&found.stopping)
         .compact()
         .name("Trial", |s| label(s.arm))

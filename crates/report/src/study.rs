@@ -4,8 +4,9 @@ use files::{Digest, Error, Loaded, Provenance, exists, read_document};
 use ship::engine::{Run, track};
 use study::campaign_file::CampaignFile;
 use study::documents::{
-    DesignDocument, DesignScores, DesignUpdateDocument, EstimateDocument, IngestDocument, MeritDocument,
-    MomentsDocument, PlanDocument, Reference, SequentialDocument, TallyDocument, ValidationDocument,
+    CountedRuns, DesignDocument, DesignScores, DesignUpdateDocument, EstimateDocument, IngestDocument,
+    MeritDocument, MomentsDocument, PlanDocument, Reference, ScoredEstimates, TrialsInRounds,
+    ValidationDocument,
 };
 use study::files::{Variable, Vessel};
 use study::scores;
@@ -33,10 +34,10 @@ pub struct Study {
     pub update: Option<DesignUpdateDocument>,
     /// `estimate.json`.
     pub estimate: Option<EstimateDocument>,
-    /// `validation.json`.
-    pub validation: Option<ValidationDocument>,
-    /// `tally.json`.
-    pub tally: Option<TallyDocument>,
+    /// Of `validation.json`: estimates of simulated runs.
+    pub validation: Option<ScoredEstimates>,
+    /// Of `validation.json`: realizations in memory.
+    pub counted: Option<CountedRuns>,
     /// The errors of every run by one estimator.
     pub scores: Option<Vec<scores::Row>>,
     /// The input that the estimated models were validated on.
@@ -50,7 +51,7 @@ pub struct Study {
     /// Results from measured logs; absent in a study of simulated trials.
     pub measured: Option<super::MeasuredStudy>,
     /// Trials designed in rounds against trials designed once.
-    pub sequential: Option<SequentialDocument>,
+    pub sequential: Option<TrialsInRounds>,
     /// Other studies' comparisons of estimators, to be shown side by side.
     pub scenarios: Vec<Scenario>,
     /// The planned trajectory; absent in a study that plans none.
@@ -70,8 +71,8 @@ pub struct Scenario {
     pub name: String,
     /// Its `estimate.json`.
     pub estimate: EstimateDocument,
-    /// Its `validation.json`.
-    pub validation: ValidationDocument,
+    /// The scores of its `validation.json`.
+    pub validation: ScoredEstimates,
 }
 
 /// The results for a planned trajectory.
@@ -84,7 +85,7 @@ pub struct Trajectory {
     /// `planned/estimate.json`: estimates from simulated trials of the plan.
     pub estimate: Option<EstimateDocument>,
     /// `planned/validation.json`: errors of those estimates.
-    pub validation: Option<ValidationDocument>,
+    pub validation: Option<ScoredEstimates>,
 }
 
 /// One maneuver over time. All vectors are as long as `t`; a value that is not finite is left out of the figures.
@@ -156,6 +157,9 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
         let maneuver = maneuvers.iter().find(|maneuver| maneuver.name == trace.name);
         trace.description = maneuver.map_or(String::new(), |maneuver| maneuver.description.clone());
     }
+    let validation: Option<ValidationDocument> =
+        loader.document("validation.json", "how good the models are")?;
+    let ValidationDocument { scored, counted, recordings, picks, rounds } = validation.unwrap_or_default();
     let study = Study {
         name: title(sources, vessel.as_ref().map(|vessel| vessel.name.as_str())),
         experiment_s: campaign.map(|c| c.duration_s),
@@ -167,9 +171,9 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
             .traces(&vessel, "validation.parquet", "validation maneuvers")?
             .and_then(|traces| traces.into_iter().next()),
         estimate: loader.document("estimate.json", "estimates of all runs together")?,
-        validation: loader.document("validation.json", "errors of all runs together")?,
-        tally: loader.document("tally.json", "realizations in memory, counted")?,
-        scores: loader.scores()?,
+        scores: scored.as_ref().map_or(Ok(None), |_| loader.scores())?,
+        validation: scored,
+        counted,
         scenarios: sources
             .scenarios
             .iter()
@@ -178,9 +182,9 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
         vessel,
         trajectory: trajectory(&mut loader)?,
         merit: loader.document("merit.json", "figures of merit of standard maneuvers")?,
-        selection: crate::selection::load(&mut loader)?,
-        measured: crate::measured::load(&mut loader)?,
-        sequential: loader.document("sequential.json", "trials designed in rounds and at once")?,
+        selection: crate::selection::load(&mut loader, picks)?,
+        measured: crate::measured::load(&mut loader, recordings)?,
+        sequential: rounds,
         data: loader.label()?,
         mixed: loader.mixed(),
         reference,
@@ -193,7 +197,7 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
         return Err(study::refuse(
             &sources.results,
             "results",
-            "none of crossval.json, design.json, dictionary.parquet, plan.json, search.json, selection.json, sequential.json, trust.json, validation.json",
+            "none of crossval.json, design.json, dictionary.parquet, plan.json, search.json, trust.json, validation.json",
             "files that the stages wrote",
             "run `make` first, or name their folder with --results",
         ));
@@ -230,13 +234,11 @@ fn scenario(folder: &Path, allow_mixed: bool) -> Result<Scenario, Error> {
     let mut known = Provenance { allow_mixed, ..Provenance::default() };
     known.made("estimate.json", &first, estimate.digest, &estimate.provenance)?;
     known.made("validation.json", &second, validation.digest, &validation.provenance)?;
-    let read = Scenario {
-        name: folder.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned()),
-        estimate: estimate.data,
-        validation: validation.data,
-    };
-    if read.estimate.compared.is_some() && read.validation.compared.is_some() {
-        return Ok(read);
+    let name = folder.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned());
+    let is_compared = estimate.data.compared.is_some();
+    let scored = validation.data.scored.filter(|scored| scored.compared.is_some());
+    if let (Some(validation), true) = (scored, is_compared) {
+        return Ok(Scenario { name, estimate: estimate.data, validation });
     }
     let expected = "`compared`, several estimators on the same runs";
     let remedy = "run `estimate` with several estimators, as `--estimator ls,iv`, and `validate` again";
@@ -344,7 +346,12 @@ fn trajectory(loader: &mut Loader) -> Result<Option<Trajectory>, Error> {
         main,
         variants,
         estimate: loader.document("planned/estimate.json", "estimates of the simulated planned trials")?,
-        validation: loader.document("planned/validation.json", "errors of the simulated planned trials")?,
+        validation: loader
+            .document::<ValidationDocument>(
+                "planned/validation.json",
+                "errors of the simulated planned trials",
+            )?
+            .and_then(|validation| validation.scored),
     }))
 }
 

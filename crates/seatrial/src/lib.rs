@@ -69,7 +69,7 @@ pub use ship::model::{Model, Source, Vessel};
 pub use study::campaign_file::CampaignFile;
 pub use study::design_files::Promised;
 pub use study::documents::{
-    AverageDocument, CompareDocument, DesignDocument, DesignScores, DesignUpdateDocument, IngestDocument,
+    AverageDocument, Compared, DesignDocument, DesignScores, DesignUpdateDocument, IngestDocument,
     MapDocument, MeritDocument, MeritTableRow, ModelDocument, PlanChart, PlanDocument, RecordingSummary,
     Reference, SearchDocument, SolvedFigures,
 };

@@ -11,7 +11,7 @@ use logs::{BLOCK, Plan, Source, Totals, check_intervals};
 use rayon::prelude::*;
 use refusal::{Invalid, listed};
 use regression::pooled::{NominalModel, NominalSource, PooledRuns, Recorded};
-use study::documents::{CompareDocument, IngestDocument, RecordingSummary};
+use study::documents::{IngestDocument, RecordingSummary};
 use study::files::read_ingest;
 use study::ingest_file::read::recorded;
 use study::ingest_file::recordings::find;
@@ -20,7 +20,7 @@ use study::pooled_set::PooledSet;
 use study::trajectories::DataLabel;
 use study::{Doubtful, Tried};
 use validation::comparison::{
-    CompareOptions, Contestant, EstimatedErrors, Magnitudes, Ship, Standing, Traced, compare,
+    CompareOptions, Compared, Contestant, EstimatedErrors, Magnitudes, Ship, Standing, Traced, compare,
 };
 use validation::crossval::CrossError;
 
@@ -232,14 +232,12 @@ impl<'a> Pooling<'a> {
     }
 }
 
-/// Compares a model with least squares of the same data, the mean of the recordings, and another model.
+/// Compares a model with least squares of the same data, the mean of the recordings, and other models.
 pub struct Comparison<'a> {
     /// The model, or several whose trajectories are averaged.
     pub model: &'a Tried,
-    /// Single models whose trajectories are averaged with those of `model`, then a single one, too.
-    pub averaged: &'a [Tried],
-    /// Another model.
-    pub other: Option<&'a Vessel>,
+    /// Other models.
+    pub others: &'a [Vessel],
     /// Length of the simulated windows in samples; whole runs without it.
     pub window: Option<usize>,
 }
@@ -284,46 +282,38 @@ pub fn channels_within(vessel: &Vessel, widest: &Vessel) -> Result<Vec<usize>, I
 }
 
 impl<'a> Comparison<'a> {
-    /// Of `model` over whole runs, with nothing else that is averaged or compared.
+    /// Of `model` over whole runs, with no other.
     pub fn of(model: &'a Tried) -> Self {
-        Self { model, averaged: &[], other: None, window: None }
+        Self { model, others: &[], window: None }
     }
 
     /// All vessels that are simulated.
     pub fn vessels(&self) -> Vec<&'a Vessel> {
-        let Self { model, averaged, other, .. } = *self;
-        model.vessels().iter().chain(averaged.iter().map(Tried::vessel)).chain(other).collect()
+        self.model.vessels().iter().chain(self.others).collect()
     }
 
     /// The verdict of `runs`, which have the channels of [`widest`], and the model's simulation of them sample by sample.
     ///
     /// # Errors
     /// Channels that are not those of the runs; no run as long as a window.
-    pub fn over(&self, runs: &PooledRuns) -> Result<(CompareDocument, Vec<Traced>), ComparisonError> {
+    pub fn over(&self, runs: &PooledRuns) -> Result<(Compared, Vec<Traced>), ComparisonError> {
         let vessels = self.vessels();
         let lead = widest(&vessels).unwrap_or_else(|| self.model.vessel());
         let columns =
             vessels.iter().map(|vessel| channels_within(vessel, lead)).collect::<Result<Vec<_>, _>>()?;
         let contestants = self.contestants(lead, &columns);
-        let tried: Vec<&Tried> = std::iter::once(self.model).chain(self.averaged).collect();
-        let known: Option<Vec<EstimatedErrors>> = tried.iter().map(|model| model.known()).collect();
-        let known = known.unwrap_or_default();
-        let fitted = tried.iter().rev().max_by_key(|model| model.vessel().model.exogenous());
-        let (covered, magnitudes) = fitted.map_or((&[][..], None), |f| (f.covered(), f.magnitudes()));
+        let known: Vec<EstimatedErrors> = self.model.known().into_iter().collect();
+        let (covered, magnitudes) = (self.model.covered(), self.model.magnitudes());
         let (window, rate_hz) = (self.window, lead.sample_rate_hz);
-        let options = CompareOptions { window, known: &known, covered, magnitudes, rate_hz };
-        let mut compared = compare(&contestants, runs, &options)?;
-        let unknown = tried.iter().position(|model| model.known().is_none());
-        compared.statements.extend(unknown.filter(|_| !self.averaged.is_empty()).map(|place| {
-            format!("no bands: the errors of model {} of the average are not known", place + 1)
-        }));
+        let vessel = &self.model.vessel().name;
+        let options = CompareOptions { vessel, window, known: &known, covered, magnitudes, rate_hz };
+        let (mut compared, trace) = compare(&contestants, runs, &options)?;
         let short = runs.windows(window).into_iter().filter(|(_, windows)| windows.is_empty());
         let short: Vec<String> = short.map(|(name, _)| name).collect();
         if !short.is_empty() {
             compared.statements.push(format!("shorter than a window and not compared: {}", listed(&short)));
         }
-        let window_s = window.map(|samples| samples as f64 / rate_hz);
-        Ok((CompareDocument::new(&self.model.vessel().name, window_s, &compared), compared.trace))
+        Ok((compared, trace))
     }
 
     /// The model or the average, its models alone, and what it is compared with. `columns` are those of all vessels.
@@ -331,25 +321,27 @@ impl<'a> Comparison<'a> {
     where
         'a: 'b,
     {
-        let Self { model, averaged, .. } = *self;
+        let model = self.model;
         let whole = |columns: &[usize]| columns.iter().copied().eq(0..lead.model.exogenous());
         let of = |columns: &'b Vec<usize>| Some(columns.as_slice()).filter(|columns| !whole(columns));
         let all: Vec<Ship<'b>> =
             self.vessels().into_iter().zip(columns).map(|(vessel, from)| ship(vessel, of(from))).collect();
-        let (several, others) = all.split_at(model.vessels().len() + averaged.len());
+        let (several, others) = all.split_at(model.vessels().len());
         let one = |standing, ships: &[Ship<'b>]| Contestant { standing, place: None, ships: ships.to_vec() };
-        let standing = if averaged.is_empty() { model.standing() } else { Standing::Average };
-        let mut contestants = vec![one(standing, several)];
+        let mut contestants = vec![one(model.standing(), several)];
         // Models of several kinds, not of one search
         let kinds = several.len() > 1 && several.iter().any(|ship| ship.model.forces.is_some());
-        let alone = several.iter().enumerate().filter(|_| kinds || !averaged.is_empty());
+        let alone = several.iter().enumerate().filter(|_| kinds);
         contestants.extend(alone.map(|(i, ship)| Contestant {
             place: Some(i as u64 + 1),
             ..one(Standing::Averaged, std::slice::from_ref(ship))
         }));
-        contestants.extend(others.iter().map(|ship| one(Standing::Other, std::slice::from_ref(ship))));
-        let by_least_squares = model.by_least_squares().filter(|_| averaged.is_empty());
-        let same = by_least_squares.map(|vessel| ship(vessel, columns.first().and_then(of)));
+        let place = |i: usize| Some(i as u64 + 2).filter(|_| others.len() > 1);
+        contestants.extend(others.iter().enumerate().map(|(i, ship)| Contestant {
+            place: place(i),
+            ..one(Standing::Other, std::slice::from_ref(ship))
+        }));
+        let same = model.by_least_squares().map(|vessel| ship(vessel, columns.first().and_then(of)));
         contestants.extend(same.map(|ship| one(Standing::LeastSquares, &[ship])));
         contestants
     }

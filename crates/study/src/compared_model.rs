@@ -1,4 +1,4 @@
-//! The subject of `validate compare`: a model, or several whose trajectories are averaged.
+//! The subject of `validate --model`: a model, or several whose trajectories are averaged.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Documents made in shards, and the tables that are kept beside a tally.
+//! Documents made in shards, and the tables that are kept beside counts.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use ship::model::Vessel;
 use trial::campaign::SimulatedRun;
 use validation::tally::Bounds;
 
-use crate::documents::{MomentsDocument, TallyDocument};
+use crate::documents::{CountedRuns, MomentsDocument, ScoredEstimates, ValidationDocument};
 use crate::tables::trajectories::{BlockBuilder, Layout, rows_per_block};
 use crate::tables::{estimates, scores};
 use crate::{beside, validated};
@@ -41,35 +41,40 @@ pub fn moments(shards: &[PathBuf], mut given: Provenance) -> Result<(Provenance,
     Ok((Provenance { shard: None, ..provenance }, whole))
 }
 
-/// The usual name of the tally.
-pub const MAIN: &str = "tally.json";
+/// The usual name of the document.
+pub const MAIN: &str = "validation.json";
 
-/// The merged tally of all `shards`, in any order.
+/// The merged counts of all `shards`, in any order.
 ///
 /// # Errors
-/// Files that are not all shards of one tally.
-pub fn merged(shards: &[PathBuf]) -> Result<(Provenance, TallyDocument), Error> {
-    let mut all = self::all::<TallyDocument>(shards)?.into_iter();
-    let Some((_, first)) = all.next() else { unreachable!("there is a shard to gather") };
-    let Loaded { data: mut merged, provenance, .. } = first;
+/// Files that are not all shards of the same counts.
+pub fn merged(shards: &[PathBuf]) -> Result<(Provenance, CountedRuns), Error> {
+    let mut all = self::all::<ValidationDocument>(shards)?.into_iter();
+    let Some((path, first)) = all.next() else { unreachable!("there is a shard to gather") };
+    let refuse = |path, found| {
+        let (expected, remedy) = ("those of the other shards", "write the shards again");
+        crate::refuse(path, "`counted`", found, expected, remedy)
+    };
+    let Loaded { data, provenance, .. } = first;
+    let mut merged = data.counted.ok_or_else(|| refuse(path, "none"))?;
     for (path, loaded) in all {
-        if !merged.tally.merge(loaded.data.tally) {
-            let (expected, remedy) = ("those of the other shards", "write the shards again");
-            return Err(crate::refuse(path, "`tally`", "other designs or estimators", expected, remedy));
+        let counted = loaded.data.counted.ok_or_else(|| refuse(path, "none"))?;
+        if !merged.tally.merge(counted.tally) {
+            return Err(refuse(path, "other designs or estimators"));
         }
     }
-    let TallyDocument { tally, bounds, realizations, samples, validation_samples, seed, .. } = merged;
+    let CountedRuns { tally, bounds, realizations, samples, validation_samples, seed, .. } = merged;
     let samples = [samples, validation_samples];
     let provenance = Provenance { shard: None, ..provenance };
-    Ok((provenance, TallyDocument::new(tally, bounds, realizations, samples, seed)))
+    Ok((provenance, CountedRuns::new(tally, bounds, realizations, samples, seed)))
 }
 
 refusal::choices! {
-    /// What is kept beside a tally.
+    /// What is kept beside counts.
     pub enum Keep {
         /// No table.
         None = "none",
-        /// scores.parquet and validation.json.
+        /// scores.parquet.
         Scores = "scores",
         /// And estimates.parquet and estimate.json.
         Estimates = "estimates",
@@ -116,8 +121,7 @@ impl KeptTables {
             Ok(Some(document.iter().fold(writer, |writer, document| writer.with_document(document))))
         };
         let columns = estimates::columns(vessel);
-        let scored =
-            table(Keep::Scores, "scores.parquet", scores::columns().schema(), Some("validation.json"))?;
+        let scored = table(Keep::Scores, "scores.parquet", scores::columns().schema(), Some(MAIN))?;
         let estimated = table(Keep::Estimates, "estimates.parquet", columns.schema(), Some("estimate.json"))?;
         let runs = table(Keep::Trajectories, "campaign.parquet", &layout.schema(), None)?;
         Ok(Self {
@@ -166,7 +170,7 @@ impl KeptTables {
         Ok(())
     }
 
-    /// The files in addition to the tally; `samples`: of the validation runs.
+    /// The files in addition to the document, and its section of scores; `samples`: of the validation runs.
     ///
     /// # Errors
     /// Output that fails.
@@ -176,8 +180,8 @@ impl KeptTables {
         bounds: Bounds,
         samples: u64,
         provenance: &Provenance,
-    ) -> Result<Vec<Staged>, Error> {
-        let mut files = Vec::new();
+    ) -> Result<(Vec<Staged>, Option<ScoredEstimates>), Error> {
+        let (mut files, mut scored) = (Vec::new(), None);
         if let Some((vessel, (writer, rows))) = self.vessel.zip(self.estimates) {
             let table = [writer.finish()?];
             let document = estimates::summarize(table[0].path(), provenance, &vessel, &rows)?;
@@ -186,15 +190,12 @@ impl KeptTables {
             files.extend(table.into_iter().chain([document]));
         }
         if let Some((writer, rows)) = self.scores {
-            let table = [writer.finish()?];
-            let document = validated(&rows, bounds, samples, provenance);
-            let path = beside(out, MAIN, "validation.json");
-            let document = stage_set_document(path, provenance, &document, &table)?;
-            files.extend(table.into_iter().chain([document]));
+            files.push(writer.finish()?);
+            scored = Some(validated(&rows, bounds, samples, provenance));
         }
         if let Some((writer, _)) = self.runs {
             files.push(writer.finish()?);
         }
-        Ok(files)
+        Ok((files, scored))
     }
 }

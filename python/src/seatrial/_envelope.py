@@ -21,8 +21,6 @@ TABLES = {
     "moments-table": 1,
     "resamples": 1,
     "scores": 1,
-    "selection-realizations": 1,
-    "sequential": 1,
     "track": 1,
     "trajectories": 1,
 }

@@ -123,11 +123,11 @@ class Model:
         return list(self._module.outside(_state(state), self._row(row)))
 
     def compare(self, trajectories: str | os.PathLike[str], out: str | os.PathLike[str] | None = None, **flags: Any) -> Document:
-        """Tries the model on runs that it was not fitted to: `seatrial validate compare`; see its help for `flags`.
+        """Tries the model on runs that it was not fitted to: `seatrial validate --model`; see its help for `flags`.
 
         Its files stay where `out` names a path.
         """
-        return self._stage("validate compare", "compare.json", out, trajectories=trajectories, **flags)
+        return self._stage("validate", "validation.json", out, trajectories=trajectories, **flags)
 
     def merit(
         self,

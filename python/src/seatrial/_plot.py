@@ -122,6 +122,8 @@ def _compare(figure: Figure, path: Path, table: _Table, choice: dict[str, Any]) 
 
 
 def _scores(figure: Figure, path: Path, table: _Table, choice: dict[str, Any]) -> None:
+    if "simulation_error" not in table.units:
+        raise Refused(f"{path}: columns: found no simulation_error, expected scores of estimates; name those of simulated runs")
     axes = figure.add_subplot()
     designs, across, up = table.values("design"), table.numbers("parameter_error"), table.numbers("simulation_error")
     for design in dict.fromkeys(designs):

@@ -94,7 +94,7 @@ def _installed() -> Path | None:
 
 
 def run(stage: str, /, *arguments: Any, **flags: Any) -> Result:
-    """Runs a stage: `run("validate compare", model="model.json", trajectories="t.parquet", out="compare.json")`.
+    """Runs a stage: `run("validate", model="model.json", trajectories="t.parquet", out="validation.json")`.
 
     `arguments` are those without a name, such as the folder of `run("run", "my-study")`. Flags are those of the
     command line with `_` for `-`: `True` stands for a flag alone, `None` and `False` for none. A list repeats the

@@ -489,8 +489,8 @@ class Check:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CompareDocument:
-    """`compare.json`: a model beside others on recordings that it was not fitted to."""
+class Compared:
+    """A model beside others on recordings that it was not fitted to."""
 
     #: Name of the vessel.
     vessel: str
@@ -563,7 +563,7 @@ class ComparedModel:
 
     #: Which.
     name: Standing
-    #: Its place among the models that are averaged, from 1, if it is one of them.
+    #: Its place among the models that are averaged or compared, from 1, if it is one of several.
     place: int | None = None
     #: Over all windows.
     errors: ComparedErrors
@@ -633,6 +633,32 @@ class Counted:
     rmse_v: Errors
     #: RMSE in yaw rate.
     rmse_r: Errors
+
+
+@dataclass(frozen=True, kw_only=True)
+class CountedRuns:
+    """What the realizations of a campaign say together, as counts that merge exactly."""
+
+    #: The bounds that the shares below are counted against.
+    bounds: Bounds
+    #: Runs of every design that the campaign has.
+    realizations: int
+    #: Samples of a run.
+    samples: int
+    #: Samples of the validation runs together.
+    validation_samples: int
+    #: Seed of all random numbers.
+    seed: int
+    #: Relative error of the quantiles at most: they are read from histograms.
+    quantile_error: float
+    #: What became of the runs by each estimator.
+    scores: list[EstimatorScores]
+    #: Estimators against each other on the same runs.
+    paired: list[PairedRatio]
+    #: What it says, in words.
+    statements: list[str]
+    #: The counts that all of this is made of.
+    tally: Tally
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1112,7 +1138,7 @@ class Difference:
 
     #: The other.
     name: Standing
-    #: Its place among the models that are averaged, from 1, if it is one of them.
+    #: Its place among the models that are averaged or compared, from 1, if it is one of several.
     place: int | None = None
     #: Pairs that were compared.
     pairs: int
@@ -3180,6 +3206,24 @@ class SampledShips:
 
 
 @dataclass(frozen=True, kw_only=True)
+class ScoredEstimates:
+    """The errors of estimates of simulated runs."""
+
+    #: The bounds that the shares below are counted against.
+    bounds: Bounds
+    #: Samples of the validation trajectory.
+    samples: int
+    #: Seed of the campaign that the runs come from; absent for runs that were not simulated.
+    seed: int | None = None
+    #: One entry per design.
+    designs: list[DesignScores]
+    #: Which estimator to use for each design, where several were compared.
+    recommendations: list[EstimatorRecommendation] | None = None
+    #: Every estimator on the same runs, where they were compared; `designs` then is that of `iv`.
+    compared: list[EstimatorScores] | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class SearchDocument:
     """`search.json`: how a model's structure was searched for in recordings, and how far the search can be trusted."""
 
@@ -3289,23 +3333,17 @@ class SecondaryCost:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SelectionDocument:
-    """`selection.json`: models from sub-experiments picked by a design, against random picks of the same number."""
+class Selection:
+    """Models from sub-experiments picked by a design, against random picks of the same number."""
 
     #: The estimator.
     estimator: Estimator
     #: How the instruments' mean is removed.
     mean_removal: MeanRemoval
-    #: Where the instruments' nominal model comes from; `least-squares` is the fit of all sub-experiments.
-    nominal: NominalSource
-    #: Strength of the pull towards it.
-    prior: float
-    #: Whether the estimated intercepts were simulated too.
-    intercepts: bool
     #: Sub-experiments per realization.
     picks: int
     #: Seed of the picks.
-    seed: int | None = None
+    seed: int
     #: Of each maneuver in the optimized selection.
     counts: dict[str, int]
     #: Sub-experiments there are of each maneuver.
@@ -3399,34 +3437,6 @@ class SequencePart:
     maneuver: str
     #: Its samples.
     samples: int
-
-
-@dataclass(frozen=True, kw_only=True)
-class SequentialDocument:
-    """`sequential.json`: trials designed in rounds against trials designed once."""
-
-    #: Realizations per arm.
-    realizations: int
-    #: Rounds.
-    rounds: int
-    #: Sea time in all.
-    duration_s: float
-    #: What crude models are drawn about.
-    crude_about: Source
-    #: Standard deviation of the logarithm of crude over these parameters.
-    nominal_spread: float
-    #: Predicted error at which a trial may stop.
-    accuracy: float
-    #: Maneuvers to design with.
-    maneuvers: int
-    #: The result in words.
-    statements: list[str]
-    #: In the order `sequential`, `one-shot`, `informed`, `random`.
-    arms: list[ArmSummary]
-    #: The trial in rounds over the one-shot trial, at the end of every round.
-    gains: list[RoundGain]
-    #: `sequential`, `one-shot`.
-    stopping: list[Stopping]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -3661,32 +3671,6 @@ class Tally:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TallyDocument:
-    """`tally.json`: what the realizations of a campaign say together, as counts that merge exactly."""
-
-    #: The bounds that the shares below are counted against.
-    bounds: Bounds
-    #: Runs of every design that the campaign has.
-    realizations: int
-    #: Samples of a run.
-    samples: int
-    #: Samples of the validation runs together.
-    validation_samples: int
-    #: Seed of all random numbers.
-    seed: int
-    #: Relative error of the quantiles at most: they are read from histograms.
-    quantile_error: float
-    #: What became of the runs by each estimator.
-    scores: list[EstimatorScores]
-    #: Estimators against each other on the same runs.
-    paired: list[PairedRatio]
-    #: What it says, in words.
-    statements: list[str]
-    #: The counts that all of this is made of.
-    tally: Tally
-
-
-@dataclass(frozen=True, kw_only=True)
 class Tide:
     """What the tide is at worst from the departure until the trial has to be over."""
 
@@ -3698,6 +3682,34 @@ class Tide:
     stream_m_s: tuple[float, float]
     #: Farthest that the stream is from its middle \[m/s\]: it joins the unknown current.
     spread_m_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrialsInRounds:
+    """Trials designed in rounds against trials designed once."""
+
+    #: Realizations per arm.
+    realizations: int
+    #: Rounds.
+    rounds: int
+    #: Sea time in all.
+    duration_s: float
+    #: What crude models are drawn about.
+    crude_about: Source
+    #: Standard deviation of the logarithm of crude over these parameters.
+    nominal_spread: float
+    #: Predicted error at which a trial may stop.
+    accuracy: float
+    #: Maneuvers to design with.
+    maneuvers: int
+    #: The result in words.
+    statements: list[str]
+    #: In the order `sequential`, `one-shot`, `informed`, `random`.
+    arms: list[ArmSummary]
+    #: The trial in rounds over the one-shot trial, at the end of every round.
+    gains: list[RoundGain]
+    #: `sequential`, `one-shot`.
+    stopping: list[Stopping]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -3904,20 +3916,18 @@ class UpdatedParameter:
 
 @dataclass(frozen=True, kw_only=True)
 class ValidationDocument:
-    """`validation.json`: parameter and simulation errors of every design."""
+    """`validation.json`: how good models are, by what was asked for."""
 
-    #: The bounds that the shares below are counted against.
-    bounds: Bounds
-    #: Samples of the validation trajectory.
-    samples: int
-    #: Seed of the campaign that the runs come from; absent for runs that were not simulated.
-    seed: int | None = None
-    #: One entry per design.
-    designs: list[DesignScores]
-    #: Which estimator to use for each design, where several were compared.
-    recommendations: list[EstimatorRecommendation] | None = None
-    #: Every estimator on the same runs, where they were compared; `designs` then is that of `iv`.
-    compared: list[EstimatorScores] | None = None
+    #: Of `validate --estimates` and `monte-carlo --keep scores`: the errors of estimates of simulated runs.
+    scored: ScoredEstimates | None = None
+    #: Of `monte-carlo`: the errors of realizations in memory.
+    counted: CountedRuns | None = None
+    #: Of `validate --model`: models on recordings that they were not fitted to.
+    recordings: Compared | None = None
+    #: Of `validate --design`: models from picked sub-experiments.
+    picks: Selection | None = None
+    #: Of `monte-carlo` without a design: trials in rounds beside trials that are designed once.
+    rounds: TrialsInRounds | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -4075,7 +4085,6 @@ class WorstVessels:
 #: The class of the contents of each kind of document.
 KINDS = {
     "average/1": "AverageDocument",
-    "compare/1": "CompareDocument",
     "crossval/1": "CrossvalDocument",
     "design-update/1": "DesignUpdateDocument",
     "design/1": "DesignDocument",
@@ -4089,10 +4098,7 @@ KINDS = {
     "plan/2": "PlanDocument",
     "run/2": "RunDocument",
     "search/2": "SearchDocument",
-    "selection/1": "SelectionDocument",
-    "sequential/1": "SequentialDocument",
     "simulated-logs/1": "SimulatedLogsDocument",
-    "tally/1": "TallyDocument",
     "trust/1": "TrustDocument",
-    "validation/1": "ValidationDocument",
+    "validation/2": "ValidationDocument",
 }

@@ -12,14 +12,14 @@ mod search;
 mod simulate;
 mod validate;
 
-pub(crate) use compare::{CompareArguments, CrossArguments, SelectionArguments};
+pub(crate) use compare::CrossArguments;
 pub(crate) use estimate::EstimateArguments;
 pub(crate) use estimate_pool::PoolArguments;
 pub(crate) use moments::MomentsArguments;
 pub(crate) use monte_carlo::MonteCarloArguments;
 pub(crate) use plan::PlanArguments;
 pub(crate) use search::SearchArguments;
-pub(crate) use validate::MeritArguments;
+pub(crate) use validate::{MeritArguments, ValidateArguments};
 
 use crate::stage::Stage;
 
@@ -43,13 +43,9 @@ pub const ESTIMATE: Stage = Stage::of::<estimate::EstimateArguments>()
     .with(&[Stage::of::<estimate_pool::PoolArguments>(), Stage::of::<search::SearchArguments>()]);
 /// A campaign's runs, estimated and scored in memory.
 pub const MONTE_CARLO: Stage = Stage::of::<monte_carlo::MonteCarloArguments>();
-/// Validation of the estimated models.
-pub const VALIDATE: Stage = Stage::of::<validate::ValidateArguments>().with(&[
-    Stage::of::<compare::CompareArguments>(),
-    Stage::of::<compare::CrossArguments>(),
-    Stage::of::<validate::MeritArguments>(),
-    Stage::of::<compare::SelectionArguments>(),
-]);
+/// How good models are.
+pub const VALIDATE: Stage = Stage::of::<validate::ValidateArguments>()
+    .with(&[Stage::of::<compare::CrossArguments>(), Stage::of::<validate::MeritArguments>()]);
 /// One trajectory with every maneuver as often as the design requires.
 pub const PLAN: Stage = Stage::of::<plan::PlanArguments>();
 /// A model for other tools.

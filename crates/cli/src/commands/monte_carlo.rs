@@ -15,7 +15,7 @@ use seatrial::{MonteCarlo, undisturbed};
 use serde_json::{Value, json};
 use ship::model::{Source, Vessel};
 use study::campaign_file::CampaignFile;
-use study::documents::TallyDocument;
+use study::documents::{CountedRuns, ScoredEstimates, ValidationDocument};
 use study::estimates::{self, distinct};
 use study::files::{StageOfTerms, generator, read_any_simulated, read_campaign, read_dictionary};
 use study::parts::{Keep, KeptTables, MAIN};
@@ -30,15 +30,15 @@ use crate::inputs::{self, Made};
 use crate::simulate::{BLOCK_OF_GROUPS, CampaignFlags, Counting, Files, needed_for, note_plays, refused};
 use crate::stage::{Summary, Task};
 
-/// Simulates a trial many times and counts how often its model is good; writes tally.json. Without a design: trials that are designed
-/// in rounds beside trials that are designed once, as [rounds] of campaign.toml says; writes sequential.parquet and sequential.json
+/// Simulates a trial many times and counts how often its model is good; writes validation.json. Without a design: trials that are designed
+/// in rounds beside trials that are designed once, as [rounds] of campaign.toml says; writes scores.parquet and validation.json
 #[derive(Parser)]
 #[command(
     name = "monte-carlo",
     after_help = "Example:\n  monte-carlo --vessel pipelines/smoke/vessel.toml \
     --dictionary pipelines/smoke/dictionary.toml --campaign pipelines/smoke/campaign.toml --design design.json \
-    --realizations 1000 --out tally.json\n  monte-carlo --vessel pipelines/sequential/vessel.toml \
-    --dictionary pipelines/sequential/dictionary.toml --campaign pipelines/sequential/campaign.toml --out sequential.parquet"
+    --realizations 1000 --out validation.json\n  monte-carlo --vessel pipelines/sequential/vessel.toml \
+    --dictionary pipelines/sequential/dictionary.toml --campaign pipelines/sequential/campaign.toml --out scores.parquet"
 )]
 pub struct MonteCarloArguments {
     #[command(flatten)]
@@ -57,7 +57,7 @@ pub struct MonteCarloArguments {
     /// Goes on until no share's 95 % interval is further from its middle than this
     #[arg(long, value_name = "SHARE", conflicts_with_all = ["realizations", "shard", "gather", "keep"])]
     until: Option<f64>,
-    /// What to keep in tables beside the tally: each also what stands before it
+    /// What to keep in tables beside the counts: each also what stands before it
     #[arg(long, value_parser = choice(&Keep::ALL, Keep::name, Keep::description), default_value_t = Keep::None, conflicts_with_all = ["shard", "gather"])]
     keep: Keep,
     #[command(flatten)]
@@ -76,7 +76,7 @@ impl Task for MonteCarloArguments {
         let out = common.main_output(MAIN, self.of.paths().chain(&self.sharding.gather))?;
         if self.sharding.gathers() {
             let (provenance, merged) = study::parts::merged(&self.sharding.gather)?;
-            return published(&out, &provenance, merged, Vec::new());
+            return published(&out, &provenance, merged, (Vec::new(), None));
         }
         self.computed(common, &out)
     }
@@ -112,9 +112,9 @@ impl MonteCarloArguments {
         let runs = tally.counted.first().map_or(0, |counted| counted.runs);
         let realizations = if self.until.is_some() { runs } else { u64::from(settings.realizations) };
         let samples = [study.campaign.samples() as u64, study.validation.samples()];
-        let document = TallyDocument::new(tally, config.bounds(), realizations, samples, settings.seed);
+        let counted = CountedRuns::new(tally, config.bounds(), realizations, samples, settings.seed);
         let kept = kept.finish(out, config.bounds(), samples[1], &provenance)?;
-        let summary = published(out, &provenance, document, kept)?;
+        let summary = published(out, &provenance, counted, kept)?;
         Ok(summary.also(not_relative(campaign.vessel())))
     }
 
@@ -134,7 +134,7 @@ impl MonteCarloArguments {
         Ok(Settings { realizations, ..settings })
     }
 
-    /// The settings that the tally depends on besides the inputs.
+    /// The settings that the counts depend on besides the inputs.
     fn note(&self, settings: &Settings, provenance: &mut Provenance) {
         provenance.shard = self.sharding.shard;
         let noted = &mut provenance.settings;
@@ -221,38 +221,38 @@ fn validation<'a>(
     })
 }
 
-/// Publishes the tally and the kept tables, and summarises it.
+/// Publishes the counts with the kept tables and their scores, and summarises them.
 fn published(
     out: &Path,
     provenance: &Provenance,
-    document: TallyDocument,
-    mut files: Vec<Staged>,
+    counted: CountedRuns,
+    (mut files, scored): (Vec<Staged>, Option<ScoredEstimates>),
 ) -> Result<Summary, Failure> {
+    let document = ValidationDocument { scored, counted: Some(counted.clone()), ..Default::default() };
     files.push(stage_set_document(out, provenance, &document, &files)?);
     commit(files)?;
     let part = provenance.shard.map_or(String::new(), |shard| format!(", shard {shard}"));
-    let runs = |c: &validation::tally::Counted| c.runs;
-    let first = document.tally.counted.first().map(|counted| counted.estimator);
-    let of_first = document.tally.counted.iter().filter(|counted| Some(counted.estimator) == first);
+    let first = counted.tally.counted.first().map(|counted| counted.estimator);
+    let of_first = counted.tally.counted.iter().filter(|counted| Some(counted.estimator) == first);
     let plays = provenance.settings.get("plays").and_then(Value::as_array).into_iter().flatten();
-    let statements = plays.filter_map(Value::as_str).chain(document.statements.iter().map(String::as_str));
+    let statements = plays.filter_map(Value::as_str).chain(counted.statements.iter().map(String::as_str));
     let said: Vec<String> = statements.map(|said| format!("; {}", said.trim_end_matches('.'))).collect();
-    let runs: u64 = of_first.map(runs).sum();
+    let runs: u64 = of_first.map(|counted| counted.runs).sum();
     Ok(Summary::of(
         out,
         format!("{runs} runs{part}{}", said.concat()),
-        json!({"runs": runs, "scores": document.scores, "paired": document.paired}),
+        json!({"runs": runs, "scores": counted.scores, "paired": counted.paired}),
     ))
 }
 
 /// The usual name of the table of trials in rounds.
-const ROUNDS: &str = "sequential.parquet";
+const ROUNDS: &str = "scores.parquet";
 
 /// What trials in rounds are made of.
 type InRounds<'a> = (Files<'a>, CampaignFile, RoundsSpec);
 
 impl MonteCarloArguments {
-    /// The files of trials in rounds, and what `campaign.toml` says; `None` where a design is given, or shards of tallies.
+    /// The files of trials in rounds, and what `campaign.toml` says; `None` where a design is given, or shards of counts.
     fn rounds(&self, provenance: &mut Provenance) -> Result<Option<InRounds<'_>>, Failure> {
         let (None, Some(campaign)) = (&self.of.design, &self.of.campaign) else { return Ok(None) };
         let config = read_campaign(campaign, provenance)?;
@@ -311,7 +311,7 @@ impl MonteCarloArguments {
         let segments = campaign.random.map_or(5, |random| random.segments as usize);
         let trial = Trial::new(sea, &generator, noise, estimators, knowledge, ends, segments)
             .map_err(|e| files.refused(e))?;
-        let (document, rate_hz) = (beside(&out, ROUNDS, "sequential.json"), vessel.sample_rate_hz);
+        let (document, rate_hz) = (beside(&out, ROUNDS, MAIN), vessel.sample_rate_hz);
         let outputs = [out.as_path(), document.as_path()];
         let made = if self.sharding.gathers() {
             let shards = &self.sharding.gather;
@@ -356,11 +356,11 @@ fn publish(
         )));
     }
     let summary = rounds::Summary::new(&rows, trial.ends(), config.accuracy, rate_hz);
-    let document = document(config, summary, trial.maneuvers());
-    let said: Vec<String> =
-        trial.statement().into_iter().chain(document.statements.iter().cloned()).collect();
+    let rounds = document(config, summary, trial.maneuvers());
+    let said: Vec<String> = trial.statement().into_iter().chain(rounds.statements.iter().cloned()).collect();
     let said = said.join("; ");
-    let details = json!({"realizations": count, "statements": document.statements});
+    let details = json!({"realizations": count, "statements": rounds.statements});
+    let document = ValidationDocument { rounds: Some(rounds), ..Default::default() };
     inputs::publish(table, file, &provenance, || Ok(document))?;
     Ok(Summary::of(&out, format!("{count} realizations; {said}"), details))
 }

@@ -1,8 +1,8 @@
-//! `validate`: validation of the estimated models.
+//! `validate`: how good models are.
 
 use std::path::{Path, PathBuf};
 
-use clap::Parser;
+use clap::{ArgGroup, Args, Parser};
 use estimation::pooled::Covariance;
 use estimation::{ValidationRuns, not_relative};
 use files::{Provenance, TableReader, TableWriter, commit_with_document, encode_block};
@@ -10,44 +10,65 @@ use seatrial::{Merits, Unsimulated};
 use serde_json::json;
 use ship::model::Vessel;
 use study::campaign_file::CampaignFile;
-use study::documents::merit_rows;
+use study::documents::{ValidationDocument, merit_rows};
 use study::estimates;
 use study::files::{read_any_simulated, read_campaign, read_dictionary, read_model};
+use study::parts::MAIN;
 use study::scores::{self, Row};
 use study::trajectories::refuse_shard;
 
+use super::compare::{ModelFlags, PickFlags};
 use crate::cli::{Common, Sharding, beside, given, member};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made};
+use crate::pool::RunFlags;
 use crate::stage::{Summary, Task};
 
-/// Scores each estimate by how far its parameters and simulations are off; writes scores.parquet and validation.json
+/// Says how good models are: estimates of simulated runs against the truth, models on recordings, or models from picked parts of
+/// recordings. Writes validation.json and a table
 #[derive(Parser)]
 #[command(
     name = "validate",
-    after_help = "Example:\n  validate --vessel pipelines/paper/vessel.toml \
+    mut_arg("trajectories", |arg| arg.required(false)),
+    group(ArgGroup::new("asked").args(["campaign", "model", "design"]).required(true)),
+    after_help = "Examples:\n  validate --vessel pipelines/paper/vessel.toml \
     --campaign pipelines/paper/campaign.toml --estimates estimates.parquet --validation validation.parquet \
+    --out scores.parquet\n  validate --model model.json --trajectories others.parquet --window-s 100 --out validation.json\n  \
+    validate --vessel pipelines/esso-osaka/vessel.toml --trajectories trajectories.parquet --design design.json \
     --out scores.parquet"
 )]
 pub struct ValidateArguments {
-    /// The vessel
-    #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
-    vessel: PathBuf,
-    /// The bounds below which an estimate counts as good
-    #[arg(long, value_name = "campaign.toml")]
-    campaign: PathBuf,
-    /// The estimates
-    #[arg(long, required_unless_present = "gather", value_name = "estimates.parquet")]
-    estimates: Option<PathBuf>,
-    /// Runs to simulate freely and compare with
-    #[arg(long, value_name = "validation.parquet")]
-    validation: PathBuf,
+    /// The vessel of estimates or picks
+    #[arg(long, value_name = "vessel.toml")]
+    vessel: Option<PathBuf>,
     #[command(flatten)]
     sharding: Sharding,
+    #[command(flatten, next_help_heading = "Estimates of simulated runs")]
+    estimates: EstimateFlags,
+    #[command(flatten, next_help_heading = "Models on recordings")]
+    models: ModelFlags,
+    #[command(flatten)]
+    of: RunFlags,
+    #[command(flatten, next_help_heading = "Picks from recordings")]
+    picks: PickFlags,
+}
+
+/// Which estimates are scored, and by what.
+#[derive(Args)]
+struct EstimateFlags {
+    /// The bounds below which an estimate counts as good
+    #[arg(long, value_name = "campaign.toml", requires_all = ["vessel", "validation"], conflicts_with_all = ["trajectories", "recordings", "runs", "leave_out"])]
+    campaign: Option<PathBuf>,
+    /// The estimates
+    #[arg(long, requires = "campaign", value_name = "estimates.parquet")]
+    estimates: Option<PathBuf>,
+    /// Runs to simulate freely and compare with
+    #[arg(long, requires = "campaign", value_name = "validation.parquet")]
+    validation: Option<PathBuf>,
 }
 
 /// The usual name of the table.
-const MAIN: &str = "scores.parquet";
+pub(super) const SCORES: &str = "scores.parquet";
 
 /// Samples of validation runs per second that a thread simulates and compares, order of magnitude: the paper's on a
 /// server of 2024 (0.04 s for a thousand estimates and a thousand samples).
@@ -55,26 +76,39 @@ const SIMULATED_PER_SECOND: f64 = 2.5e7;
 
 impl Task for ValidateArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        if !self.models.model.is_empty() {
+            return self.models.compare(&self.of, common);
+        }
+        let vessel = given(&self.vessel, "vessel")?;
+        if let Some(design) = &self.picks.design {
+            return self.picks.pick((vessel, design), &self.of, &self.sharding, common);
+        }
+        self.scored(vessel, common)
+    }
+}
+
+impl ValidateArguments {
+    /// Scores each estimate by how far its parameters and simulations are off.
+    fn scored(&self, vessel_file: &Path, common: &Common) -> Result<Summary, Failure> {
+        let EstimateFlags { campaign, estimates, validation } = &self.estimates;
         let mut provenance = common.provenance("validate");
-        let vessel = read_any_simulated(&self.vessel, &mut provenance)?;
-        let config = read_campaign(&self.campaign, &mut provenance)?;
-        let validation = validation_runs(&self.validation, &vessel, &mut provenance)?;
-        let inputs = [&self.vessel, &self.campaign, &self.validation].into_iter();
-        let inputs = inputs.chain(&self.estimates).chain(&self.sharding.gather);
-        let out = common.main_output(MAIN, inputs)?;
-        let document = beside(&out, MAIN, "validation.json");
+        let vessel = read_any_simulated(vessel_file, &mut provenance)?;
+        let config = read_campaign(given(campaign, "campaign")?, &mut provenance)?;
+        let validation_file = given(validation, "validation")?;
+        let runs = validation_runs(validation_file, &vessel, &mut provenance)?;
+        let inputs = [&self.vessel, campaign, validation, estimates].into_iter().flatten();
+        let out = common.main_output(SCORES, inputs.chain(&self.sharding.gather))?;
+        let document = beside(&out, SCORES, MAIN);
         let made = match self.sharding.gathers() {
             true => {
                 let shards = &self.sharding.gather;
                 Made::gathered(shards, [&out, &document], &scores::columns(), provenance, scores::rows)?
             }
-            false => self.computed(&vessel, &validation, provenance, [&out, &document], common.quiet)?,
+            false => self.computed(&vessel, &runs, provenance, [&out, &document], common.quiet)?,
         };
-        Ok(publish(&config, &validation, &document, made)?.also(not_relative(&vessel)))
+        Ok(publish(&config, &runs, &document, made)?.also(not_relative(&vessel)))
     }
-}
 
-impl ValidateArguments {
     /// Scores the estimates of this shard, or all.
     fn computed(
         &self,
@@ -84,7 +118,7 @@ impl ValidateArguments {
         out: [&Path; 2],
         quiet: bool,
     ) -> Result<Made<Row>, Failure> {
-        let file = given(&self.estimates, "estimates")?;
+        let file = given(&self.estimates.estimates, "estimates")?;
         let reader = TableReader::open(file, estimates::ID, estimates::VERSION)?;
         reader.require(&estimates::columns(vessel).schema().columns)?;
         if let Some(shard) = &reader.provenance().shard {
@@ -144,6 +178,7 @@ fn publish(
         format!("{} runs, {diverged} diverged", rows.len()),
         json!({"runs": rows.len(), "diverged": diverged, "designs": validated.designs}),
     );
+    let validated = ValidationDocument { scored: Some(validated), ..Default::default() };
     inputs::publish(table, document, &provenance, || Ok(validated))?;
     Ok(summary)
 }

@@ -17,7 +17,6 @@ use files::{
     trace,
 };
 use refusal::{Invalid, foreign};
-use settings::StageSettings;
 use ship::model::VesselFile;
 use steps::{StudyShape, measured, simulated, simulated_logs};
 use study::documents::{RunDocument, RunStage};
@@ -35,9 +34,6 @@ const WRITTEN: [(&str, &str, &str); 4] = [
     ("campaign.toml", "disturbances, noise and number of the simulated trials", "--vessel <preset>"),
     ("ingest.toml", "what is in the logs", "--vessel <preset> --logs <folder>"),
 ];
-
-/// How sub-experiments are picked where a study does not say otherwise.
-const SELECTION: &str = "--estimator iv --nominal least-squares";
 
 /// A study: its folders and stages.
 #[derive(Debug)]
@@ -84,12 +80,10 @@ impl Pipeline {
             shape.recordings = recordings(study, &pipeline.logs);
         }
         pipeline.steps = if from_instruments {
-            let asked = settings.selection.as_ref();
-            let flags =
-                asked.unwrap_or(&StageSettings::default()).over(&format!("{SELECTION} --realizations 500"));
+            let flags = settings.selection.as_ref().map_or(Vec::new(), |asked| asked.over(""));
             [simulated_logs().to_vec(), measured(settings, &shape, Some(flags))].concat()
         } else if has("ingest.toml") {
-            measured(settings, &shape, settings.selection.as_ref().map(|asked| asked.over(SELECTION)))
+            measured(settings, &shape, settings.selection.as_ref().map(|asked| asked.over("")))
         } else {
             simulated(settings, &shape)
         };

@@ -16,8 +16,8 @@ use serde_json::{Map, Value, json};
 use study::refuse;
 
 use crate::commands::{
-    CompareArguments, CrossArguments, EstimateArguments, MeritArguments, MomentsArguments,
-    MonteCarloArguments, PlanArguments, PoolArguments, SearchArguments, SelectionArguments,
+    CrossArguments, EstimateArguments, MeritArguments, MomentsArguments, MonteCarloArguments, PlanArguments,
+    PoolArguments, SearchArguments, ValidateArguments,
 };
 use crate::design::DesignArguments;
 
@@ -52,9 +52,9 @@ pub struct StudySettings {
     /// Models tried on recordings that they were not fitted to
     pub cross: StageSettings<CrossArguments>,
     /// The second model on the recordings of `test`
-    pub compare: StageSettings<CompareArguments>,
+    pub compare: StageSettings<ValidateArguments>,
     /// With this table sub-experiments are designed, picked from the logs and compared
-    pub selection: Option<StageSettings<SelectionArguments>>,
+    pub selection: Option<StageSettings<ValidateArguments>>,
     /// How the next trial is designed
     pub next: StageSettings<DesignArguments>,
 }

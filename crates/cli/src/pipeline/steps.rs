@@ -78,7 +78,7 @@ pub fn simulated(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep>
     let whole = format!("{SHIP} {HELM} {SEA} {DESIGN}");
     if let Some(asked) = &settings.monte_carlo {
         let line = format!("monte-carlo {whole} --keep estimates");
-        steps.push(step("monte-carlo", &line, asked.over(estimator), &["tally.json"]));
+        steps.push(step("monte-carlo", &line, asked.over(estimator), &["validation.json"]));
     } else {
         steps.push(step("campaign", &format!("simulate campaign {whole}"), NONE, &["campaign.parquet"]));
         steps.extend(estimated("", "campaign.parquet", settings, estimator));
@@ -278,10 +278,10 @@ const FEW: &str = "prediction-error";
 /// The `model` of the recordings that are not in `test`, tried on those that are.
 fn compared(settings: &StudySettings, test: &str, model: &str) -> StudyStep {
     let line = format!(
-        "validate compare --model \0out/measured/test/{model} --trajectories \0out/measured/trajectories.parquet {RECORDED} --runs \
+        "validate --model \0out/measured/test/{model} --trajectories \0out/measured/trajectories.parquet {RECORDED} --runs \
          {test}"
     );
-    step("compare", &line, settings.compare.over(""), &["measured/compare.json"])
+    step("compare", &line, settings.compare.over(""), &["measured/validation.json"])
 }
 
 /// Sub-experiments that are designed, picked with these `flags` and compared.
@@ -289,8 +289,8 @@ fn picked(settings: &StudySettings, shape: &StudyShape, flags: Vec<String>) -> [
     // No more of a maneuver than was logged.
     let designed = "design --moments \0out/measured/moments.json --available \0out/measured/ingest.json";
     let reference = if shape.has_reference { "--reference \0study/reference.toml" } else { "" };
-    let picked = format!("validate selection {LOGGED} --design \0out/measured/design.json {reference}");
-    let picks = ["measured/selection.parquet", "measured/selection.json"];
+    let picked = format!("validate {LOGGED} --design \0out/measured/design.json {reference}");
+    let picks = ["measured/picks/scores.parquet", "measured/picks/validation.json"];
     let design = with_ship(settings.design.over(""), &format!("{SHIP} {HELM}"));
     [
         step("moments", &format!("moments {LOGGED}"), settings.moments.over(""), &["measured/moments.json"]),
@@ -334,7 +334,7 @@ fn next_trial(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
     ];
     if is_searched {
         steps.insert(0, step("search", &search, settings.search.over(""), &outputs));
-        steps.push(step("next-monte-carlo", &promised, NONE, &["measured/next/tally.json"]));
+        steps.push(step("next-monte-carlo", &promised, NONE, &["measured/next/validation.json"]));
     }
     if shape.next_is_charted {
         let line = format!("plan {model} {MADE} {HELM} {DESIGN} --config \0study/next/plan.toml {allowed}");

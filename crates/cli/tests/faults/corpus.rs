@@ -33,7 +33,7 @@ const CORPUS: [Case; 4] = [
     },
     // It blamed the output, in which no number may be infinite.
     Case {
-        line: "validate selection --vessel vessel.toml --trajectories trajectories.parquet",
+        line: "validate --vessel vessel.toml --trajectories trajectories.parquet",
         file: "reference.toml",
         from: "limit_u = 2.0",
         to: "limit_u = inf",

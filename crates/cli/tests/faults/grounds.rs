@@ -53,7 +53,7 @@ pub const fn stage(
 const SEED: [&str; 2] = ["--vessel", "--seed 2 --vessel"];
 
 /// The paper's study with two runs per design, in all its forms.
-static PAPER: [Stage; 20] = [
+static PAPER: [Stage; 19] = [
     stage(
         "simulate dictionary --vessel vessel.toml --dictionary dictionary.toml",
         "dictionary.parquet",
@@ -101,7 +101,7 @@ static PAPER: [Stage; 20] = [
     stage(
         "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --design design.json \
          --estimator ls,iv --keep estimates",
-        "kept-tally.json",
+        "kept-validation.json",
         SEED,
         &["vessel.toml", "dictionary.toml", "campaign.toml", "design.json"],
     ),
@@ -138,15 +138,8 @@ static PAPER: [Stage; 20] = [
         &["vessel.toml", "campaign.parquet"],
     ),
     stage(
-        "validate selection --vessel vessel.toml --trajectories campaign.parquet --part-s 8 \
-         --counts decelerate=1,spiral-fast=1 --realizations 4",
-        "selection.parquet",
-        SEED,
-        &["vessel.toml", "campaign.parquet"],
-    ),
-    stage(
         "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml",
-        "sequential.parquet",
+        "rounds-scores.parquet",
         SEED,
         &["vessel.toml", "dictionary.toml", "campaign.toml"],
     ),
@@ -187,9 +180,6 @@ static PAPER: [Stage; 20] = [
             "estimate.json",
             "scores.parquet",
             "crossval.json",
-            "selection.json",
-            "selection.parquet",
-            "sequential.json",
         ],
     ),
 ];
@@ -281,9 +271,9 @@ static LOGS: [Stage; 9] = [
         &["trajectories.parquet", "ingest.json", "estimate.json"],
     ),
     stage(
-        "validate selection --vessel vessel.toml --trajectories trajectories.parquet --nominal least-squares \
+        "validate --vessel vessel.toml --trajectories trajectories.parquet \
          --design design.json --reference reference.toml --estimator iv --realizations 4",
-        "selection.parquet",
+        "scores.parquet",
         SEED,
         &["trajectories.parquet", "design.json", "reference.toml"],
     ),
@@ -291,7 +281,7 @@ static LOGS: [Stage; 9] = [
         "report --study . --results .",
         "report.html",
         ["--study .", "--study . --dictionary dictionary-2.toml"],
-        &["ingest.json", "trust.json", "estimate.json", "crossval.json", "selection.json", "reference.toml"],
+        &["ingest.json", "trust.json", "estimate.json", "crossval.json", "validation.json", "reference.toml"],
     ),
 ];
 

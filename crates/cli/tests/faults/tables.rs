@@ -10,7 +10,7 @@ use crate::support::craft::{self, Whole};
 const KINDS: [(&str, &str); 5] = [
     ("estimates", "estimates"),
     ("scores", "scores"),
-    ("selection", "selection-realizations"),
+    ("rounds-scores", "scores"),
     ("track", "track"),
     ("", "trajectories"),
 ];

@@ -72,18 +72,18 @@ fn a_previous_estimate_is_a_nominal_model_and_a_strong_prior_holds_to_it() {
 
 #[test]
 fn results_do_not_depend_on_threads() {
-    let folder = with(&["campaign.parquet"]);
+    let folder = crate::picking();
     for line in [
         format!(
             "{POOL} --runs random/0,random/1 --estimator output-error --nominal least-squares --bootstrap 20 --out estimates.parquet"
         ),
         format!("{} --estimator ls,auto --out crossval.json", crate::CROSS),
-        format!("{} --out selection.parquet", crate::SELECTION),
+        format!("{} --out scores.parquet", crate::SELECTION),
     ] {
         let made = |threads: u32| {
             run(&folder, &format!("{line} --threads {threads}")).succeeds();
             let files =
-                ["estimates.parquet", "trust.json", "crossval.json", "selection.parquet", "selection.json"];
+                ["estimates.parquet", "trust.json", "crossval.json", "scores.parquet", "validation.json"];
             files.map(|name| std::fs::read(folder.path().join(name)).ok())
         };
         assert!(made(1) == made(3), "{line}");
@@ -182,17 +182,16 @@ fn runs_that_are_read_again_give_the_same_bytes() {
 
 #[test]
 fn estimates_that_do_not_fit_into_memory_are_refused_before_the_work() {
-    let folder = with(&["campaign.parquet"]);
+    let folder = crate::picking();
     let path = folder.path().join("campaign.parquet");
     let mut campaign = craft::read(&path, "trajectories").in_blocks_of(1001);
     campaign.blocks.truncate(2 * RUNS as usize);
     campaign.write(&path);
-    let tiny = "--part-s 0.125 --allow=mixed --memory-mib 12 --threads 1";
-    let selection = SELECTION.replace("--part-s 25", "");
+    let tiny = "--allow=mixed --memory-mib 12 --threads 1";
     for (line, amount) in [
-        (format!("{POOL} --bootstrap 9"), "48 runs of 48000 samples in all"),
-        (crate::CROSS.to_owned(), "4 runs of 4000 samples in all"),
-        (selection, "48 runs of 48000 samples in all"),
+        (format!("{POOL} --part-s 0.125 --bootstrap 9"), "48 runs of 48000 samples in all"),
+        (format!("{} --part-s 0.125", crate::CROSS), "4 runs of 4000 samples in all"),
+        (SELECTION.to_owned(), "48 runs of 48000 samples in all"),
     ] {
         let said = [&format!("campaign.parquet: rows: found {amount}"), "fits the 12 MiB of --memory-mib"];
         refused(&folder, 3, &format!("{line} {tiny} --out out"), &said);

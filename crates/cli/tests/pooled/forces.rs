@@ -52,7 +52,7 @@ fn parameters(folder: &TempDir, name: &str) -> Vec<Value> {
 
 fn fits(folder: &TempDir, name: &str) -> [f64; 3] {
     let document = json(folder, name);
-    let errors = &document["data"]["models"][0]["errors"];
+    let errors = &document["data"]["recordings"]["models"][0]["errors"];
     ["fit_u", "fit_v", "fit_r"].map(|fit| errors[fit].as_f64().unwrap())
 }
 
@@ -86,10 +86,10 @@ fn a_fit_of_forces_is_compared_simulated_and_judged_in_place_of_vessel_toml() {
     assert_eq!(sway["si_unit"], "N per (m/s × m/s)");
     run(
         &folder,
-        "validate compare --model model.json --trajectories d.parquet --allow=mixed --window-s 50 --out compare.json",
+        "validate --model model.json --trajectories d.parquet --allow=mixed --window-s 50 --out validation.json",
     )
     .succeeds();
-    let found = fits(&folder, "compare.json");
+    let found = fits(&folder, "validation.json");
     assert!(found.iter().all(|fit| *fit > 97.0), "{found:?}");
     run(&folder, "simulate dictionary --vessel model.json --dictionary dictionary.toml --out again.parquet")
         .succeeds();
@@ -108,7 +108,7 @@ fn a_fit_of_forces_is_compared_simulated_and_judged_in_place_of_vessel_toml() {
     assert!(figure["low"].as_f64().unwrap() < figure["high"].as_f64().unwrap(), "{figure}");
     // Simulated runs have held inputs, and their errors are known.
     assert_eq!(json(&folder, "model.json")["data"]["forces"]["held_inputs"], true);
-    assert!(json(&folder, "compare.json")["data"]["bands"]["inside_r"].as_f64().is_some());
+    assert!(json(&folder, "validation.json")["data"]["recordings"]["bands"]["inside_r"].as_f64().is_some());
     exported(&folder, sway);
     // The same files again, and with one thread, are the same bytes.
     let first = bytes(&folder, "model.json");
@@ -314,10 +314,10 @@ fn recordings_left_out_of_the_esso_osaka_are_followed_by_forces() {
     run(&folder, &format!("{LOGGED} {flags} --leave-out {test} --out model.json")).succeeds();
     run(
         &folder,
-        &format!("validate compare --model model.json --trajectories trajectories.parquet {flags} --runs {test} --window-s 100 --out compare.json"),
+        &format!("validate --model model.json --trajectories trajectories.parquet {flags} --runs {test} --window-s 100 --out validation.json"),
     )
     .succeeds();
-    let found = fits(&folder, "compare.json");
+    let found = fits(&folder, "validation.json");
     println!("{found:?}");
     assert!(parameters(&folder, "model.json").len() <= 45);
     assert!(found[0] > 76.0 && found[1] > 73.5 && found[2] > 73.5, "{found:?}");
@@ -333,10 +333,10 @@ fn recordings_left_out_of_the_kvlcc2_are_followed_by_forces() {
     run(&folder, &format!("{LOGGED} {flags} --leave-out {test} --window-s 150 --out model.json")).succeeds();
     run(
         &folder,
-        &format!("validate compare --model model.json --trajectories trajectories.parquet {flags} --runs {test} --out compare.json"),
+        &format!("validate --model model.json --trajectories trajectories.parquet {flags} --runs {test} --out validation.json"),
     )
     .succeeds();
-    let found = fits(&folder, "compare.json");
+    let found = fits(&folder, "validation.json");
     println!("{found:?}");
     assert!(found[0] >= 91.5 && found[1] >= 86.0 && found[2] >= 88.5, "{found:?}");
 }
@@ -400,7 +400,7 @@ fn exchanged_thrusters_are_named_and_a_late_rudder_is_told_with_its_time() {
         "{late}"
     );
     assert!(said.stdout.contains("`delta` acts 0.2"), "{said}");
-    run(&folder, "validate compare --model model.json --trajectories d.parquet --allow=mixed --window-s 50 --out compare.json")
+    run(&folder, "validate --model model.json --trajectories d.parquet --allow=mixed --window-s 50 --out validation.json")
         .succeeds();
     run(&folder, "report --study . --results . --allow=mixed --out report.html").succeeds();
     let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
@@ -462,7 +462,7 @@ fn captive_values_stand_beside_estimates_and_sums_are_of_what_was_sailed() {
     }
     let a = own["sailed"]["drift"].as_f64().unwrap();
     assert!((-0.6..-0.2).contains(&a), "{a}");
-    run(&folder, "validate compare --model model.json --trajectories d.parquet --allow=mixed --window-s 50 --out compare.json")
+    run(&folder, "validate --model model.json --trajectories d.parquet --allow=mixed --window-s 50 --out validation.json")
         .succeeds();
     run(&folder, "report --study . --results . --allow=mixed --out report.html").succeeds();
     let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
@@ -508,7 +508,7 @@ const TERMS: &str = "name = \"terms\"\nsample_rate_hz = 2.0\n\
     { parameter = \"i\", term = \"u |u| delta\", nominal = 0 }]\n";
 
 #[test]
-fn forces_and_terms_are_averaged_and_each_is_scored_beside() {
+fn several_models_are_compared_with_the_first() {
     let folder = trial();
     put(&folder, "vessel.toml", GUESS);
     run(&folder, &format!("{POOL} --out model.json")).succeeds();
@@ -516,28 +516,34 @@ fn forces_and_terms_are_averaged_and_each_is_scored_beside() {
     std::fs::create_dir(folder.path().join("terms")).unwrap();
     let terms = "estimate pool --vessel terms.toml --trajectories d.parquet --allow=mixed --estimator ls";
     run(&folder, &format!("{terms} --out terms/")).succeeds();
-    let line = "validate compare --trajectories d.parquet --allow=mixed --window-s 50 --model";
-    run(&folder, &format!("{line} model.json --average terms/model.json --out average.json")).succeeds();
-    let both = json(&folder, "average.json")["data"].clone();
-    let names: Vec<&str> =
-        both["models"].as_array().unwrap().iter().map(|own| own["name"].as_str().unwrap()).collect();
-    let alone = "model of the average";
-    assert_eq!(names, ["average of models", alone, alone, "mean of the data"]);
-    assert_eq!((&both["models"][2]["place"], &both["spread"]["models"]), (&2.into(), &2.into()));
-    assert!(both["bands"]["inside_u"].as_f64().unwrap() > 0.5, "{}", both["bands"]);
+    let line = "validate --trajectories d.parquet --allow=mixed --window-s 50 --model";
+    let tried = |models: &str| {
+        run(&folder, &format!("{line} {models} --out validation.json")).succeeds();
+        json(&folder, "validation.json")["data"]["recordings"].clone()
+    };
     let rmse = |of: &Value, i: usize| of["models"][i]["errors"]["rmse_v"].as_f64().unwrap();
-    // The average errs at most as much as both together, and each as it does alone.
-    assert!(rmse(&both, 0) <= 0.5 * (rmse(&both, 1) + rmse(&both, 2)) + 1e-12);
-    for (model, place) in [("model.json", 1), ("terms/model.json", 2)] {
-        run(&folder, &format!("{line} {model} --out alone.json")).succeeds();
-        assert_eq!(rmse(&json(&folder, "alone.json")["data"], 0), rmse(&both, place));
-    }
-    run(&folder, &format!("{line} terms/model.json --against model.json --out against.json")).succeeds();
-    assert_eq!(rmse(&json(&folder, "against.json")["data"], 1), rmse(&both, 1));
+    let alone = tried("model.json");
+    let two = tried("terms/model.json --model model.json");
+    assert_eq!(
+        (&two["models"][1]["name"], &two["models"][1]["place"]),
+        (&"other model".into(), &Value::Null)
+    );
+    assert_eq!(rmse(&two, 1), rmse(&alone, 0));
+    let three = tried("terms/model.json,model.json,vessel.toml");
+    let places = [1, 2].map(|i| three["models"][i]["place"].clone());
+    assert_eq!((places, rmse(&three, 1)), ([2.into(), 3.into()], rmse(&alone, 0)));
+    let said = three["statements"].to_string();
+    assert!(said.contains("model 2: ") && said.contains("better than model 3: "), "{said}");
     // Another ship's channels.
     put(&folder, "other.toml", GUESS.replace("kvlcc2-l7", "otter").split("[nominal]").next().unwrap());
     let words = ["other.toml: channel `", "a channel of this model alone"];
-    refused(&folder, 3, &format!("{line} model.json --against other.toml --out c.json"), &words);
+    refused(&folder, 3, &format!("{line} model.json,other.toml --out c.json"), &words);
+    refused(
+        &folder,
+        2,
+        &format!("{line} model.json --against other.toml --out c.json"),
+        &["`--model` again"],
+    );
 }
 
 #[test]
@@ -553,11 +559,11 @@ fn recordings_are_left_out_of_fits_of_forces() {
     assert_eq!(own["sources"].as_array().unwrap().len(), 4);
     assert!(own["errors"]["fit_r"].as_f64().unwrap() > 90.0, "{own}");
     // A fold is the fit without its runs.
-    let fold = "--runs 1,3 --out compare.json";
+    let fold = "--runs 1,3 --out validation.json";
     run(&folder, &format!("{POOL} --prior 0.01 --leave-out 1,3 --out model.json")).succeeds();
-    let compare = "validate compare --model model.json --trajectories d.parquet --allow=mixed --window-s 50";
+    let compare = "validate --model model.json --trajectories d.parquet --allow=mixed --window-s 50";
     run(&folder, &format!("{compare} {fold}")).succeeds();
-    let alone = json(&folder, "compare.json")["data"]["models"][0]["recordings"].clone();
+    let alone = json(&folder, "validation.json")["data"]["recordings"]["models"][0]["recordings"].clone();
     for own in own["sources"].as_array().unwrap() {
         let same = alone.as_array().unwrap().iter().find(|other| other["source"] == own["source"]);
         if let Some(same) = same {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use serde_json::{Map, Value};
 
 use crate::support::*;
-use crate::{CROSS, POOL, SELECTION};
+use crate::{CROSS, POOL, SELECTION, picking};
 
 /// What it is called, in which document, and its JSON pointer.
 const NUMBERS: [(&str, &str, &str); 12] = [
@@ -19,9 +19,13 @@ const NUMBERS: [(&str, &str, &str); 12] = [
     ("ls fit u", "crossval.json", "/data/estimators/0/errors/fit_u"),
     ("iv fit v", "crossval.json", "/data/estimators/1/errors/fit_v"),
     ("iv error norm", "crossval.json", "/data/estimators/1/error_norm"),
-    ("optimized error norm, median", "selection.json", "/data/designs/0/overlapping/error_norm/median"),
-    ("optimized error norm, left out", "selection.json", "/data/designs/0/left_out/error_norm/median"),
-    ("random error norm, median", "selection.json", "/data/designs/1/overlapping/error_norm/median"),
+    (
+        "optimized error norm, median",
+        "validation.json",
+        "/data/picks/designs/0/overlapping/error_norm/median",
+    ),
+    ("optimized error norm, left out", "validation.json", "/data/picks/designs/0/left_out/error_norm/median"),
+    ("random error norm, median", "validation.json", "/data/picks/designs/1/overlapping/error_norm/median"),
 ];
 
 fn path() -> PathBuf {
@@ -29,14 +33,14 @@ fn path() -> PathBuf {
 }
 
 fn numbers() -> Map<String, Value> {
-    let folder = with(&["campaign.parquet"]);
+    let folder = picking();
     // Those that the numbers were frozen of.
     let numbered = |design| (0..RUNS).map(move |run| format!("{design}/{run}"));
     let runs: Vec<String> = ["optimized", "random"].into_iter().flat_map(numbered).collect();
     let runs = format!("--runs {}", runs.join(","));
     run(&folder, &format!("{POOL} {runs} --bootstrap 20 --out estimates.parquet")).succeeds();
     run(&folder, &format!("{CROSS} --estimator ls,iv --out crossval.json")).succeeds();
-    run(&folder, &format!("{SELECTION} {runs} --estimator ls --out selection.parquet")).succeeds();
+    run(&folder, &format!("{SELECTION} {runs} --estimator ls --out scores.parquet")).succeeds();
     let pointed = |(name, file, pointer): (&str, &str, &str)| {
         let found = json(&folder, file);
         (name.to_owned(), found.pointer(pointer).unwrap_or_else(|| panic!("{file}: {pointer}")).clone())

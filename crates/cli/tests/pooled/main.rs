@@ -19,11 +19,31 @@ mod single;
 mod undeclared;
 mod units;
 
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use support::*;
+
 /// Pools the runs of the small study; add flags and an output.
 pub const POOL: &str = "estimate pool --vessel vessel.toml --trajectories campaign.parquet";
 /// Cross-validation over a few of its runs.
 pub const CROSS: &str = "validate cross --vessel vessel.toml --trajectories campaign.parquet \
      --runs random/0,random/1,optimized/2,optimized/3 --window-s 25";
 /// A selection study on its segments, which are named by maneuver.
-pub const SELECTION: &str = "validate selection --vessel vessel.toml --trajectories campaign.parquet --part-s 25 \
-     --counts decelerate=2,spiral-fast=2,zig-zag-fast-steep=1 --realizations 40";
+pub const SELECTION: &str =
+    "validate --vessel vessel.toml --trajectories campaign.parquet --design picks.json --realizations 40";
+
+/// A folder with these segments, and a design that picks five of them.
+pub fn picking() -> TempDir {
+    let folder = with(&["campaign.parquet", "design.json"]);
+    pick(&folder, json!({"decelerate": 2, "spiral-fast": 2, "zig-zag-fast-steep": 1}));
+    folder
+}
+
+/// Writes picks.json, the design of design.json with these `counts`.
+pub fn pick(folder: &TempDir, counts: Value) {
+    let mut design = json(folder, "design.json");
+    design["seal"] = Value::Null;
+    design["data"]["counts"] = counts;
+    put(folder, "picks.json", &design.to_string());
+}

@@ -8,8 +8,8 @@ use crate::{CROSS, POOL};
 
 const MODEL: &str = "estimate pool --vessel vessel.toml --trajectories campaign.parquet \
      --runs random/1,optimized/2,optimized/3 --out estimates.parquet";
-const COMPARE: &str = "validate compare --model model.json --trajectories campaign.parquet --runs random/0 --window-s 25 \
-     --out compare.json";
+const COMPARE: &str = "validate --model model.json --trajectories campaign.parquet --runs random/0 --window-s 25 \
+     --out validation.json";
 
 /// The values of a model with `change` made to each, its seal taken away.
 fn with_values(folder: &tempfile::TempDir, change: impl Fn(&str, f64) -> f64) {
@@ -35,7 +35,7 @@ fn law_the_delivered_model_has_the_fit_that_cross_validation_tells_of_the_same_s
         let all = crossval["data"]["estimators"].as_array().unwrap();
         let own = all.iter().find(|e| e["name"] == estimator).unwrap();
         let left_out = own["sources"].as_array().unwrap().iter().find(|s| s["source"] == "random/0").unwrap();
-        let compared = json(&folder, "compare.json");
+        let compared = json(&folder, "validation.json");
         let model = &compared["data"]["models"][0];
         assert_eq!((&model["name"], &compared["data"]["windows"]), (&"model".into(), &5.into()));
         for number in ["fit_u", "fit_v", "fit_r", "rmse_u", "rmse_v", "rmse_r"] {
@@ -109,7 +109,7 @@ fn a_model_that_is_of_no_use_is_called_so() {
     run(&folder, MODEL).succeeds();
     let statements = |folder: &tempfile::TempDir| -> Vec<String> {
         run(folder, COMPARE).succeeds();
-        let data = json(folder, "compare.json")["data"].clone();
+        let data = json(folder, "validation.json")["data"]["recordings"].clone();
         data["statements"].as_array().unwrap().iter().map(|s| s.as_str().unwrap().to_owned()).collect()
     };
     assert!(statements(&folder)[0].starts_with("fit u"), "{:?}", statements(&folder));
@@ -133,7 +133,7 @@ fn where_a_model_leaves_what_it_was_fitted_on_is_told() {
     model["data"]["covered"][0]["low"] = 0.8.into();
     put(&folder, "narrow.json", &serde_json::to_string_pretty(&model).unwrap());
     run(&folder, &COMPARE.replace("model.json", "narrow.json")).succeeds();
-    let data = json(&folder, "compare.json")["data"].clone();
+    let data = json(&folder, "validation.json")["data"]["recordings"].clone();
     let outside = data["outside"].as_array().unwrap();
     assert!(outside.iter().any(|o| o["name"] == "u" && o["samples"].as_u64().unwrap() > 0), "{outside:?}");
     let statements = data["statements"].to_string();
@@ -171,7 +171,7 @@ fn models_and_logs_that_do_not_go_together_are_refused() {
     refused(
         &folder,
         3,
-        &format!("{COMPARE} --against other.toml"),
+        &format!("{COMPARE} --model other.toml"),
         &["other.toml: sampling rate: found 1 Hz, expected 8 Hz", "models of the same logs"],
     );
     let text = std::fs::read_to_string(folder.path().join("model.json")).unwrap();
@@ -255,7 +255,7 @@ fn the_page_shows_what_is_left_of_errors_tracks_and_the_delivered_model() {
     run(&folder, &format!("{CROSS} --estimator ls,iv --out crossval.json")).succeeds();
     run(&folder, &format!("{MODEL} --estimator iv")).succeeds();
     run(&folder, COMPARE).succeeds();
-    let data = json(&folder, "compare.json")["data"].clone();
+    let data = json(&folder, "validation.json")["data"]["recordings"].clone();
     let correlations = data["correlations"].as_array().unwrap();
     let of: Vec<(&str, &str)> =
         correlations.iter().map(|c| (c["of"].as_str().unwrap(), c["state"].as_str().unwrap())).collect();

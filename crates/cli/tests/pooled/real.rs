@@ -3,9 +3,10 @@
 
 use std::process::Command;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 use tempfile::TempDir;
 
+use crate::pick;
 use crate::support::*;
 
 /// A folder with the study's trajectories; `None` without the logs.
@@ -74,10 +75,10 @@ fn the_optimized_selection_of_the_esso_osaka_is_more_than_twice_as_good_as_a_ran
         "design --moments moments.json --segments 6 --segment-samples 60 --available ingest.json --out design.json",
     )
     .succeeds();
-    for (estimator, bound) in [("ls", 1.1), ("iv --nominal least-squares", 0.8)] {
-        let line = format!("validate selection {LOGGED} --design design.json --estimator {estimator}");
-        run(&folder, &format!("{line} --out selection.parquet")).succeeds();
-        let data = json(&folder, "selection.json")["data"].clone();
+    for (estimator, bound) in [("ls", 1.1), ("iv", 0.8)] {
+        let line = format!("validate {LOGGED} --design design.json --estimator {estimator}");
+        run(&folder, &format!("{line} --out scores.parquet")).succeeds();
+        let data = json(&folder, "validation.json")["data"]["picks"].clone();
         let q90 = |i: usize| {
             data["designs"][i]["overlapping"]["error_norm"]["q90"].as_f64().unwrap_or(f64::INFINITY)
         };
@@ -99,18 +100,21 @@ fn poor_instruments_are_told() {
     };
     let blocks: Vec<&str> = text.split("\n[[").filter(wanted).collect();
     put(&folder, "vessel.toml", &blocks.join("\n[["));
-    let line = format!("validate selection {LOGGED} --counts zigzag/fast=4,berthing/slow=1,turning/medium=1");
-    let ran = run(&folder, &format!("{line} --estimator iv --nominal least-squares --out selection.parquet"))
+    run(&folder, &format!("moments {LOGGED} --instruments regressors --out moments.json")).succeeds();
+    run(&folder, "design --moments moments.json --segments 6 --segment-samples 60 --out design.json")
         .succeeds();
+    pick(&folder, json!({"zigzag/fast": 4, "berthing/slow": 1, "turning/medium": 1}));
+    let line = format!("validate {LOGGED} --design picks.json");
+    let ran = run(&folder, &format!("{line} --estimator iv --out scores.parquet")).succeeds();
     assert!(ran.stdout.contains("poor instruments: simulated"), "{ran}");
-    let data = json(&folder, "selection.json")["data"].clone();
+    let data = json(&folder, "validation.json")["data"]["picks"].clone();
     let said: Vec<&str> = data["statements"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
     assert!(said.iter().any(|s| s.starts_with("poor instruments") && s.contains("r to ")), "{said:?}");
     for design in data["designs"].as_array().unwrap() {
         assert!(design["degenerate_share"].as_f64().unwrap() > 0.3, "{design}");
     }
-    run(&folder, &format!("{line} --estimator ls --out selection.parquet")).succeeds();
-    let data = json(&folder, "selection.json")["data"].clone();
+    run(&folder, &format!("{line} --estimator ls --out scores.parquet")).succeeds();
+    let data = json(&folder, "validation.json")["data"]["picks"].clone();
     assert!(data["designs"][0]["overlapping"]["error_norm"]["q90"].as_f64().unwrap() < 1.3);
 }
 
@@ -192,9 +196,9 @@ fn zig_zags_of_one_degree_are_outside_the_range_of_a_model_of_wider_ones() {
     let line = format!("estimate pool {recorded} --estimator ls --leave-out {small} --out estimates.parquet");
     run(&folder, &line).succeeds();
     let compared = |runs: &str| {
-        let line = "validate compare --model model.json --trajectories trajectories.parquet --recordings ingest.json";
-        let said = run(&folder, &format!("{line} --runs {runs} --out compare.json")).succeeds();
-        let data = json(&folder, "compare.json")["data"].clone();
+        let line = "validate --model model.json --trajectories trajectories.parquet --recordings ingest.json";
+        let said = run(&folder, &format!("{line} --runs {runs} --out validation.json")).succeeds();
+        let data = json(&folder, "validation.json")["data"]["recordings"].clone();
         (data["validity"].clone(), said.stdout)
     };
     // No channel leaves its range, but the ship yaws and sways less than in any minute that was fitted.

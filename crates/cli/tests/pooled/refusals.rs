@@ -41,13 +41,9 @@ fn numbers_out_of_range_are_refused() {
     refused(
         &folder,
         2,
-        &format!("{SELECTION} --estimator output-error --out selection.parquet"),
-        &["output-error", "ls, iv or auto"],
+        &format!("{SELECTION} --estimator output-error --out scores.parquet"),
+        &["output-error", "possible values: ls, iv, auto"],
     );
-    let counts = |text: &str| format!("{} --out selection.parquet", SELECTION.replace("decelerate=2", text));
-    refused(&folder, 2, &counts("decelerrate=2"), &["`decelerrate`", "did you mean `decelerate`?"]);
-    refused(&folder, 2, &counts("decelerate=2000"), &["2000 of `decelerate`"]);
-    refused(&folder, 2, &counts("decelerate"), &["`decelerate,spiral-fast`", "did you mean `decelerate`?"]);
 }
 
 #[test]
@@ -71,12 +67,6 @@ fn a_nominal_model_that_diverges_is_told_with_part_and_sample() {
     put(&folder, "vessel.toml", "preset = \"ljungberg-model-ship\"\n[nominal]\nX_u = 2.5\n");
     let pieces = ["of random/0 diverges at sample", "surge", "--part-s", "--estimator ls"];
     refused(&folder, 4, &format!("{POOL} --runs random/0 --allow=mixed --out estimates.parquet"), &pieces);
-    refused(
-        &folder,
-        4,
-        &format!("{SELECTION} --allow=mixed --out selection.parquet"),
-        &["diverges at sample"],
-    );
     run(&folder, &format!("{POOL} --runs random/0 --allow=mixed --estimator auto --out estimates.parquet"))
         .succeeds();
     let said = json(&folder, "trust.json")["data"]["statements"][0].clone();
@@ -86,11 +76,31 @@ fn a_nominal_model_that_diverges_is_told_with_part_and_sample() {
 #[test]
 fn validate_still_wants_estimates_without_a_subcommand() {
     let folder = with(&["campaign.parquet"]);
-    refused(&folder, 2, "validate --out estimates.parquet", &["--vessel"]);
-    refused(&folder, 2, "validate", &["--vessel"]);
+    let one = "<--campaign <campaign.toml>|--model <model.json|vessel.toml>|--design <design.json>>";
+    refused(&folder, 2, "validate --out scores.parquet", &[one]);
+    refused(&folder, 2, "validate", &[one]);
+    let line = "validate --trajectories campaign.parquet --out v.json";
+    for (flags, says) in [
+        ("--model m.json --design d.json --vessel v.toml", ["'--model", "cannot be used with"]),
+        ("--campaign c.toml --vessel v.toml --validation v.parquet", ["'--campaign", "cannot be used with"]),
+        ("--design d.json", ["not provided", "--vessel"]),
+        ("--model m.json --realizations 5", ["not provided", "--design"]),
+        ("--vessel v.toml --design d.json --window-s 5", ["not provided", "--model"]),
+    ] {
+        refused(&folder, 2, &format!("{line} {flags}"), &says);
+    }
+    for (gone, says) in [("compare", "`validate --model"), ("selection", "`validate --design")] {
+        refused(&folder, 2, &format!("validate {gone} --out v.json"), &["it is gone", says]);
+    }
     refused(&folder, 2, "validate cross --out c.json", &["--vessel", "--trajectories"]);
     let help = run(&folder, "validate --help").succeeds();
-    for piece in ["cross", "selection", "--estimates", "--validation"] {
+    for piece in [
+        "cross",
+        "Estimates of simulated runs:",
+        "Models on recordings:",
+        "Picks from recordings:",
+        "--validation",
+    ] {
         assert!(help.stdout.contains(piece), "{help}");
     }
 }

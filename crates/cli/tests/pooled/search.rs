@@ -92,11 +92,10 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
         assert!(page.contains(piece), "{piece}");
     }
     // The delivered model is what stands in the document, and others can run it.
-    let line =
-        "validate compare --model model.json --trajectories campaign.parquet --window-s 25 --allow=mixed";
-    run(&folder, &format!("{line} --out compare.json")).succeeds();
+    let line = "validate --model model.json --trajectories campaign.parquet --window-s 25 --allow=mixed";
+    run(&folder, &format!("{line} --out validation.json")).succeeds();
     // Bands are from the errors on left-out recordings, and contain most of the fitted samples.
-    let bands = json(&folder, "compare.json")["data"]["bands"].clone();
+    let bands = json(&folder, "validation.json")["data"]["recordings"]["bands"].clone();
     for inside in ["inside_u", "inside_v", "inside_r"] {
         assert!(bands[inside].as_f64().unwrap() > 0.85, "{bands}");
     }
@@ -229,7 +228,7 @@ pub fn unsealed(folder: &TempDir, of: &str, name: &str, data: Value) {
 }
 
 const TRY: &str =
-    "validate compare --trajectories campaign.parquet --window-s 25 --allow=mixed --out compare.json";
+    "validate --trajectories campaign.parquet --window-s 25 --allow=mixed --out validation.json";
 
 #[test]
 fn several_models_are_found_averaged_and_tried_together() {
@@ -256,8 +255,8 @@ fn several_models_are_found_averaged_and_tried_together() {
     // Seven tenths of six.
     let drawn: Vec<&Vec<Value>> = members.iter().map(|own| own["found_on"].as_array().unwrap()).collect();
     assert!(drawn.len() == 3 && drawn.iter().all(|own| own.len() == 4), "{drawn:?}");
-    run(&folder, &format!("{TRY} --model average.json --against model.json")).succeeds();
-    let compared = json(&folder, "compare.json")["data"].clone();
+    run(&folder, &format!("{TRY} --model average.json,model.json")).succeeds();
+    let compared = json(&folder, "validation.json")["data"]["recordings"].clone();
     assert_eq!(compared["models"][0]["name"], "average of models");
     assert_eq!(compared["spread"]["models"], 3);
     assert!(number(&compared["bands"]["inside_u"]) >= number(&compared["spread"]["inside_u"]));
@@ -288,14 +287,14 @@ fn law_an_average_of_equal_models_is_that_model_and_others_are_refused() {
     };
     with(&|data| data["members"] = vec![member.clone(); 5].into());
     run(&folder, &format!("{TRY} --model changed.json")).succeeds();
-    let several = json(&folder, "compare.json")["data"].clone();
+    let several = json(&folder, "validation.json")["data"]["recordings"].clone();
     unsealed(&folder, "model.json", "single.json", member["model"].clone());
     run(&folder, &format!("{TRY} --model single.json")).succeeds();
-    let single = json(&folder, "compare.json")["data"].clone();
+    let single = json(&folder, "validation.json")["data"]["recordings"].clone();
     assert_eq!(several["models"][0]["errors"], single["models"][0]["errors"]);
     assert_eq!(several["correlations"], single["correlations"]);
     assert_eq!(several["spread"]["spread_u"], 0.0);
-    let try_it = format!("{TRY} --model changed.json").replace("compare.json", "other.json");
+    let try_it = format!("{TRY} --model changed.json").replace("validation.json", "other.json");
     with(&|data| data["members"][1]["model"]["sample_rate_hz"] = 4.0.into());
     refused(&folder, 3, &try_it, &["changed.json", "data.members[1]: sampling rate", "4 Hz", "8 Hz"]);
     with(&|data| data["members"][1]["model"]["recordings"][0]["source"] = "another".into());

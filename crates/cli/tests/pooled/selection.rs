@@ -1,21 +1,17 @@
-use std::collections::BTreeMap;
+use serde_json::{Value, json};
 
-use cli::inputs::counts;
-use files::Provenance;
-use serde_json::Value;
-
-use crate::SELECTION;
 use crate::support::*;
+use crate::{SELECTION, pick, picking};
 
 #[test]
 fn realizations_pick_what_the_counts_say() {
-    let folder = with(&["campaign.parquet"]);
-    run(&folder, &format!("{SELECTION} --out selection.parquet")).succeeds();
-    let data = json(&folder, "selection.json")["data"].clone();
+    let folder = picking();
+    run(&folder, &format!("{SELECTION} --out scores.parquet")).succeeds();
+    let data = json(&folder, "validation.json")["data"]["picks"].clone();
     assert_eq!((&data["picks"], &data["counts"]["decelerate"]), (&5.into(), &2.into()));
     let names: Vec<&Value> = data["designs"].as_array().unwrap().iter().map(|d| &d["design"]).collect();
     assert_eq!(names, ["optimized", "random"]);
-    let table = craft::read(&folder.path().join("selection.parquet"), "selection-realizations");
+    let table = craft::read(&folder.path().join("scores.parquet"), "scores");
     let picked = |row: usize| {
         let text = table.blocks[row / 64].columns[2].text_at(row % 64).unwrap();
         text.split(' ').map(|n| n.parse::<u64>().unwrap()).collect::<Vec<u64>>()
@@ -30,10 +26,10 @@ fn realizations_pick_what_the_counts_say() {
 
 #[test]
 fn law_another_seed_draws_others_and_the_same_seed_the_same() {
-    let folder = with(&["campaign.parquet"]);
+    let folder = picking();
     let made = |seed: u32| {
-        run(&folder, &format!("{SELECTION} --seed {seed} --out selection.parquet")).succeeds();
-        bytes(&folder, "selection.parquet")
+        run(&folder, &format!("{SELECTION} --seed {seed} --out scores.parquet")).succeeds();
+        bytes(&folder, "scores.parquet")
     };
     assert_eq!(made(4), made(4));
     assert_ne!(made(4), made(5));
@@ -41,16 +37,15 @@ fn law_another_seed_draws_others_and_the_same_seed_the_same() {
 
 #[test]
 fn law_shards_gather_to_the_bytes_of_the_whole() {
-    let folder = with(&["campaign.parquet"]);
+    let folder = picking();
     let line = SELECTION.replace("40", "70");
-    run(&folder, &format!("{line} --out selection.parquet --threads 1")).succeeds();
-    let all = || (bytes(&folder, "selection.parquet"), bytes(&folder, "selection.json"));
+    run(&folder, &format!("{line} --out scores.parquet --threads 1")).succeeds();
+    let all = || (bytes(&folder, "scores.parquet"), bytes(&folder, "validation.json"));
     let whole = all();
     for k in 1..=2 {
         run(&folder, &format!("{line} --shard {k}/2 --threads 3 --out part-{k}.parquet")).succeeds();
     }
-    run(&folder, &format!("{line} --gather part-2.parquet part-1.parquet --out selection.parquet"))
-        .succeeds();
+    run(&folder, &format!("{line} --gather part-2.parquet part-1.parquet --out scores.parquet")).succeeds();
     assert_eq!(all(), whole);
     let line = SELECTION.replace("40", "71");
     let other = format!("{line} --gather part-1.parquet part-2.parquet --out refused.parquet");
@@ -63,19 +58,20 @@ fn law_shards_gather_to_the_bytes_of_the_whole() {
 #[test]
 fn a_design_without_counts_is_refused() {
     let folder = with(&["campaign.parquet", "design.json"]);
-    let line = "validate selection --vessel vessel.toml --trajectories campaign.parquet --design design.json --realizations 8";
+    let line =
+        "validate --vessel vessel.toml --trajectories campaign.parquet --design design.json --realizations 8";
     refused(
         &folder,
         3,
-        &format!("{line} --out selection.parquet"),
+        &format!("{line} --out scores.parquet"),
         &["design.json", "counts: found none", "--segments"],
     );
 }
 
 #[test]
 fn the_report_shows_the_histograms() {
-    let folder = with(&["campaign.parquet", "design.json"]);
-    run(&folder, &format!("{SELECTION} --out selection.parquet")).succeeds();
+    let folder = picking();
+    run(&folder, &format!("{SELECTION} --out scores.parquet")).succeeds();
     run(&folder, REPORT).succeeds();
     let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
     for piece in ["<section id=\"selection\">", "href=\"#selection\"", "2 × decelerate", "degenerate"] {
@@ -87,14 +83,22 @@ fn the_report_shows_the_histograms() {
 }
 
 #[test]
-fn counts_are_read_and_bounded() {
-    let there = [("zigzag/fast", 4), ("turning/slow", 2)].map(|(name, n)| (name.to_owned(), n));
-    let read = |texts: &[&str]| {
-        let texts: Vec<String> = texts.iter().map(|text| (*text).to_owned()).collect();
-        counts(None, &texts, &BTreeMap::from(there.clone()), &mut Provenance::default())
-    };
-    assert_eq!(read(&["zigzag/fast=4", "turning/slow=1"]).unwrap().len(), 2);
-    for wrong in ["zigzag/fast", "zigzag/fast=5", "zigzag/fats=1", "turning/slow=0", "turning/slow=x"] {
-        assert_eq!(read(&[wrong]).unwrap_err().exit_code(), 2, "{wrong}");
+fn counts_are_bounded() {
+    let folder = picking();
+    for counts in [json!({"decelerate": 2000}), json!({"decelerrate": 1})] {
+        let name = counts.as_object().unwrap().keys().next().unwrap().clone();
+        pick(&folder, counts);
+        refused(
+            &folder,
+            3,
+            &format!("{SELECTION} --out scores.parquet"),
+            &["picks.json: counts", &name, "at most"],
+        );
     }
+    refused(
+        &folder,
+        2,
+        &format!("{SELECTION} --counts decelerate=2 --out s.parquet"),
+        &["--counts", "--design has"],
+    );
 }

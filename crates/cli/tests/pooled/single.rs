@@ -6,7 +6,7 @@ use crate::support::*;
 
 const ONE: &str =
     "estimate --vessel vessel.toml --trajectories campaign.parquet --runs optimized/3 --out one.parquet";
-const OWN: &str = "validate compare --model one-model.json --trajectories campaign.parquet --runs optimized/3 --out compare.json";
+const OWN: &str = "validate --model one-model.json --trajectories campaign.parquet --runs optimized/3 --out validation.json";
 
 fn numbers(model: &Value, of: &str) -> Vec<f64> {
     let degrees = model["data"]["degrees"].as_array().unwrap();
@@ -50,7 +50,7 @@ fn law_the_delivered_model_has_the_errors_that_the_document_tells_of_it() {
         run(&folder, &format!("{ONE} --estimator {estimator}")).succeeds();
         run(&folder, OWN).succeeds();
         let model = json(&folder, "one-model.json");
-        let errors = &json(&folder, "compare.json")["data"]["models"][0]["errors"];
+        let errors = &json(&folder, "validation.json")["data"]["recordings"]["models"][0]["errors"];
         let keys = ["rmse_u", "rmse_v", "rmse_r"];
         for (degree, key) in model["data"]["degrees"].as_array().unwrap().iter().zip(keys) {
             near(&[degree["output_rmse"].as_f64().unwrap()], &[errors[key].as_f64().unwrap()], estimator);
@@ -89,11 +89,8 @@ fn of_many_runs_those_that_are_named_are_estimated_and_one_alone_is_delivered() 
     let model = json(&folder, "model.json");
     assert_eq!(model["data"]["recordings"][0]["source"], "optimized/3");
     assert!(model["data"]["statements"][0].as_str().unwrap().contains("run optimized/3 alone"));
-    run(
-        &folder,
-        "validate compare --model model.json --trajectories campaign.parquet --runs random/2 --out c.json",
-    )
-    .succeeds();
+    run(&folder, "validate --model model.json --trajectories campaign.parquet --runs random/2 --out c.json")
+        .succeeds();
     refused(
         &folder,
         3,

@@ -4,7 +4,7 @@ use std::fs;
 use serde_json::Value;
 
 use crate::support::*;
-use crate::{CROSS, POOL, SELECTION};
+use crate::{CROSS, POOL, SELECTION, picking};
 
 /// Names of the fields that hold numbers, those of maps by the map's.
 fn numbers(value: &Value, name: &str, maps: &[&str], found: &mut BTreeSet<String>) {
@@ -24,14 +24,14 @@ fn numbers(value: &Value, name: &str, maps: &[&str], found: &mut BTreeSet<String
 
 #[test]
 fn every_number_has_a_unit_and_every_unit_a_number() {
-    let folder = with(&["campaign.parquet"]);
+    let folder = picking();
     run(&folder, &format!("{POOL} --runs random/0,random/1 --bootstrap 9 --out estimates.parquet"))
         .succeeds();
     run(&folder, &format!("{CROSS} --estimator ls,iv --out crossval.json")).succeeds();
     fs::copy(repository().join("pipelines/model-ship/reference.toml"), folder.path().join("reference.toml"))
         .unwrap();
-    run(&folder, &format!("{SELECTION} --reference reference.toml --out selection.parquet")).succeeds();
-    for name in ["trust.json", "crossval.json", "selection.json"] {
+    run(&folder, &format!("{SELECTION} --reference reference.toml --out scores.parquet")).succeeds();
+    for name in ["trust.json", "crossval.json", "validation.json"] {
         let document = json(&folder, name);
         let mut found = BTreeSet::new();
         numbers(&document["data"], "", &["counts", "available"], &mut found);

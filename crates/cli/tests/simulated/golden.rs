@@ -14,9 +14,9 @@ const NUMBERS: [(&str, &str); 8] = [
     ("design.json", "/data/log_det"),
     ("design.json", "/data/shares/spiral-fast"),
     ("design.json", "/data/shares/decelerate"),
-    ("selection.json", "/data/std_u"),
-    ("selection.json", "/data/std_v"),
-    ("selection.json", "/data/std_r"),
+    ("validation.json", "/data/picks/std_u"),
+    ("validation.json", "/data/picks/std_v"),
+    ("validation.json", "/data/picks/std_r"),
 ];
 
 fn numbers() -> Map<String, Value> {

@@ -29,8 +29,8 @@ pub const STAGES: [&str; 7] = [
     "design --moments moments.json --segments 4 --segment-samples 75 --available ingest.json --out design.json",
     "estimate pool --vessel vessel.toml --trajectories trajectories.parquet --nominal least-squares --bootstrap 20 \
      --out estimates.parquet",
-    "validate selection --vessel vessel.toml --trajectories trajectories.parquet --nominal least-squares \
-     --design design.json --reference reference.toml --estimator iv --realizations 16 --out selection.parquet",
+    "validate --vessel vessel.toml --trajectories trajectories.parquet \
+     --design design.json --reference reference.toml --estimator iv --realizations 16 --out scores.parquet",
     "report --study . --results . --out report.html",
 ];
 

@@ -5,7 +5,7 @@ use crate::{STAGES, small};
 fn everything_that_is_made_of_simulated_logs_says_so() {
     let folder = small();
     STAGES.iter().for_each(|stage| drop(run(&folder, stage).succeeds()));
-    let made = ["ingest", "moments", "design", "estimate", "selection"];
+    let made = ["ingest", "moments", "design", "estimate", "validation"];
     for name in made {
         assert_eq!(json(&folder, &format!("{name}.json"))["settings"]["data"], "simulated logs", "{name}");
     }
@@ -23,7 +23,7 @@ fn everything_that_is_made_of_simulated_logs_says_so() {
         assert!(page.contains(piece), "{piece}");
     }
     assert!(folder.path().join("figures/published-norm.svg").is_file());
-    for design in json(&folder, "selection.json")["data"]["designs"].as_array().unwrap() {
+    for design in json(&folder, "validation.json")["data"]["picks"]["designs"].as_array().unwrap() {
         let (share, norm) = (&design["beyond_published"]["norm"], &design["overlapping"]["rmse_norm"]);
         let (share, ends) =
             (share["share"].as_f64().unwrap(), [0, 1].map(|i| share["interval"][i].as_f64().unwrap()));
@@ -40,7 +40,7 @@ fn law_the_study_gives_the_same_bytes_for_any_number_of_threads() {
         run(&one, &format!("{stage} --threads 1")).succeeds();
         run(&three, &format!("{stage} --threads 3")).succeeds();
     }
-    for name in ["trajectories.parquet", "moments.json", "design.json", "selection.parquet", "report.html"] {
+    for name in ["trajectories.parquet", "moments.json", "design.json", "scores.parquet", "report.html"] {
         assert!(bytes(&one, name) == bytes(&three, name), "{name} has other bytes");
     }
 }

@@ -66,7 +66,7 @@ fn law_trials_have_the_errors_that_their_design_foretold() {
         run(&folder, &format!("run mine --quiet --stage {end} --set campaign.realizations={trials}"))
             .succeeds();
         let foretold = json(&folder, "out/mine/design.json")["data"]["sequence"]["foretold"].clone();
-        let found = json(&folder, "out/mine/validation.json")["data"]["designs"][0].clone();
+        let found = json(&folder, "out/mine/validation.json")["data"]["scored"]["designs"][0].clone();
         assert_eq!(found["design"], "optimized");
         for error in ["parameter_error", "simulation_error"] {
             let [foretold, found] =

@@ -1,7 +1,7 @@
 //! `--set`: values that override those of the hand-written files.
 
 use serde_json::json;
-use study::documents::TallyDocument;
+use study::documents::ValidationDocument;
 use tempfile::TempDir;
 
 use crate::support::*;
@@ -10,7 +10,7 @@ const LINE: &str = "monte-carlo --vessel vessel.toml --dictionary dictionary.tom
                     --design design.json";
 
 fn tallied(folder: &TempDir, name: &str) -> serde_json::Value {
-    serde_json::to_value(document::<TallyDocument>(folder, name).data).unwrap()
+    serde_json::to_value(document::<ValidationDocument>(folder, name).data.counted).unwrap()
 }
 
 #[test]
@@ -61,7 +61,7 @@ fn shards_of_other_values_are_not_gathered() {
         run(&folder, &format!("{LINE} {set} --shard {k}/2 --out part-{k}.json")).succeeds();
     }
     let says = ["part-2.json", "inputs.campaign", "shards of one computation"];
-    refused(&folder, 3, "monte-carlo --gather part-1.json part-2.json --out tally.json", &says);
+    refused(&folder, 3, "monte-carlo --gather part-1.json part-2.json --out validation.json", &says);
 }
 
 #[test]

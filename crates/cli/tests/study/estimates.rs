@@ -7,7 +7,8 @@ use crate::support::*;
 
 /// The summary of design `name` in a document.
 fn design<'a>(document: &'a Value, name: &str) -> &'a Value {
-    let designs = document["data"]["designs"].as_array().unwrap();
+    let data = &document["data"];
+    let designs = data.get("scored").unwrap_or(data)["designs"].as_array().unwrap();
     designs.iter().find(|d| d["design"] == name).unwrap()
 }
 

@@ -74,18 +74,21 @@ fn compare_has_a_row_per_run_and_estimator_and_alone_each_gives_the_same() {
 fn documents_and_page_tell_of_every_estimator_and_the_study_stays_that_of_instrumental_variables() {
     let folder = compared();
     let (estimate, validation) = (json(&folder, "estimate.json"), json(&folder, "validation.json"));
-    for document in [&estimate, &validation] {
-        let all = document["data"]["compared"].as_array().unwrap();
+    for data in [&estimate["data"], &validation["data"]["scored"]] {
+        let all = data["compared"].as_array().unwrap();
         let names: Vec<&str> = all.iter().map(|e| e["estimator"].as_str().unwrap()).collect();
         assert_eq!(names, NAMES);
-        assert_eq!(all[1]["designs"], document["data"]["designs"], "the study is that of iv");
+        assert_eq!(all[1]["designs"], data["designs"], "the study is that of iv");
         for searched in &all[3..] {
             assert!(searched["designs"][0]["not_converged"].is_u64());
         }
     }
     let plain = with(&["validation.json"]);
-    assert_eq!(json(&plain, "validation.json")["data"]["designs"], validation["data"]["designs"]);
-    for recommendation in validation["data"]["recommendations"].as_array().unwrap() {
+    assert_eq!(
+        json(&plain, "validation.json")["data"]["scored"]["designs"],
+        validation["data"]["scored"]["designs"]
+    );
+    for recommendation in validation["data"]["scored"]["recommendations"].as_array().unwrap() {
         let (found, candidates) =
             (&recommendation["estimator"], recommendation["candidates"].as_array().unwrap());
         assert_eq!(found.is_string(), candidates.len() == 1, "{recommendation}");
@@ -102,10 +105,10 @@ fn documents_and_page_tell_of_every_estimator_and_the_study_stays_that_of_instru
     // Statuses of estimates that the counts do not tell apart are explained.
     let status = EstimateStatus::OwnInstruments.name();
     assert!(page.to_lowercase().contains(&format!("{status}: the nominal model diverges over the run")));
-    let said = validation["data"]["recommendations"][0]["statement"].as_str().unwrap();
+    let said = validation["data"]["scored"]["recommendations"][0]["statement"].as_str().unwrap();
     assert!(page.contains(said), "{said}");
     // The parameters are those of the recommended estimator.
-    let words = match validation["data"]["recommendations"][0]["estimator"].as_str() {
+    let words = match validation["data"]["scored"]["recommendations"][0]["estimator"].as_str() {
         Some(best) => format!("Estimates by {best}, which the validation recommends."),
         None => "No estimator is recommended; these are the estimates by iv.".to_owned(),
     };
@@ -116,7 +119,9 @@ fn documents_and_page_tell_of_every_estimator_and_the_study_stays_that_of_instru
 fn law_searches_are_better_than_the_papers_instruments_on_the_papers_disturbances() {
     let validation = json(&compared(), "validation.json");
     let median = |i: usize| {
-        validation["data"]["compared"][i]["designs"][0]["parameter_error"]["median"].as_f64().unwrap()
+        validation["data"]["scored"]["compared"][i]["designs"][0]["parameter_error"]["median"]
+            .as_f64()
+            .unwrap()
     };
     let [ls, iv, free, predicted] = [0, 1, 2, 3].map(median);
     assert!(iv < 0.3 * ls && free < 0.8 * iv && predicted < 0.8 * iv, "{ls} {iv} {free} {predicted}");
@@ -211,7 +216,7 @@ fn searches_that_end_nowhere_are_counted_and_reported() {
     let statuses = texts(&folder, "estimates.parquet", "estimates", 3);
     assert_eq!(statuses.iter().filter(|s| *s == "not converged").count() as u64, lost);
     run(&folder, &format!("{VALIDATE} --allow=mixed")).succeeds();
-    let designs = json(&folder, "validation.json")["data"]["designs"].clone();
+    let designs = json(&folder, "validation.json")["data"]["scored"]["designs"].clone();
     let told: u64 = designs.as_array().unwrap().iter().map(|d| d["not_converged"].as_u64().unwrap()).sum();
     assert_eq!(told, lost);
 }
@@ -299,7 +304,7 @@ fn an_estimator_that_is_gone_is_refused_with_what_does_its_work() {
     for line in [
         "estimate --vessel vessel.toml --trajectories campaign.parquet --estimator refined-iv --out e.parquet",
         "estimate pool --vessel vessel.toml --trajectories campaign.parquet --estimator refined-iv --out e.parquet",
-        "monte-carlo --vessel vessel.toml --estimator iv,refined-iv --out tally.json",
+        "monte-carlo --vessel vessel.toml --estimator iv,refined-iv --out validation.json",
     ] {
         refused(
             &folder,

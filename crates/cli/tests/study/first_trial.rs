@@ -122,9 +122,9 @@ fn the_chain_of_a_ship_with_forces_goes_from_design_to_scores() {
     )
     .succeeds();
     let scored = json(&folder, "validation.json");
-    run(&folder, "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --design design.json --estimator output-error --out tally.json").succeeds();
-    let tally = json(&folder, "tally.json");
-    let own = tally["data"]["scores"][0]["designs"].as_array().unwrap();
+    run(&folder, "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --design design.json --estimator output-error --out counted.json").succeeds();
+    let tally = json(&folder, "counted.json");
+    let own = tally["data"]["counted"]["scores"][0]["designs"].as_array().unwrap();
     assert!(own.iter().all(|own| own["runs"] == 6 && own["not_converged"] == 0), "{tally:#}");
     assert!(scored["data"].to_string().contains("optimized"), "{scored:#}");
     run(&folder, "report --study . --results . --out report.html").succeeds();
@@ -184,7 +184,7 @@ fn what_forces_do_not_have_is_refused_by_name() {
         refused(&folder, 3, &format!("{ESTIMATE} --estimator {estimator}"), &words);
     }
     let tally = format!(
-        "{} --out tally.json",
+        "{} --out validation.json",
         CAMPAIGN.replace("simulate campaign", "monte-carlo").replace(" --out campaign.parquet", "")
     );
     refused(&folder, 3, &tally, &["vessel.toml", "`iv` computes", "take the estimator `output-error`"]);
@@ -213,8 +213,8 @@ const OF_TERMS: [(&str, &str, &str); 3] = [
         "`design --for output-error`",
     ),
     (
-        "validate selection --vessel vessel.toml --trajectories d.parquet --design design.json --out s.parquet",
-        "`validate selection` computes",
+        "validate --vessel vessel.toml --trajectories d.parquet --design design.json --out s.parquet",
+        "`validate --design` computes",
         "`validate cross`",
     ),
 ];
@@ -231,7 +231,7 @@ fn what_serves_a_ship_with_forces_instead_of_stages_of_terms_is_true() {
         run(&folder, line).succeeds();
     }
     let tally =
-        CAMPAIGN.replace("simulate campaign", "monte-carlo").replace("campaign.parquet", "tally.json");
+        CAMPAIGN.replace("simulate campaign", "monte-carlo").replace("campaign.parquet", "validation.json");
     run(&folder, &format!("{tally} --estimator output-error")).succeeds();
     priors(&folder);
     let cross = "validate cross --vessel vessel.toml --trajectories d.parquet --allow=mixed --window-s 10 --out crossval.json";

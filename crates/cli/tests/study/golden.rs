@@ -43,15 +43,31 @@ const NUMBERS: [(&str, &str, &str); 12] = [
         "validation.json",
         "/data/designs/0/parameter_error/median",
     ),
-    ("validation optimized simulation error q90", "validation.json", "/data/designs/0/simulation_error/q90"),
-    ("validation random parameter error median", "validation.json", "/data/designs/1/parameter_error/median"),
-    ("validation random simulation error q10", "validation.json", "/data/designs/1/simulation_error/q10"),
+    (
+        "validation optimized simulation error q90",
+        "validation.json",
+        "/data/scored/designs/0/simulation_error/q90",
+    ),
+    (
+        "validation random parameter error median",
+        "validation.json",
+        "/data/scored/designs/1/parameter_error/median",
+    ),
+    (
+        "validation random simulation error q10",
+        "validation.json",
+        "/data/scored/designs/1/simulation_error/q10",
+    ),
     (
         "validation practice parameter error median",
         "validation.json",
         "/data/designs/2/parameter_error/median",
     ),
-    ("validation practice simulation error q90", "validation.json", "/data/designs/2/simulation_error/q90"),
+    (
+        "validation practice simulation error q90",
+        "validation.json",
+        "/data/scored/designs/2/simulation_error/q90",
+    ),
     ("estimate random sway condition median", "estimate.json", "/data/designs/1/degrees/1/condition_median"),
 ];
 
@@ -109,7 +125,10 @@ fn golden_files_of_every_released_schema_are_read() {
     assert_eq!(document::<MomentsDocument>(&folder, "moments.json").data.0.maneuvers.len(), 11);
     assert_eq!(document::<DesignDocument>(&folder, "design.json").data.order.len(), 11);
     assert_eq!(document::<EstimateDocument>(&folder, "estimate.json").data.designs.len(), 2);
-    assert_eq!(document::<ValidationDocument>(&folder, "validation.json").data.designs.len(), 2);
+    assert_eq!(
+        document::<ValidationDocument>(&folder, "validation.json").data.scored.unwrap().designs.len(),
+        2
+    );
 }
 
 #[test]

@@ -1,8 +1,8 @@
-//! `monte-carlo`: the stages' runs without their files, and tallies that merge.
+//! `monte-carlo`: the stages' runs without their files, and counts that merge.
 
 use estimation::{EstimateStatus, RunEstimate, RunScore};
 use files::{Column, TableReader};
-use study::documents::{TallyDocument, ValidationDocument};
+use study::documents::{CountedRuns, ValidationDocument};
 use study::files::read_vessel;
 use study::{estimates, scores};
 use tempfile::TempDir;
@@ -37,8 +37,8 @@ fn cell(column: &Column, row: usize) -> (Option<u64>, Option<i32>, Option<String
     (column.value_at(row).map(f64::to_bits), whole, column.text_at(row).map(str::to_owned))
 }
 
-fn tally(folder: &TempDir, name: &str) -> TallyDocument {
-    document::<TallyDocument>(folder, name).data
+fn tally(folder: &TempDir, name: &str) -> CountedRuns {
+    document::<ValidationDocument>(folder, name).data.counted.unwrap()
 }
 
 #[test]
@@ -48,7 +48,7 @@ fn law_runs_in_memory_are_the_runs_of_the_files_by_every_estimator() {
     run(&folder, &format!("{ESTIMATE} --estimator {EVERY} --campaign campaign.toml")).succeeds();
     run(&folder, VALIDATE).succeeds();
     std::fs::create_dir(folder.path().join("memory")).unwrap();
-    run(&folder, &format!("{LINE} --estimator {EVERY} --keep trajectories --out memory/tally.json"))
+    run(&folder, &format!("{LINE} --estimator {EVERY} --keep trajectories --out memory/validation.json"))
         .succeeds();
     // Runs in memory are not asked what the model lacks.
     let mut of_files = estimated(&folder, "estimates.parquet");
@@ -62,7 +62,8 @@ fn law_runs_in_memory_are_the_runs_of_the_files_by_every_estimator() {
         columns.flat_map(|column| (0..column.len()).map(|row| cell(column, row))).collect::<Vec<_>>()
     };
     assert!(trajectories("campaign.parquet") == trajectories("memory/campaign.parquet"));
-    let said = |name: &str| serde_json::to_value(document::<ValidationDocument>(&folder, name).data).unwrap();
+    let said =
+        |name: &str| serde_json::to_value(document::<ValidationDocument>(&folder, name).data.scored).unwrap();
     assert_eq!(said("validation.json"), said("memory/validation.json"));
 }
 
@@ -72,21 +73,22 @@ fn law_scores_are_the_same_whether_runs_are_kept_or_not() {
     let folder = designed(43);
     for keep in ["scores", "estimates"] {
         std::fs::create_dir(folder.path().join(keep)).unwrap();
-        run(&folder, &format!("{LINE} --keep {keep} --out {keep}/tally.json")).succeeds();
+        run(&folder, &format!("{LINE} --keep {keep} --out {keep}/validation.json")).succeeds();
     }
     let rows = scored(&folder, "scores/scores.parquet");
     assert_eq!(rows.len(), 129);
     assert!(rows == scored(&folder, "estimates/scores.parquet"));
-    let tallies = ["scores", "estimates"].map(|keep| tally(&folder, &format!("{keep}/tally.json")).tally);
+    let tallies =
+        ["scores", "estimates"].map(|keep| tally(&folder, &format!("{keep}/validation.json")).tally);
     assert!(tallies[0] == tallies[1]);
 }
 
 #[test]
 fn law_a_tally_counts_what_the_scores_say() {
     let folder = designed(20);
-    run(&folder, &format!("{LINE} --estimator iv,ls --keep scores --out tally.json")).succeeds();
-    let tally = tally(&folder, "tally.json");
-    let validation = document::<ValidationDocument>(&folder, "validation.json").data;
+    run(&folder, &format!("{LINE} --estimator iv,ls --keep scores --out validation.json")).succeeds();
+    let tally = tally(&folder, "validation.json");
+    let validation = document::<ValidationDocument>(&folder, "validation.json").data.scored.unwrap();
     let compared = validation.compared.unwrap();
     assert_eq!(tally.scores.len(), 2);
     for (counted, whole) in tally.scores.iter().zip(&compared) {
@@ -140,8 +142,8 @@ fn law_shards_merge_to_the_bytes_of_the_whole_in_any_order_and_on_any_threads() 
     for k in 1..=9 {
         run(&folder, &format!("{LINE} --estimator iv,ls --shard {k}/9 --threads 3 --out part-{k}.json"))
             .succeeds();
-        let part = files::read_part::<TallyDocument>(&folder.path().join(format!("part-{k}.json")));
-        let runs: u64 = part.unwrap().data.tally.counted.iter().map(|c| c.runs).sum();
+        let part = files::read_part::<ValidationDocument>(&folder.path().join(format!("part-{k}.json")));
+        let runs: u64 = part.unwrap().data.counted.unwrap().tally.counted.iter().map(|c| c.runs).sum();
         assert!(runs > 0, "shard {k} is empty");
     }
     let gather = |order: [u32; 9], out: &str| {
@@ -157,8 +159,8 @@ fn law_shards_merge_to_the_bytes_of_the_whole_in_any_order_and_on_any_threads() 
 #[test]
 fn until_goes_on_until_every_interval_is_as_narrow() {
     let folder = designed(2);
-    run(&folder, &format!("{LINE} --until 0.03 --out tally.json")).succeeds();
-    let found = tally(&folder, "tally.json");
+    run(&folder, &format!("{LINE} --until 0.03 --out validation.json")).succeeds();
+    let found = tally(&folder, "validation.json");
     for scores in &found.scores[0].designs {
         assert!(scores.runs % 512 == 0 && scores.runs > 500, "{}", scores.runs);
         for [low, high] in [scores.parameter_error_share_interval, scores.simulation_error_share_interval]
@@ -220,6 +222,6 @@ fn a_true_value_of_zero_is_no_reason_to_call_every_estimate_bad() {
     assert!(ran.stdout.contains("in the parameter error `Y_ur` with a true value of 0 counts as"), "{ran}");
     let counted = &tally(&folder, "zero.json").tally.counted[0];
     assert!(counted.parameter_errors_below > 0 && counted.parameter_error.sum.value() > 0.0, "{counted:?}");
-    let ran = run(&folder, &format!("{LINE} --estimator iv --out tally.json")).succeeds();
+    let ran = run(&folder, &format!("{LINE} --estimator iv --out validation.json")).succeeds();
     assert!(!ran.stdout.contains("true value of 0"), "{ran}");
 }

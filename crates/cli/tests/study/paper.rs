@@ -11,7 +11,7 @@ use crate::support::*;
 
 const READING: &str = include_str!("../../../../fixtures/oracle/reading.json");
 const SETTINGS: &str = "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml \
-                        --design design.json --out tally.json";
+                        --design design.json --out validation.json";
 
 /// The study of pipelines/paper with `runs` trials of each design.
 fn paper(runs: u64) -> TempDir {
@@ -25,10 +25,10 @@ fn shares(design: &Value) -> BTreeMap<String, f64> {
     serde_json::from_value(design.clone()).unwrap()
 }
 
-/// The scores of a design in `tally.json`.
+/// The scores of a design in `validation.json`.
 fn scored(folder: &TempDir, name: &str) -> Value {
-    let tally = json(folder, "tally.json");
-    let designs = tally["data"]["scores"][0]["designs"].as_array().unwrap();
+    let tally = json(folder, "validation.json");
+    let designs = tally["data"]["counted"]["scores"][0]["designs"].as_array().unwrap();
     designs.iter().find(|design| design["design"] == name).unwrap().clone()
 }
 

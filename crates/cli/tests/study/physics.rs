@@ -212,8 +212,8 @@ fn stages_that_need_terms_per_sample_refuse_a_ship_with_forces_by_name() {
         format!("estimate {runs} --estimator ls --out estimates.parquet"),
         format!("estimate pool {runs} --estimator iv --out pool/"),
         format!("validate cross {runs} --estimator iv --out crossval.json"),
-        format!("validate selection {runs} --design design.json --out selection.parquet"),
-        "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --out sequential.parquet".to_owned(),
+        format!("validate {runs} --design design.json --out scores.parquet"),
+        "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --out scores.parquet".to_owned(),
         "design --refine design.json --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --out \
          refined/"
             .to_owned(),
@@ -223,8 +223,7 @@ fn stages_that_need_terms_per_sample_refuse_a_ship_with_forces_by_name() {
             ["vessel.toml", "`model`", "`forces`, which have no terms per sample", "terms per sample"];
         refused(&folder, 3, &line, &words);
     }
-    let compare =
-        "validate compare --model vessel.toml --trajectories dictionary.parquet --window-s 10 --out c.json";
+    let compare = "validate --model vessel.toml --trajectories dictionary.parquet --window-s 10 --out c.json";
     // A ship is compared by her nominal numbers before any fit, here with what she did herself.
     // Her forces take the rate of the runs, whatever her own is.
     for line in [compare.to_owned(), format!("{compare} --set vessel.sample_rate_hz=3")] {

@@ -166,9 +166,10 @@ fn the_next_trial_is_designed_from_the_model_that_logs_give() {
     assert!(errors.len() == 13 && errors.values().all(|error| error.as_f64().unwrap() > 0.0), "{errors:?}");
     let trial =
         "--vessel model.json --dictionary dictionary.toml --campaign campaign.toml --design next/design.json";
-    run(&folder, &format!("monte-carlo {trial} --estimator output-error --out next/tally.json")).succeeds();
+    run(&folder, &format!("monte-carlo {trial} --estimator output-error --out next/validation.json"))
+        .succeeds();
     // Models from so long a trial follow the ship to a small part of its speed.
-    let scores = json(&folder, "next/tally.json")["data"]["scores"][0]["designs"][0].clone();
+    let scores = json(&folder, "next/validation.json")["data"]["counted"]["scores"][0]["designs"][0].clone();
     assert!(scores["rmse_u"]["median"].as_f64().unwrap() < 0.01, "{scores}");
     run(&folder, REPORT).succeeds();
     let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();

@@ -119,7 +119,7 @@ fn what_a_document_says_twice_or_without_keys_is_refused() {
 
 #[test]
 fn shares_that_are_none_are_refused_by_every_reader() {
-    let selection = "validate selection --vessel vessel.toml --trajectories dictionary.parquet --design design.json \
+    let selection = "validate --vessel vessel.toml --trajectories dictionary.parquet --design design.json \
         --out s.parquet";
     let changed = |change: &dyn Fn(f64) -> f64, pieces: &[&str]| {
         let folder = with(&["design.json", "dictionary.parquet"]);

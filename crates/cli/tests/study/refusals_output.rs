@@ -228,7 +228,7 @@ fn estimates_without_a_known_truth_are_scored_by_simulation_alone() {
     let place = |name: &str| scores.schema.columns.iter().position(|c| c.name == name).unwrap();
     assert_eq!(columns[place("parameter_error")].nulls(), 3 * RUNS as usize);
     let validation = json(&folder, "validation.json");
-    let designs = validation["data"]["designs"].as_array().unwrap();
+    let designs = validation["data"]["scored"]["designs"].as_array().unwrap();
     let diverged: u64 = designs.iter().map(|design| design["diverged"].as_u64().unwrap()).sum();
     assert_eq!(columns[place("simulation_error")].nulls() as u64, diverged);
     assert!(diverged < RUNS / 2);

@@ -2,15 +2,15 @@
 
 use files::TableReader;
 use ship::model::Source;
-use study::documents::SequentialDocument;
-use study::sequential::{ID, VERSION};
+use study::documents::{TrialsInRounds, ValidationDocument};
+use study::scores::{ID, VERSION};
 use tempfile::TempDir;
 use trial::rounds::Arm;
 
 use crate::support::*;
 
 const SEQUENTIAL: &str = "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml \
-     --out sequential.parquet";
+     --out scores.parquet";
 const CONFIG: &str =
     "realizations = 16\nduration_s = 90.0\nrounds = 3\nnominal_spread = 0.4\naccuracy = 0.5\n";
 
@@ -26,12 +26,12 @@ fn folder(config: &str) -> TempDir {
 
 /// Arm, realization, round, status, parameter error of every row.
 fn rows(folder: &TempDir) -> Vec<(String, i32, i32, String, Option<f64>)> {
-    let table = TableReader::open(folder.path().join("sequential.parquet"), ID, VERSION).unwrap();
+    let table = TableReader::open(folder.path().join("scores.parquet"), ID, VERSION).unwrap();
     (0..table.blocks()).flat_map(|block| rows_of(&table, block)).collect()
 }
 
 fn rows_of(table: &TableReader, number: usize) -> Vec<(String, i32, i32, String, Option<f64>)> {
-    let names = ["arm", "realization", "round", "status", "parameter_error"];
+    let names = ["arm", "run", "round", "status", "parameter_error"];
     let block = table.read_block(number, &names).unwrap();
     let [arm, realization, round, status, error] = [0, 1, 2, 3, 4].map(|i| &block.columns[i]);
     let row = |i: usize| {
@@ -47,8 +47,8 @@ fn rows_of(table: &TableReader, number: usize) -> Vec<(String, i32, i32, String,
     (0..table.block_rows(number)).map(row).collect()
 }
 
-fn found(folder: &TempDir) -> SequentialDocument {
-    document::<SequentialDocument>(folder, "sequential.json").data
+fn found(folder: &TempDir) -> TrialsInRounds {
+    document::<ValidationDocument>(folder, "validation.json").data.rounds.unwrap()
 }
 
 #[test]
@@ -98,20 +98,17 @@ fn law_more_time_and_a_design_leave_less_error_and_every_outcome_is_counted() {
 fn law_shards_gather_to_the_bytes_of_the_whole_and_to_no_others() {
     let folder = folder(&CONFIG.replace("= 16", "= 20"));
     run(&folder, &format!("{SEQUENTIAL} --threads 1")).succeeds();
-    let all = |name: &str| (bytes(&folder, name), bytes(&folder, "sequential.json"));
-    let whole = all("sequential.parquet");
+    let all = |name: &str| (bytes(&folder, name), bytes(&folder, "validation.json"));
+    let whole = all("scores.parquet");
     let parts: Vec<String> = (1..=3).map(|k| format!("part-{k}.parquet")).collect();
     for (k, part) in parts.iter().enumerate() {
         let shard = format!("--shard {}/3 --threads 3", k + 1);
-        run(
-            &folder,
-            &SEQUENTIAL.replace("sequential.parquet", part).replace("--out", &format!("{shard} --out")),
-        )
-        .succeeds();
+        run(&folder, &SEQUENTIAL.replace("scores.parquet", part).replace("--out", &format!("{shard} --out")))
+            .succeeds();
     }
     let gather = format!("{SEQUENTIAL} --gather {}", parts.join(" "));
     run(&folder, &gather).succeeds();
-    assert_eq!(all("sequential.parquet"), whole);
+    assert_eq!(all("scores.parquet"), whole);
     run(&folder, &format!("{SEQUENTIAL} --gather {} {}", parts[0], parts[2])).refuses(3, &["no shard 2/3"]);
     run(&folder, &format!("{gather} --seed 9")).refuses(3, &["part-1.parquet", "`seed`", "as requested now"]);
     edit(&folder, "campaign.toml", "accuracy = 0.5", "accuracy = 0.25");
@@ -139,7 +136,7 @@ fn law_the_same_bytes_for_any_number_of_threads() {
     let made = |threads: &str| {
         let folder = folder(&CONFIG.replace("rounds = 3", "rounds = 2"));
         run(&folder, &format!("{SEQUENTIAL} --threads {threads}")).succeeds();
-        ["sequential.parquet", "sequential.json"].map(|name| bytes(&folder, name))
+        ["scores.parquet", "validation.json"].map(|name| bytes(&folder, name))
     };
     assert!(made("1") == made("2"));
 }
@@ -206,7 +203,7 @@ fn what_rounds_do_not_take_is_refused() {
         &["it is gone", "[rounds] of campaign.toml"],
     );
     let plain = written(2);
-    refused(&plain, 2, &SEQUENTIAL.replace("sequential.parquet", "tally.json"), &["--design: found none"]);
+    refused(&plain, 2, &SEQUENTIAL.replace("scores.parquet", "validation.json"), &["--design: found none"]);
 }
 
 #[test]

@@ -212,7 +212,7 @@ fn steered_by_the_log(kind: &str, edits: [&str; 2]) -> TempDir {
 }
 
 const TALLIED: &str = "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --design design.json \
-                       --keep estimates --out tallied/tally.json";
+                       --keep estimates --out tallied/validation.json";
 const ESTIMATED: &str =
     "estimate --vessel vessel.toml --trajectories campaign.parquet --out estimates.parquet";
 

@@ -7,7 +7,7 @@ use crate::support::*;
 
 const DESIGNED: &str = "design --moments moments.json --for output-error --duration-s 125 --out design.json";
 const MONTE_CARLO: &str = "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml \
-     --design design.json --estimator output-error --out tally.json";
+     --design design.json --estimator output-error --out validation.json";
 
 /// Ahead alone, where |u| r is u r.
 const AHEAD: &str = "duration_s = 30.0\n
@@ -53,7 +53,7 @@ fn law_a_design_that_holds_a_parameter_is_that_of_a_vessel_in_which_it_is_fixed(
     let design = json(&folder, "design.json");
     assert_eq!(design["data"]["held"][0]["parameter"], "Y_abs_u_r");
     run(&folder, MONTE_CARLO).succeeds();
-    let tally = json(&folder, "tally.json");
+    let tally = json(&folder, "validation.json");
 
     let fixed = ahead("fixed = true");
     let told = run(&fixed, &moments("")).succeeds();
@@ -68,6 +68,7 @@ fn law_a_design_that_holds_a_parameter_is_that_of_a_vessel_in_which_it_is_fixed(
         assert!((share.as_f64().unwrap() - other).abs() < 1e-6, "{name}: {share} {other}");
     }
     run(&fixed, MONTE_CARLO).succeeds();
-    let counted = |of: &Value| of["data"]["counted"].clone();
-    assert_eq!(counted(&json(&fixed, "tally.json"))[0]["identified"], counted(&tally)[0]["identified"]);
+    let counted =
+        |of: &Value| of["data"]["counted"]["scores"][0]["designs"][0]["not_identifiable"].as_u64().unwrap();
+    assert_eq!(counted(&json(&fixed, "validation.json")), counted(&tally));
 }

@@ -2,7 +2,7 @@
 
 use report::{MeasuredStudy, Study, render};
 use serde_json::json;
-use study::documents::{CompareDocument, CrossvalDocument, ModelDocument, TrustDocument};
+use study::documents::{Compared, CrossvalDocument, ModelDocument, TrustDocument};
 
 fn model(truth: Option<f64>) -> ModelDocument {
     let degree = |name: &str, state: &str, unit: &str| {
@@ -87,7 +87,7 @@ fn what_is_left_of_the_errors_is_drawn_over_the_band() {
         })
     };
     let states = ["u", "v", "r"].map(|state| own("one-step residual", state));
-    let found: CompareDocument = serde_json::from_value(json!({
+    let found: Compared = serde_json::from_value(json!({
         "vessel": "ship", "window_s": 100.0, "windows": 1, "samples": 400, "std_u": 1.0, "std_v": 1.0, "std_r": 1.0,
         "statements": [], "models": [], "differences": [], "bands": null, "outside": [], "correlations": states
     }))

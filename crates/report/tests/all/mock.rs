@@ -8,7 +8,7 @@ use study::documents::{
     Bounds, CriterionName, Degree, DegreeMoments, DegreeSummary, DesignDocument, DesignScores, DesignStatus,
     DesignSummary, Efficiency, EstimateDocument, Estimator, InstrumentKind, ManeuverMoments, MeanRemoval,
     Moments, MomentsDocument, ParameterSummary, Published, PublishedShare, Quantiles, Reference, ScoreStatus,
-    ValidationDocument,
+    ScoredEstimates,
 };
 use study::scores::Row;
 
@@ -58,7 +58,7 @@ pub fn study() -> Study {
         design: Some(design()),
         estimate: Some(estimate()),
         validation: Some(validation()),
-        tally: None,
+        counted: None,
         scores: Some(scores.concat()),
         validation_trace: Some(validation_trace()),
         reference: Some(reference()),
@@ -247,8 +247,8 @@ fn summary(design: &str, spread: impl Fn(&Parameter) -> f64, condition: f64) -> 
     }
 }
 
-fn validation() -> ValidationDocument {
-    ValidationDocument {
+fn validation() -> ScoredEstimates {
+    ScoredEstimates {
         bounds: Bounds { parameter_error: 5.0, simulation_error: 0.15 },
         samples: 1000,
         seed: Some(1),

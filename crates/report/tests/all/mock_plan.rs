@@ -7,7 +7,7 @@ use report::{PlannedTrial, Study, Trajectory};
 use study::documents::{
     Ability, Check, CostUnit, DerivedHandling, FrontPoint, Handling, Information, NearestDanger, Passage,
     PassageLeg, PlanDocument, PlanHandling, PlanLattice, PlanPose, PlanStatus, PlanStep, Primitive,
-    Secondary, SecondaryCost, Side, Tide, ValidationDocument, Voyage, VoyageLeg, WorstVessel, WorstVessels,
+    ScoredEstimates, Secondary, SecondaryCost, Side, Tide, Voyage, VoyageLeg, WorstVessel, WorstVessels,
 };
 
 pub const MAP: &str = "<svg role=\"img\" aria-label=\"Planned trial\" viewBox=\"0 0 5600 8370\" \
@@ -46,7 +46,7 @@ pub fn study() -> Study {
 /// Validation of the planned trial with other bounds than the study's.
 pub fn otherwise_bounded(study: &mut Study) {
     let planned = study.trajectory.as_mut().and_then(|own| own.validation.as_mut());
-    planned.into_iter().for_each(|v: &mut ValidationDocument| v.bounds.parameter_error = 4.0);
+    planned.into_iter().for_each(|v: &mut ScoredEstimates| v.bounds.parameter_error = 4.0);
 }
 
 fn trial(name: &str) -> PlannedTrial {

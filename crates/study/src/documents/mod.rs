@@ -30,10 +30,12 @@ pub use ::plan::voyage::{
     Primitive, RestartPoint, Secondary, StepState, Tide, VoyageLeg, WorstVessel, WorstVessels,
 };
 pub use ::plan::{Ability, DerivedHandling, Handling, Side};
-pub use ::validation::comparison::{ComparedErrors, ErrorCorrelations, ErrorKind, Traced};
+pub use ::validation::comparison::{Compared, ComparedErrors, ErrorCorrelations, ErrorKind, Traced};
 pub use ::validation::crossval::{EstimatorScore, SourceScore};
 pub use ::validation::merit::{FigureMerit, ManeuverMerit};
-pub use ::validation::selection::{PublishedLimits, SelectionErrors, SelectionScores, SharesBeyond};
+pub use ::validation::selection::{
+    PublishedLimits, Selection, SelectionErrors, SelectionScores, SharesBeyond,
+};
 pub use ::validation::tally::Bounds;
 pub use estimation::criticism::{Absent, Criticism, FoundNoise, Verdict};
 pub use estimation::pooled::{DegreeTrust, FreeRunErrors, ParameterTrust, SourceErrors};
@@ -49,9 +51,7 @@ pub use crate::written::reference::{
     Published, PublishedPicks, PublishedSelection, PublishedShare, Reference,
 };
 pub use average::{AverageDocument, AverageMember, AverageSummary, AverageTerm};
-pub use compare::{
-    CompareDocument, CrossvalDocument, MeritDocument, MeritTableRow, SlopesAt, merit_rows, traces,
-};
+pub use compare::{CrossvalDocument, MeritDocument, MeritTableRow, SlopesAt, merit_rows, traces};
 pub use design::{
     Accuracy, AccuracyPoint, Counts, CovarianceCriterion, DesignDocument, DesignFigure, DesignFigures,
     DesignPromise, DesignStatus, Efficiency, Restricted, Sequence, SequencePart, SolvedFigures, Unreached,
@@ -87,8 +87,8 @@ pub use refined::{
 pub use search::{BesideForces, DeliveredKind, ForceScores, SearchDocument, SearchTerm, TriedFit};
 pub use solved::{RefinedFiles, Solved};
 pub use validation::{
-    ComparedError, DesignScores, EstimatorRecommendation, EstimatorScores, PairedRatio, SelectionDocument,
-    TallyDocument, ValidationDocument,
+    ComparedError, CountedRuns, DesignScores, EstimatorRecommendation, EstimatorScores, PairedRatio,
+    ScoredEstimates, TrialsInRounds, ValidationDocument,
 };
 
 /// JSON Schema of every document that a stage writes, by the document's id.
@@ -100,18 +100,14 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (EstimateDocument::ID, json_schema::<EstimateDocument>()),
         (IngestDocument::ID, json_schema::<IngestDocument>()),
         (ValidationDocument::ID, json_schema::<ValidationDocument>()),
-        (TallyDocument::ID, json_schema::<TallyDocument>()),
         (MeritDocument::ID, json_schema::<MeritDocument>()),
         (PlanDocument::ID, json_schema::<PlanDocument>()),
         (MapDocument::ID, json_schema::<MapDocument>()),
         (ModelDocument::ID, json_schema::<ModelDocument>()),
         (AverageDocument::ID, json_schema::<AverageDocument>()),
         (TrustDocument::ID, json_schema::<TrustDocument>()),
-        (CompareDocument::ID, json_schema::<CompareDocument>()),
         (CrossvalDocument::ID, json_schema::<CrossvalDocument>()),
         (SearchDocument::ID, json_schema::<SearchDocument>()),
-        (SelectionDocument::ID, json_schema::<SelectionDocument>()),
-        (SequentialDocument::ID, json_schema::<SequentialDocument>()),
         (SimulatedLogsDocument::ID, json_schema::<SimulatedLogsDocument>()),
         (RunDocument::ID, json_schema::<RunDocument>()),
     ]
@@ -183,45 +179,4 @@ impl MomentsDocument {
         }
         Ok(self.0)
     }
-}
-
-/// `sequential.json`: trials designed in rounds against trials designed once.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SequentialDocument {
-    /// Realizations per arm.
-    pub realizations: u64,
-    /// Rounds.
-    pub rounds: u64,
-    /// Sea time in all.
-    pub duration_s: f64,
-    /// What crude models are drawn about.
-    pub crude_about: Source,
-    /// Standard deviation of the logarithm of crude over these parameters.
-    pub nominal_spread: f64,
-    /// Predicted error at which a trial may stop.
-    pub accuracy: f64,
-    /// Maneuvers to design with.
-    pub maneuvers: u64,
-    /// The result in words.
-    pub statements: Vec<String>,
-    /// In the order `sequential`, `one-shot`, `informed`, `random`.
-    pub arms: Vec<ArmSummary>,
-    /// The trial in rounds over the one-shot trial, at the end of every round.
-    pub gains: Vec<RoundGain>,
-    /// `sequential`, `one-shot`.
-    pub stopping: Vec<Stopping>,
-}
-
-impl Document for SequentialDocument {
-    const ID: &'static str = "sequential";
-    const VERSION: u32 = 1;
-    const UNITS: Units = &[
-        ("1", "realizations rounds nominal_spread accuracy maneuvers median q90 predicted within"),
-        ("1", "not_identifiable not_converged diverged undesigned pairs ratio low high stopped"),
-        ("1", "median_error within_stopped rms_over_accuracy without_estimate"),
-        ("1", "median_interval q90_interval within_interval median_error_interval"),
-        ("1", "within_stopped_interval rms_over_accuracy_interval"),
-        ("s", "duration_s time_s mean_time_s mean_time_interval_s"),
-    ];
 }

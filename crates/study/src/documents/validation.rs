@@ -1,24 +1,87 @@
-//! Scores of estimates: `validation.json`, `tally.json`, and `selection.json`.
-
-use std::collections::BTreeMap;
+//! `validation.json`: models against the truth, and against runs that they were not fitted to.
 
 use estimation::{Estimator, PairedDifference, Quantiles, Share};
 use files::{Document, Units};
 use numerics::statistics::median_interval_in_words;
-use regression::MeanRemoval;
-use regression::pooled::NominalSource;
+use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use validation::selection::{PublishedLimits, SelectionScores};
+use ship::model::Source;
+use trial::rounds::{ArmSummary, RoundGain, Stopping};
+use validation::comparison::Compared;
+use validation::selection::Selection;
 use validation::tally::{Counted, PairCounts, QUANTILE_ERROR, Tally};
 
 use super::Bounds;
 use crate::tables::estimates::distinct;
 
-/// `validation.json`: parameter and simulation errors of every design.
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+/// `validation.json`: how good models are, by what was asked for.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ValidationDocument {
+    /// Of `validate --estimates` and `monte-carlo --keep scores`: the errors of estimates of simulated runs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scored: Option<ScoredEstimates>,
+    /// Of `monte-carlo`: the errors of realizations in memory.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub counted: Option<CountedRuns>,
+    /// Of `validate --model`: models on recordings that they were not fitted to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recordings: Option<Compared>,
+    /// Of `validate --design`: models from picked sub-experiments.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub picks: Option<Selection>,
+    /// Of `monte-carlo` without a design: trials in rounds beside trials that are designed once.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rounds: Option<TrialsInRounds>,
+}
+
+impl Document for ValidationDocument {
+    const ID: &'static str = "validation";
+    const VERSION: u32 = 2;
+    const UNITS: Units = &[
+        ("1", "bounds.parameter_error samples validation_samples realizations runs seed quantile_error"),
+        ("1", "not_identifiable not_converged diverged undesigned without_estimate most_without_estimate"),
+        ("1", "parameter_error_share parameter_error_share_interval simulation_error_share"),
+        ("1", "simulation_error_share_interval without_estimate_share parameter_error share interval"),
+        ("1", "median_ratio median_ratio_interval only_one_below only_other_below ratio"),
+        ("1", "parameter_errors_below simulation_errors_below not_in_sum count beyond"),
+        ("m/s, m/s and rad/s as numbers", "bounds.simulation_error simulation_error rmse_norm"),
+        ("the compared error's unit", "others others.median others.interval"),
+        ("m/s", "rmse_u rmse_v std_u std_v bias_u bias_v spread_u spread_v"),
+        ("rad/s", "rmse_r std_r bias_r spread_r"),
+        ("that of the errors around it", "from ends"),
+        ("1", "windows error_norm pairs differences.median differences.interval stretches below above"),
+        ("1", "inside_u inside_v inside_r bound own crossed spread.models place"),
+        ("s", "window_s stretch_s"),
+        ("%", "fit_u fit_v fit_r instrument_fit"),
+        ("the channel's unit", "outside.low outside.high"),
+        ("1", "picks counts available parts degenerate_from ratio_q90 degenerate_share"),
+        ("1", "degenerate_share_interval"),
+        (
+            "1",
+            "rounds.rounds nominal_spread accuracy maneuvers points.median points.median_interval points.q90",
+        ),
+        ("1", "points.q90_interval predicted within within_interval gains.low gains.high stopped"),
+        ("1", "median_error median_error_interval within_stopped within_stopped_interval"),
+        ("1", "rms_over_accuracy rms_over_accuracy_interval"),
+        ("s", "duration_s time_s mean_time_s mean_time_interval_s"),
+    ];
+
+    fn check(&self) -> Result<(), Invalid> {
+        let Self { scored, counted, recordings, picks, rounds } = self;
+        let has = scored.is_some() || counted.is_some() || recordings.is_some() || picks.is_some();
+        if has || rounds.is_some() {
+            return Ok(());
+        }
+        Err(Invalid::new("data", "nothing", "what was validated", "run its stage again"))
+    }
+}
+
+/// The errors of estimates of simulated runs.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ScoredEstimates {
     /// The bounds that the shares below are counted against.
     pub bounds: Bounds,
     /// Samples of the validation trajectory.
@@ -119,25 +182,10 @@ pub enum ComparedError {
     SimulationError,
 }
 
-impl Document for ValidationDocument {
-    const ID: &'static str = "validation";
-    const VERSION: u32 = 1;
-    const UNITS: Units = &[
-        ("1", "bounds.parameter_error samples runs not_identifiable not_converged diverged"),
-        ("1", "parameter_error_share parameter_error_share_interval simulation_error_share_interval"),
-        ("1", "without_estimate_share seed most_without_estimate simulation_error_share"),
-        ("1", "parameter_error"),
-        ("m/s, m/s and rad/s as numbers", "bounds.simulation_error simulation_error"),
-        ("the compared error's unit", "others"),
-        ("m/s", "rmse_u rmse_v"),
-        ("rad/s", "rmse_r"),
-    ];
-}
-
-/// `tally.json`: what the realizations of a campaign say together, as counts that merge exactly.
+/// What the realizations of a campaign say together, as counts that merge exactly.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct TallyDocument {
+pub struct CountedRuns {
     /// The bounds that the shares below are counted against.
     pub bounds: Bounds,
     /// Runs of every design that the campaign has.
@@ -180,8 +228,8 @@ pub struct PairedRatio {
     pub only_other_below: Share,
 }
 
-impl TallyDocument {
-    /// The document of `tally` of `realizations` runs per design, drawn with `seed`, with the numbers of samples of a
+impl CountedRuns {
+    /// The section of `tally` of `realizations` runs per design, drawn with `seed`, with the numbers of samples of a
     /// run and of the validation runs.
     pub fn new(
         tally: Tally,
@@ -291,80 +339,30 @@ impl PairedRatio {
     }
 }
 
-impl Document for TallyDocument {
-    const ID: &'static str = "tally";
-    const VERSION: u32 = 1;
-    const UNITS: Units = &[
-        ("1", "bounds.parameter_error realizations samples validation_samples seed quantile_error runs"),
-        ("1", "not_identifiable not_converged diverged parameter_error_share parameter_error_share_interval"),
-        ("1", "simulation_error_share simulation_error_share_interval without_estimate_share"),
-        ("1", "parameter_error median_ratio median_ratio_interval only_one_below only_other_below ratio"),
-        ("1", "parameter_errors_below simulation_errors_below not_in_sum count beyond"),
-        ("m/s, m/s and rad/s as numbers", "bounds.simulation_error simulation_error"),
-        ("m/s", "rmse_u rmse_v"),
-        ("rad/s", "rmse_r"),
-        ("that of the errors around it", "from ends"),
-    ];
-}
-
-/// `selection.json`: models from sub-experiments picked by a design, against random picks of the same number.
+/// Trials designed in rounds against trials designed once.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct SelectionDocument {
-    /// The estimator.
-    pub estimator: Estimator,
-    /// How the instruments' mean is removed.
-    pub mean_removal: MeanRemoval,
-    /// Where the instruments' nominal model comes from; `least-squares` is the fit of all sub-experiments.
-    pub nominal: NominalSource,
-    /// Strength of the pull towards it.
-    pub prior: f64,
-    /// Whether the estimated intercepts were simulated too.
-    pub intercepts: bool,
-    /// Sub-experiments per realization.
-    pub picks: u64,
-    /// Seed of the picks.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub seed: Option<u64>,
-    /// Of each maneuver in the optimized selection.
-    pub counts: BTreeMap<String, u64>,
-    /// Sub-experiments there are of each maneuver.
-    pub available: BTreeMap<String, u64>,
-    /// Number of sub-experiments, all of which every model is simulated over.
-    pub parts: u64,
-    /// Their samples.
-    pub samples: u64,
-    /// Standard deviations of the measured states over them.
-    pub std_u: f64,
-    /// Of sway speed.
-    pub std_v: f64,
-    /// Of yaw rate.
-    pub std_r: f64,
-    /// Norm of RMSE/std from which a model counts as degenerate; √3 is as bad as the mean of the data.
-    pub degenerate_from: f64,
-    /// Errors at which the figures of a published study end; absent where there is none to compare with.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub published_limits: Option<PublishedLimits>,
-    /// 90 % quantile of the optimized error norm over that of the random one; null where either is infinite.
-    pub ratio_q90: Option<f64>,
-    /// The result, and what went wrong, in words.
+pub struct TrialsInRounds {
+    /// Realizations per arm.
+    pub realizations: u64,
+    /// Rounds.
+    pub rounds: u64,
+    /// Sea time in all.
+    pub duration_s: f64,
+    /// What crude models are drawn about.
+    pub crude_about: Source,
+    /// Standard deviation of the logarithm of crude over these parameters.
+    pub nominal_spread: f64,
+    /// Predicted error at which a trial may stop.
+    pub accuracy: f64,
+    /// Maneuvers to design with.
+    pub maneuvers: u64,
+    /// The result in words.
     pub statements: Vec<String>,
-    /// How well the instruments follow the measured u, v, r over the sub-experiments: 100 (1 − RMSE/std).
-    pub instrument_fit: Option<[f64; 3]>,
-    /// `optimized` and `random`.
-    pub designs: Vec<SelectionScores>,
-}
-
-impl Document for SelectionDocument {
-    const ID: &'static str = "selection";
-    const VERSION: u32 = 1;
-    const UNITS: Units = &[
-        ("1", "prior picks counts available parts samples degenerate_from ratio_q90 realizations"),
-        ("1", "not_identifiable diverged degenerate_share degenerate_share_interval share interval"),
-        ("1", "seed error_norm"),
-        ("m/s", "std_u std_v rmse_u rmse_v"),
-        ("rad/s", "std_r rmse_r"),
-        ("%", "instrument_fit"),
-        ("m/s, m/s and rad/s as numbers", "rmse_norm"),
-    ];
+    /// In the order `sequential`, `one-shot`, `informed`, `random`.
+    pub arms: Vec<ArmSummary>,
+    /// The trial in rounds over the one-shot trial, at the end of every round.
+    pub gains: Vec<RoundGain>,
+    /// `sequential`, `one-shot`.
+    pub stopping: Vec<Stopping>,
 }

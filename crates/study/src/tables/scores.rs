@@ -1,4 +1,4 @@
-//! The table of scores: one row per run.
+//! The table of scores: one row per run, with its errors.
 
 use ::refusal::listed;
 use std::collections::HashSet;
@@ -11,7 +11,7 @@ use files::{Columns, Error, Provenance, TableReader};
 use ship::model::DegreeOfFreedom;
 
 use crate::documents::{
-    Bounds, ComparedError, DesignScores, EstimatorRecommendation, EstimatorScores, ValidationDocument,
+    Bounds, ComparedError, DesignScores, EstimatorRecommendation, EstimatorScores, ScoredEstimates,
 };
 use crate::tables::estimates::{distinct, implausible, is_error, seed};
 
@@ -21,6 +21,12 @@ pub use estimation::RunScore as Row;
 pub const ID: &str = "scores";
 /// Version of the schema.
 pub const VERSION: u32 = 1;
+
+/// A table of scores whose rows are `R`: estimates of runs, models from picks, or trials in rounds.
+pub(crate) fn of<R: 'static>() -> Columns<R> {
+    Columns::new(ID, VERSION)
+}
+
 /// A row whose design, run and estimator another row has too.
 pub fn doubled(rows: &[Row]) -> Option<&Row> {
     let mut known = HashSet::with_capacity(rows.len());
@@ -29,7 +35,7 @@ pub fn doubled(rows: &[Row]) -> Option<&Row> {
 
 /// The columns.
 pub fn columns() -> Columns<Row> {
-    let columns = Columns::<Row>::new(ID, VERSION)
+    let columns = of::<Row>()
         .text("design", |r| &r.design, |r, design| r.design = design.to_owned())
         .integer("run", "1", |r| r.run, |r, run| r.run = run)
         .choice("estimator", |r| r.estimator, |r, estimator| r.estimator = estimator)
@@ -212,9 +218,9 @@ fn statement(
     }
 }
 
-/// `validation.json` of `rows`, scored over `samples` samples of validation runs with `provenance`.
-pub fn validated(rows: &[Row], bounds: Bounds, samples: u64, provenance: &Provenance) -> ValidationDocument {
-    ValidationDocument {
+/// The summary of `rows`, scored over `samples` samples of validation runs with `provenance`.
+pub fn validated(rows: &[Row], bounds: Bounds, samples: u64, provenance: &Provenance) -> ScoredEstimates {
+    ScoredEstimates {
         bounds,
         samples,
         seed: seed(provenance),

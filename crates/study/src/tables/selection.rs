@@ -1,22 +1,15 @@
-//! The table of realizations of a selection study; counts of its picks.
+//! Scores of models from picked sub-experiments; counts of the picks.
 
 use std::collections::BTreeMap;
 
 use estimation::ScoreStatus;
-use estimation::pooled::Pool;
 use files::{Columns, Error, TableReader};
-use refusal::{Invalid, names_in, nearest};
-use regression::pooled::NominalSource;
+use refusal::Invalid;
 use ship::model::DegreeOfFreedom;
 pub use validation::selection::Realization as Row;
-use validation::selection::{DEGENERATE, Selection, SelectionOptions};
 
-use crate::documents::{DesignDocument, SelectionDocument};
-
-/// Schema id of the realizations of a selection study.
-pub const ID: &str = "selection-realizations";
-/// Version of the schema.
-pub const VERSION: u32 = 1;
+use crate::documents::DesignDocument;
+use crate::tables::scores;
 
 /// Reads the whole table.
 ///
@@ -38,10 +31,10 @@ pub fn rows(reader: &TableReader) -> Result<Vec<Row>, Error> {
 
 /// The columns.
 pub fn columns() -> Columns<Row> {
-    let columns = Columns::<Row>::new(ID, VERSION)
+    let columns = scores::of::<Row>()
         .text("design", |r| &r.design, |r, design| r.design = design.to_owned())
-        .integer("realization", "1", |r| r.number, |r, number| r.number = number)
-        .text("picked", |r| &r.picked, |r, picked| r.picked = picked.to_owned())
+        .integer("run", "1", |r| r.number, |r, number| r.number = number)
+        .text("pick", |r| &r.picked, |r, picked| r.picked = picked.to_owned())
         .choice("status", |r| r.status, |r, status| r.status = status);
     let columns = errors(columns, "", |r| r.rmse, |r| &mut r.rmse).optional(
         "error_norm",
@@ -78,38 +71,6 @@ fn errors(
     })
 }
 
-/// The document of `found`, with instruments from `nominal`.
-pub fn document(
-    pool: &Pool,
-    nominal: NominalSource,
-    options: &SelectionOptions,
-    found: &Selection,
-) -> SelectionDocument {
-    let [std_u, std_v, std_r] = found.std;
-    SelectionDocument {
-        estimator: options.estimator,
-        mean_removal: pool.removal,
-        nominal,
-        prior: pool.strength,
-        intercepts: true,
-        picks: found.picks,
-        seed: Some(options.seed),
-        counts: options.counts.clone(),
-        available: found.available.clone(),
-        parts: found.parts as u64,
-        samples: found.samples,
-        std_u,
-        std_v,
-        std_r,
-        degenerate_from: DEGENERATE,
-        published_limits: options.published_limits,
-        ratio_q90: found.ratio_q90,
-        statements: found.statements.clone(),
-        instrument_fit: found.instrument_fit,
-        designs: found.designs.to_vec(),
-    }
-}
-
 /// The counts of `design`, no more than available.
 ///
 /// # Errors
@@ -119,7 +80,7 @@ pub fn counts_of(
     available: &BTreeMap<String, u64>,
 ) -> Result<BTreeMap<String, u64>, Invalid> {
     let Some(counts) = &design.counts else {
-        let remedy = "make it with `design --segments`, or name --counts";
+        let remedy = "make it with `design --segments`";
         return Err(Invalid::new("counts", "none", "those of whole segments", remedy));
     };
     let counts: BTreeMap<String, u64> =
@@ -131,40 +92,7 @@ pub fn counts_of(
             "counts",
             format!("{count} of `{name}`"),
             format!("at most {}", there(name)),
-            "bound the design by what there is, or name --counts",
+            "bound the design by what there is: `design --available`",
         )),
     }
-}
-
-/// The number of sub-experiments of each maneuver to pick, as `label=n`, at most those that are `available`.
-///
-/// # Errors
-/// In words: an invalid count, or one of an unknown maneuver.
-pub fn counts(
-    written: &[String],
-    available: &BTreeMap<String, u64>,
-) -> Result<BTreeMap<String, u64>, String> {
-    let mut counts = BTreeMap::new();
-    let is_count = |text: &str| text.split_once('=').is_some_and(|(_, c)| c.trim().parse::<u64>().is_ok());
-    for text in written.iter().flat_map(|text| names_in(text, is_count)) {
-        let pair =
-            text.rsplit_once('=').and_then(|(name, n)| Some((name.trim(), n.trim().parse::<u64>().ok()?)));
-        let Some((name, count)) = pair else {
-            return Err(format!("--counts: found `{text}`, expected name=number; correct it"));
-        };
-        let Some(there) = available.get(name) else {
-            let near = nearest(name, available.keys().map(String::as_str)).unwrap_or_default();
-            return Err(format!(
-                "--counts: found maneuver `{name}`, expected one of the trajectories'; did you mean `{near}`?"
-            ));
-        };
-        if count > *there {
-            return Err(format!("--counts: found {count} of `{name}`, expected at most {there}; lower it"));
-        }
-        *counts.entry(name.to_owned()).or_default() += count;
-    }
-    if counts.values().sum::<u64>() == 0 {
-        return Err("--counts: found none, expected name=number or --design; name what to pick".to_owned());
-    }
-    Ok(counts)
 }

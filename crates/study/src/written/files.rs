@@ -41,7 +41,7 @@ pub enum StageOfTerms {
     Sequential,
     /// `design --refine`.
     Refine,
-    /// `validate selection`.
+    /// `validate --design`.
     Selection,
 }
 
@@ -54,7 +54,7 @@ impl StageOfTerms {
                 "try trials that are designed once by `monte-carlo --estimator output-error`",
             ],
             Self::Refine => ["design --refine", "take the shares of `design --for output-error`"],
-            Self::Selection => ["validate selection", "leave recordings out by `validate cross`"],
+            Self::Selection => ["validate --design", "leave recordings out by `validate cross`"],
         }
     }
 
@@ -175,7 +175,7 @@ pub fn is_guess(path: &Path, vessel: &Vessel) -> bool {
 /// Refuses an average, whose models do not have one structure.
 fn not_one(path: &Path) -> Error {
     let given = "average/1, several models whose trajectories are averaged";
-    let remedy = "take the `model.json` of the same search, or try the average by `validate compare`";
+    let remedy = "take the `model.json` of the same search, or try the average by `validate --model`";
     Error::refuse(path, "schema", given, "model/1, a single model", remedy)
 }
 

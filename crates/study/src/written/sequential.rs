@@ -1,4 +1,4 @@
-//! Trials in rounds: `[rounds]` of `campaign.toml`, `sequential.parquet`, `sequential.json`.
+//! Trials in rounds: `[rounds]` of `campaign.toml`, their table and summary.
 
 use std::collections::BTreeMap;
 
@@ -9,12 +9,8 @@ use serde::{Deserialize, Serialize};
 use ship::model::{Source, Vessel};
 use trial::rounds::{Arm, ArmSummary, Knowledge, Outcome, RoundGain, Row, Shared, Stopping, Summary};
 
-use crate::documents::SequentialDocument;
-
-/// Schema id.
-pub const ID: &str = "sequential";
-/// Version of the schema.
-pub const VERSION: u32 = 1;
+use crate::documents::TrialsInRounds;
+use crate::tables::scores;
 
 /// Reads the whole table.
 ///
@@ -37,9 +33,9 @@ pub fn rows(reader: &TableReader, rate_hz: f64) -> Result<Vec<Row>, Error> {
 
 /// The table of an arm of a realization at the end of a round, one per row, of runs at `rate_hz`.
 pub fn columns(rate_hz: f64) -> Columns<Row> {
-    Columns::<Row>::new(ID, VERSION)
+    scores::of::<Row>()
         .choice("arm", |r| r.arm, |r, arm: Arm| r.arm = arm)
-        .integer("realization", "1", |r| r.realization as i32, |r, number| r.realization = number as u32)
+        .integer("run", "1", |r| r.realization as i32, |r, number| r.realization = number as u32)
         .integer("round", "1", |r| r.round as i32, |r, round| r.round = round as u32)
         .number(
             "time",
@@ -55,9 +51,9 @@ pub fn columns(rate_hz: f64) -> Columns<Row> {
 }
 
 /// The summary in words and figures; `maneuvers`: their number in the dictionary.
-pub fn document(config: &RoundsSpec, summary: Summary, maneuvers: usize) -> SequentialDocument {
+pub fn document(config: &RoundsSpec, summary: Summary, maneuvers: usize) -> TrialsInRounds {
     let Summary { arms, gains, stopping } = summary;
-    SequentialDocument {
+    TrialsInRounds {
         realizations: u64::from(config.realizations),
         rounds: u64::from(config.rounds),
         duration_s: config.duration_s,

@@ -2,6 +2,8 @@ use estimation::pooled::{Covered, deviations, lies_above};
 use numerics::statistics::paired_median;
 use refusal::listed;
 use regression::pooled::{Part, PooledRuns};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use ship::engine::RunView;
 use ship::model::DegreeOfFreedom;
 
@@ -13,6 +15,8 @@ use crate::crossval::CrossError;
 /// Options of a comparison.
 #[derive(Clone, Copy, Debug)]
 pub struct CompareOptions<'a> {
+    /// Name of the vessel.
+    pub vessel: &'a str,
     /// Length of the windows in samples; `None`: whole runs.
     pub window: Option<usize>,
     /// The estimated errors of the first model: none, its own, or one for each of the models that are averaged.
@@ -25,33 +29,42 @@ pub struct CompareOptions<'a> {
     pub rate_hz: f64,
 }
 
-/// The comparison of the models.
-#[derive(Clone, Debug, PartialEq)]
+/// A model beside others on recordings that it was not fitted to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Compared {
-    /// Number of windows.
+    /// Name of the vessel.
+    pub vessel: String,
+    /// Length of the windows \[s\]; null: whole runs.
+    pub window_s: Option<f64>,
+    /// Number of windows that were simulated.
     pub windows: u64,
     /// Their samples.
     pub samples: u64,
-    /// Standard deviations of the measured u, v, r over the windows.
-    pub std: [f64; 3],
-    /// One per contestant in their order, then the mean.
+    /// Standard deviations of the measured states over the windows.
+    pub std_u: f64,
+    /// Of sway speed.
+    pub std_v: f64,
+    /// Of yaw rate.
+    pub std_r: f64,
+    /// The verdict first, then what to know, in words.
+    pub statements: Vec<String>,
+    /// The model, then what it is compared with.
     pub models: Vec<ComparedModel>,
-    /// The first model against the others.
+    /// The others against the model.
     pub differences: Vec<Difference>,
-    /// The spread of the models of an average; `None` for a single model.
-    pub spread: Option<Spread>,
-    /// Shares inside the bands; `None` if the model's errors are unknown.
+    /// Shares of the samples inside the model's 95 % bands; null where its errors are not known.
     pub bands: Option<Bands>,
+    /// How far the models of an average are apart; absent for a single model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spread: Option<Spread>,
     /// Channels that leave the range that the model was fitted on.
     pub outside: Vec<Outside>,
-    /// Correlations of the first model's errors with themselves and with inputs.
+    /// How the model's errors correlate with themselves and with inputs: where they do beyond chance, it lacks something.
     pub correlations: Vec<ErrorCorrelations>,
-    /// Stretches in which the ship moves less or more than in any that the model was fitted to; `None` if that is not known.
+    /// Where the ship moves less or more than in any stretch that the model was fitted to; null where that is not known.
+    #[serde(default)]
     pub validity: Option<Validity>,
-    /// The verdict and remarks, in words.
-    pub statements: Vec<String>,
-    /// The first model over time.
-    pub trace: Vec<Traced>,
 }
 
 /// A sample of the first model's simulation and of the measurement.
@@ -71,7 +84,7 @@ pub struct Traced {
     pub half: [Option<f64>; 3],
 }
 
-/// Simulates all of `contestants` over `runs`; the first is the model under test.
+/// Simulates all of `contestants` over `runs`; the first is the model under test, which also is returned over time.
 ///
 /// # Errors
 /// No run is as long as a window.
@@ -79,7 +92,7 @@ pub fn compare(
     contestants: &[Contestant],
     runs: &PooledRuns,
     options: &CompareOptions,
-) -> Result<Compared, CrossError> {
+) -> Result<(Compared, Vec<Traced>), CrossError> {
     let mut sources: Vec<(String, Vec<Part>)> = runs.windows(options.window);
     sources.retain(|(_, windows)| !windows.is_empty());
     let windows = || sources.iter().flat_map(|(_, windows)| windows);
@@ -107,10 +120,15 @@ pub fn compare(
         });
         Validity::of(known, views, options.rate_hz)
     });
-    Ok(Compared {
+    let [std_u, std_v, std_r] = std;
+    let tried = Compared {
+        vessel: options.vessel.to_owned(),
+        window_s: options.window.map(|samples| samples as f64 / options.rate_hz),
         windows: windows().count() as u64,
         samples: windows().map(|w| w.samples() as u64).sum(),
-        std,
+        std_u,
+        std_v,
+        std_r,
         statements: verdict(&compared, &differences, (validity.as_ref(), &outside), inside),
         models: compared,
         differences,
@@ -119,8 +137,8 @@ pub fn compare(
         correlations: error_correlations(first, &sources, &models[0], held),
         outside,
         validity,
-        trace: looked.trace,
-    })
+    };
+    Ok((tried, looked.trace))
 }
 
 /// The first model sample by sample.
@@ -262,7 +280,7 @@ fn against(difference: &Difference) -> String {
     };
     let than = match name {
         Standing::LeastSquares => "least squares".to_owned(),
-        Standing::Other => "the other model".to_owned(),
+        Standing::Other => place.map_or("the other model".to_owned(), |place| format!("model {place}")),
         Standing::Averaged => format!("model {} of the average alone", place.unwrap_or_default()),
         Standing::Mean | Standing::Model | Standing::Average => "the mean of the data".to_owned(),
     };

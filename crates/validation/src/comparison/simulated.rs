@@ -13,7 +13,7 @@ use ship::model::Model;
 pub struct Contestant<'a> {
     /// Its standing.
     pub standing: Standing,
-    /// Its place among the models that are averaged, from 1, if it is one of them.
+    /// Its place among the models that are averaged or compared, from 1, if it is one of several.
     pub place: Option<u64>,
     /// The model; several of the same channels are averaged.
     pub ships: Vec<Ship<'a>>,
@@ -261,7 +261,7 @@ refusal::choices! {
 pub struct ComparedModel {
     /// Which.
     pub name: Standing,
-    /// Its place among the models that are averaged, from 1, if it is one of them.
+    /// Its place among the models that are averaged or compared, from 1, if it is one of several.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<u64>,
     /// Over all windows.
@@ -276,7 +276,7 @@ pub struct ComparedModel {
 pub struct Difference {
     /// The other.
     pub name: Standing,
-    /// Its place among the models that are averaged, from 1, if it is one of them.
+    /// Its place among the models that are averaged or compared, from 1, if it is one of several.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<u64>,
     /// Pairs that were compared.

@@ -9,10 +9,12 @@ use estimation::{Estimator, ScoreStatus, free_runs};
 use numerics::LANES;
 use numerics::lanes::interleave;
 use refusal::listed;
-use regression::Sums;
 use regression::pooled::{
     Centring, LostInstruments, Options, Part, PooledRuns, PooledSums, Solution, Strength, fit, joined,
 };
+use regression::{MeanRemoval, Sums};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use ship::engine::Streams;
 
 pub use scores::{DEGENERATE, PublishedLimits, Realization, SelectionErrors, SelectionScores, SharesBeyond};
@@ -165,8 +167,8 @@ fn poor(fits: [f64; 3], weakest: Option<(String, f64)>) -> Option<String> {
     (!lost.is_empty()).then(|| {
         format!(
             "poor instruments: simulated from the first state of each part the nominal model follows {} only{explained}; \
-             estimates divide by what instruments tell, so that those from few parts are free to diverge: cut shorter \
-             parts (--part-s), improve the nominal model or the structure, name a --prior, or use --estimator ls",
+             estimates divide by what instruments tell, so that those from few parts are free to diverge: improve the \
+             structure, or use --estimator ls",
             listed(&lost)
         )
     })
@@ -187,27 +189,45 @@ pub struct SelectionOptions {
     pub published_limits: Option<PublishedLimits>,
 }
 
-/// Models from picked sub-experiments.
-#[derive(Clone, Debug, PartialEq)]
+/// Models from sub-experiments picked by a design, against random picks of the same number.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Selection {
+    /// The estimator.
+    pub estimator: Estimator,
+    /// How the instruments' mean is removed.
+    pub mean_removal: MeanRemoval,
     /// Sub-experiments per realization.
     pub picks: u64,
-    /// Number of sub-experiments of each maneuver.
+    /// Seed of the picks.
+    pub seed: u64,
+    /// Of each maneuver in the optimized selection.
+    pub counts: BTreeMap<String, u64>,
+    /// Sub-experiments there are of each maneuver.
     pub available: BTreeMap<String, u64>,
     /// Number of sub-experiments, all of which every model is simulated over.
-    pub parts: usize,
+    pub parts: u64,
     /// Their samples.
     pub samples: u64,
-    /// Standard deviations of the measured u, v, r over them.
-    pub std: [f64; 3],
-    /// How well the instruments follow the measured u, v, r: 100 (1 − RMSE/std) \[%\].
-    pub instrument_fit: Option<[f64; 3]>,
-    /// Picked by the design, and at random.
-    pub designs: [SelectionScores; 2],
-    /// 90 % quantile of the optimized error norm over that of the random one; `None` if either is infinite.
+    /// Standard deviations of the measured states over them.
+    pub std_u: f64,
+    /// Of sway speed.
+    pub std_v: f64,
+    /// Of yaw rate.
+    pub std_r: f64,
+    /// Norm of RMSE/std from which a model counts as degenerate; √3 is as bad as the mean of the data.
+    pub degenerate_from: f64,
+    /// Errors at which the figures of a published study end; absent where there is none to compare with.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub published_limits: Option<PublishedLimits>,
+    /// 90 % quantile of the optimized error norm over that of the random one; null where either is infinite.
     pub ratio_q90: Option<f64>,
-    /// The result and the failures, in words.
+    /// The result, and what went wrong, in words.
     pub statements: Vec<String>,
+    /// How well the instruments follow the measured u, v, r over the sub-experiments: 100 (1 − RMSE/std).
+    pub instrument_fit: Option<[f64; 3]>,
+    /// `optimized` and `random`.
+    pub designs: Vec<SelectionScores>,
 }
 
 /// Makes the realizations of a selection study, in groups that depend only on their number.
@@ -273,15 +293,24 @@ impl<'a> Selector<'a> {
         let designs = [of(optimized, first), of(random, others)];
         let mut statements = vec![conclusion(&designs)];
         statements.extend(self.prepared.warnings.clone());
+        let [std_u, std_v, std_r] = self.std;
         Selection {
+            estimator: self.options.estimator,
+            mean_removal: self.pool.removal,
             picks: self.options.counts.values().sum(),
+            seed: self.options.seed,
+            counts: self.options.counts.clone(),
             available: available(&self.parts),
-            parts: self.parts.len(),
+            parts: self.parts.len() as u64,
             samples: self.parts.iter().map(|p| p.samples() as u64).sum(),
-            std: self.std,
+            std_u,
+            std_v,
+            std_r,
+            degenerate_from: DEGENERATE,
+            published_limits: self.options.published_limits,
             instrument_fit: self.prepared.instrument_fit,
             ratio_q90: q90(&designs[0]).zip(q90(&designs[1])).map(|(optimized, random)| optimized / random),
-            designs,
+            designs: designs.to_vec(),
             statements,
         }
     }

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use ship::engine::Run;
 use ship::model::{Vessel, VesselFile};
 use validation::comparison::{
-    CompareOptions, Compared, Contestant, EstimatedErrors, Ship, Standing, compare,
+    CompareOptions, Compared, Contestant, EstimatedErrors, Ship, Standing, Traced, compare,
 };
 
 fn oracle() -> Value {
@@ -61,13 +61,19 @@ fn runs(oracle: &Value) -> PooledRuns {
     PooledRuns::new(all, &BTreeMap::new())
 }
 
-fn compared(vessels: &[Vessel], oracle: &Value, rmse: Option<[f64; 3]>) -> Compared {
+fn compared(vessels: &[Vessel], oracle: &Value, rmse: Option<[f64; 3]>) -> (Compared, Vec<Traced>) {
     let ships = vessels.iter().map(|v| Ship { model: &v.model, theta: &v.nominal, columns: None }).collect();
     let standing = if vessels.len() > 1 { Standing::Average } else { Standing::Model };
     let known: Vec<EstimatedErrors> =
         rmse.into_iter().map(|rmse| EstimatedErrors { covariance: None, rmse }).collect();
-    let options =
-        CompareOptions { window: None, known: &known, covered: &[], magnitudes: None, rate_hz: 1.0 };
+    let options = CompareOptions {
+        vessel: "",
+        window: None,
+        known: &known,
+        covered: &[],
+        magnitudes: None,
+        rate_hz: 1.0,
+    };
     compare(&[Contestant { standing, place: None, ships }], &runs(oracle), &options).unwrap()
 }
 
@@ -84,10 +90,8 @@ fn near(found: &[f64], expected: &Value) {
 fn oracle_mean_spread_errors_and_shares_inside() {
     let oracle = oracle();
     let vessels: Vec<Vessel> = oracle["models"].as_array().unwrap().iter().map(vessel).collect();
-    let found = compared(&vessels, &oracle, Some(three(&oracle["output_rmse"])));
-    let flat = |of: fn(&validation::comparison::Traced) -> [f64; 3]| -> Vec<f64> {
-        found.trace.iter().flat_map(of).collect()
-    };
+    let (found, trace) = compared(&vessels, &oracle, Some(three(&oracle["output_rmse"])));
+    let flat = |of: fn(&Traced) -> [f64; 3]| -> Vec<f64> { trace.iter().flat_map(of).collect() };
     near(&flat(|row| row.simulated), &oracle["mean"]);
     near(&flat(|row| row.half.map(Option::unwrap)), &oracle["half"]);
     let errors = &found.models[0].errors;
@@ -106,12 +110,12 @@ fn oracle_mean_spread_errors_and_shares_inside() {
 fn law_the_average_of_equal_models_is_that_model_to_the_bit() {
     let oracle = oracle();
     let single = vessel(&oracle["models"][1]);
-    let alone = compared(std::slice::from_ref(&single), &oracle, None);
+    let (alone, trace) = compared(std::slice::from_ref(&single), &oracle, None);
     assert_eq!((alone.spread, alone.bands), (None, None));
     for count in [2, 3, 7, 49] {
-        let several = compared(&vec![single.clone(); count], &oracle, None);
+        let (several, traces) = compared(&vec![single.clone(); count], &oracle, None);
         assert_eq!(several.models[0].errors, alone.models[0].errors);
-        assert_eq!(several.trace, alone.trace);
+        assert_eq!(traces, trace);
         assert_eq!(several.correlations, alone.correlations);
         let spread = several.spread.unwrap();
         assert_eq!([spread.spread_u, spread.spread_v, spread.spread_r], [0.0; 3]);
@@ -125,7 +129,7 @@ fn a_window_in_which_one_model_diverges_is_no_average() {
     let oracle = oracle();
     let mut vessels: Vec<Vessel> = oracle["models"].as_array().unwrap().iter().map(vessel).collect();
     vessels[2].nominal[0] = 1e9;
-    let found = compared(&vessels, &oracle, Some([0.1; 3]));
+    let (found, _) = compared(&vessels, &oracle, Some([0.1; 3]));
     let errors = &found.models[0].errors;
     assert_eq!((errors.diverged, errors.rmse_u), (2, None));
     assert_eq!((found.spread, found.bands), (None, None));

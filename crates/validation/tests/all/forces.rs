@@ -129,11 +129,17 @@ fn compared(own: &Fitted, known: bool, runs: Vec<Run>) -> Compared {
     let ship = Ship { model: &own.vessel.model, theta: &own.vessel.nominal, columns: None };
     let known: &[EstimatedErrors] =
         &[EstimatedErrors { covariance: Some(&own.covariance), rmse: own.rmse }][..usize::from(known)];
-    let options =
-        CompareOptions { window: Some(200), known, covered: &[], magnitudes: None, rate_hz: RATE_HZ };
+    let options = CompareOptions {
+        vessel: "",
+        window: Some(200),
+        known,
+        covered: &[],
+        magnitudes: None,
+        rate_hz: RATE_HZ,
+    };
     let runs = PooledRuns::new(runs, &BTreeMap::new()).with_inputs_held(true);
     let contestant = Contestant { standing: Standing::Model, place: None, ships: vec![ship] };
-    compare(&[contestant], &runs, &options).unwrap()
+    compare(&[contestant], &runs, &options).unwrap().0
 }
 
 #[test]
