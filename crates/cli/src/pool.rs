@@ -65,7 +65,7 @@ pub struct RunFlags {
     #[arg(long, value_name = "NAME,…")]
     pub leave_out: Vec<String>,
     /// Accepts what is refused otherwise; the outputs say so
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = allowance(&[Allowed::Mixed, Allowed::Doubtful]))]
+    #[arg(long, global = true, value_name = "LIST", value_delimiter = ',', value_parser = allowance(&[Allowed::Mixed, Allowed::Doubtful]))]
     pub allow: Vec<Allowed>,
 }
 

@@ -37,11 +37,12 @@ pub struct ModelFlags {
         value_name = "model.json|vessel.toml",
         value_delimiter = ',',
         requires = "trajectories",
-        conflicts_with_all = ["vessel", "shard", "gather"]
+        conflicts_with_all = ["vessel", "shard", "gather", "estimates", "validation"],
+        conflicts_with_all = OF_PICKS
     )]
     pub model: Vec<PathBuf>,
     /// Simulates over windows of this length, side by side [s]; whole runs without it
-    #[arg(long, value_name = "S", requires = "model")]
+    #[arg(long, value_name = "S")]
     window_s: Option<f64>,
 }
 
@@ -158,6 +159,9 @@ impl Task for CrossArguments {
 /// The estimators that only need sums per sub-experiment.
 const ESTIMATORS: [Estimator; 3] = [Estimator::Ls, Estimator::Iv, Estimator::Auto];
 
+/// The flags of picks alone.
+pub const OF_PICKS: [&str; 4] = ["realizations", "estimator", "mean_removal", "reference"];
+
 /// What is picked, and how the picks are estimated.
 #[derive(Args)]
 pub struct PickFlags {
@@ -166,20 +170,20 @@ pub struct PickFlags {
         long,
         value_name = "design.json",
         requires_all = ["vessel", "trajectories"],
-        conflicts_with_all = ["estimates", "validation"]
+        conflicts_with_all = ["estimates", "validation", "window_s"]
     )]
     pub design: Option<PathBuf>,
     /// Realizations per design
-    #[arg(long, value_name = "N", default_value_t = 500, requires = "design", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     realizations: u32,
     /// The estimator, of sums per sub-experiment
-    #[arg(long, requires = "design", value_parser = choice(&ESTIMATORS, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
+    #[arg(long, value_parser = choice(&ESTIMATORS, Estimator::name, Estimator::description), default_value_t = Estimator::Iv)]
     estimator: Estimator,
     /// How the instruments' mean is removed
-    #[arg(long, requires = "design", value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
+    #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
     mean_removal: MeanRemoval,
     /// Published results: counts realizations beyond the errors at which their figures end
-    #[arg(long, requires = "design", value_name = "reference.toml")]
+    #[arg(long, value_name = "reference.toml")]
     reference: Option<PathBuf>,
 }
 

@@ -17,7 +17,7 @@ use study::parts::MAIN;
 use study::scores::{self, Row};
 use study::trajectories::refuse_shard;
 
-use super::compare::{ModelFlags, PickFlags};
+use super::compare::{ModelFlags, OF_PICKS, PickFlags};
 use crate::cli::{Common, Sharding, beside, given, member};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made};
@@ -57,13 +57,19 @@ pub struct ValidateArguments {
 #[derive(Args)]
 struct EstimateFlags {
     /// The bounds below which an estimate counts as good
-    #[arg(long, value_name = "campaign.toml", requires_all = ["vessel", "validation"], conflicts_with_all = ["trajectories", "recordings", "runs", "leave_out"])]
+    #[arg(
+        long,
+        value_name = "campaign.toml",
+        requires_all = ["vessel", "validation"],
+        conflicts_with_all = ["trajectories", "recordings", "runs", "leave_out", "window_s"],
+        conflicts_with_all = OF_PICKS
+    )]
     campaign: Option<PathBuf>,
     /// The estimates
-    #[arg(long, requires = "campaign", value_name = "estimates.parquet")]
+    #[arg(long, value_name = "estimates.parquet")]
     estimates: Option<PathBuf>,
     /// Runs to simulate freely and compare with
-    #[arg(long, requires = "campaign", value_name = "validation.parquet")]
+    #[arg(long, value_name = "validation.parquet")]
     validation: Option<PathBuf>,
 }
 

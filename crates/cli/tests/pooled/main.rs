@@ -30,8 +30,7 @@ pub const POOL: &str = "estimate pool --vessel vessel.toml --trajectories campai
 pub const CROSS: &str = "validate cross --vessel vessel.toml --trajectories campaign.parquet \
      --runs random/0,random/1,optimized/2,optimized/3 --window-s 25";
 /// A selection study on its segments, which are named by maneuver.
-pub const SELECTION: &str =
-    "validate --vessel vessel.toml --trajectories campaign.parquet --design picks.json --realizations 40";
+pub const SELECTION: &str = "validate --vessel vessel.toml --trajectories campaign.parquet --design picks.json --realizations 40 --allow=mixed";
 
 /// A folder with these segments, and a design that picks five of them.
 pub fn picking() -> TempDir {

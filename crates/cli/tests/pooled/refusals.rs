@@ -84,8 +84,8 @@ fn validate_still_wants_estimates_without_a_subcommand() {
         ("--model m.json --design d.json --vessel v.toml", ["'--model", "cannot be used with"]),
         ("--campaign c.toml --vessel v.toml --validation v.parquet", ["'--campaign", "cannot be used with"]),
         ("--design d.json", ["not provided", "--vessel"]),
-        ("--model m.json --realizations 5", ["not provided", "--design"]),
-        ("--vessel v.toml --design d.json --window-s 5", ["not provided", "--model"]),
+        ("--model m.json --realizations 5", ["'--model", "'--realizations"]),
+        ("--vessel v.toml --design d.json --window-s 5", ["'--design", "'--window-s"]),
     ] {
         refused(&folder, 2, &format!("{line} {flags}"), &says);
     }

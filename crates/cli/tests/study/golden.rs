@@ -18,7 +18,7 @@ const RELEASED: [(&str, &str); 7] = [
     ("moments-1.json", "moments.json"),
     ("design-1.json", "design.json"),
     ("estimate-1.json", "estimate.json"),
-    ("validation-1.json", "validation.json"),
+    ("validation-2.json", "validation.json"),
     ("estimates-1.parquet", "estimates.parquet"),
     ("scores-1.parquet", "scores.parquet"),
 ];
@@ -41,7 +41,7 @@ const NUMBERS: [(&str, &str, &str); 12] = [
     (
         "validation optimized parameter error median",
         "validation.json",
-        "/data/designs/0/parameter_error/median",
+        "/data/scored/designs/0/parameter_error/median",
     ),
     (
         "validation optimized simulation error q90",
@@ -61,7 +61,7 @@ const NUMBERS: [(&str, &str, &str); 12] = [
     (
         "validation practice parameter error median",
         "validation.json",
-        "/data/designs/2/parameter_error/median",
+        "/data/scored/designs/2/parameter_error/median",
     ),
     (
         "validation practice simulation error q90",

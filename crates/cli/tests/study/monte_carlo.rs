@@ -193,6 +193,10 @@ fn what_cannot_be_tallied_is_refused() {
         &["other.json", "settings.seed", "found 7"],
     );
     refused("monte-carlo --gather whole.json --out refused.json", 3, &["whole.json", "a shard K/N"]);
+    let old = String::from_utf8(bytes(&folder, "part-1.json")).unwrap().replace("validation/2", "tally/1");
+    put(&folder, "old.json", &old);
+    let says = ["found tally/1, expected validation/2", "made again by: seatrial monte-carlo"];
+    refused("monte-carlo --gather old.json --out refused.json", 3, &says);
     refused(
         &format!("{LINE} --unknown-current earth --out refused.json"),
         2,
