@@ -243,7 +243,7 @@ impl Header {
         }
         let remedy = match schema.split_once('/') {
             Some((kind, number)) if kind == id => version_remedy(number, version),
-            _ => format!("name a file of kind {id}"),
+            _ => refusal::gone(schema).map_or_else(|| format!("name a file of kind {id}"), str::to_owned),
         };
         Err(Error::refuse(path, "schema", foreign(schema), expected, remedy))
     }

@@ -2,9 +2,9 @@ use files::Error;
 use maud::{Markup, display, html};
 use refusal::listed;
 use study::documents::{
-    COLLINEAR, CompareDocument, CrossvalDocument, DegreeTrust, DeliveredKind, EstimatorScore, FreeRunErrors,
-    IngestDocument, ModelDocument, RecordingSummary, SearchDocument, SelectionScores, Traced, TrustDocument,
-    WarningSummary,
+    COLLINEAR, CompareDocument, DegreeTrust, DeliveredKind, EstimateDocument, EstimatorScore, FreeRunErrors,
+    IngestDocument, LeftOutScores, ModelDocument, RecordingSummary, SearchSummary, SelectionScores, Traced,
+    Trust, WarningSummary,
 };
 
 use crate::SelectionStudy;
@@ -18,34 +18,39 @@ use crate::parts::{HtmlTable, Section, card, grouped, missing};
 pub struct MeasuredStudy {
     /// `ingest.json`.
     pub ingest: Option<IngestDocument>,
-    /// `trust.json`.
-    pub trust: Option<TrustDocument>,
-    /// `crossval.json`.
-    pub crossval: Option<CrossvalDocument>,
+    /// Of `estimate.json`: how far the estimate can be trusted.
+    pub trust: Option<Trust>,
+    /// Of `estimate.json`: estimators over recordings left out.
+    pub left_out: Option<LeftOutScores>,
     /// `model.json`.
     pub model: Option<ModelDocument>,
     /// `compare.json`, and the model over time.
     pub compared: Option<(CompareDocument, Vec<Traced>)>,
-    /// `search.json`.
-    pub searched: Option<SearchDocument>,
+    /// Of `estimate.json`: how the structure was searched for.
+    pub searched: Option<SearchSummary>,
     /// The next trial.
     pub next: Option<NextTrial>,
 }
 
-/// Reads `ingest.json`, `trust.json`, `crossval.json`, `compare.json` and `search.json`; `None` if the last four are
-/// all missing.
-pub(super) fn load(loader: &mut Loader) -> Result<Option<MeasuredStudy>, Error> {
-    let crossval = loader.document("crossval.json", "free simulation over recordings left out")?;
-    let trust = loader.document("trust.json", "how far the pooled estimate can be trusted")?;
+/// Reads `ingest.json`, `compare.json`, `model.json` and the next trial; takes out of `estimate` what is said of one model of
+/// recordings. `None` without a comparison and such a model.
+pub(super) fn load(
+    loader: &mut Loader,
+    estimate: Option<&mut EstimateDocument>,
+) -> Result<Option<MeasuredStudy>, Error> {
+    let taken = estimate.filter(|estimate| estimate.structure.is_some());
+    let is_modelled = taken.is_some();
+    let (trust, left_out, searched) = taken.map_or((None, None, None), |estimate| {
+        (estimate.trust.take(), estimate.left_out.take(), estimate.search.take())
+    });
     let compared = super::compared::load(loader)?;
-    let searched = loader.document("search.json", "how a structure was searched for")?;
-    if crossval.is_none() && trust.is_none() && compared.is_none() && searched.is_none() {
+    if !is_modelled && compared.is_none() {
         return Ok(None);
     }
     let ingest = loader.document("ingest.json", "what was read from the logs, and its quality")?;
     let model = loader.document("model.json", "the model that the estimate delivers")?;
     let next = super::next_trial::load(loader)?;
-    Ok(Some(MeasuredStudy { ingest, trust, crossval, model, compared, searched, next }))
+    Ok(Some(MeasuredStudy { ingest, trust, left_out, model, compared, searched, next }))
 }
 
 /// Adds fits and errors of free simulations.
@@ -77,9 +82,9 @@ impl SelectionStudy {
 impl MeasuredStudy {
     /// The estimator of least error in cross-validation, with its errors.
     pub(super) fn best(&self) -> Option<(&EstimatorScore, FreeRunErrors)> {
-        let crossval = self.crossval.as_ref()?;
-        let name = *crossval.candidates.first()?;
-        let score = crossval.estimators.iter().find(|e| e.name == name)?;
+        let left_out = self.left_out.as_ref()?;
+        let name = *left_out.candidates.first()?;
+        let score = left_out.estimators.iter().find(|e| e.name == name)?;
         Some((score, score.errors?))
     }
 
@@ -90,8 +95,8 @@ impl MeasuredStudy {
     }
 
     /// The search whose model is delivered, with its errors where recordings were left out.
-    fn delivered_search(&self) -> Option<(&SearchDocument, FreeRunErrors)> {
-        let search = self.searched.as_ref().filter(|_| self.crossval.is_none())?;
+    fn delivered_search(&self) -> Option<(&SearchSummary, FreeRunErrors)> {
+        let search = self.searched.as_ref().filter(|_| self.left_out.is_none())?;
         Some((search, search.delivered_errors()?))
     }
 
@@ -129,8 +134,8 @@ impl MeasuredStudy {
     /// The answer in a few sentences.
     pub(super) fn answer(&self, selection: Option<&SelectionStudy>) -> String {
         let mut sentences = Vec::new();
-        if let (Some((score, errors)), Some(crossval)) = (self.best(), &self.crossval) {
-            let over = windows_of(crossval.window_s);
+        if let (Some((score, errors)), Some(left_out)) = (self.best(), &self.left_out) {
+            let over = windows_of(left_out.window_s);
             sentences.push(format!(
                 "Fitted by {} to the other recordings, the model follows those left out, over {over}, with a fit of {} in \
                  surge, {} in sway and {} in yaw rate.",

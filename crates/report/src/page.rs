@@ -62,7 +62,7 @@ fn of_logs(study: &Study, measured: &MeasuredStudy, figures: &mut Figures) -> Ve
     let mut sections: Vec<Section> = compared(measured.compared.as_ref(), figures).into_iter().collect();
     sections.extend(searched(measured.searched.as_ref(), figures));
     let is_searched = measured.searched.is_some();
-    sections.extend((measured.crossval.is_some() || !is_searched).then(|| cross_validation(measured)));
+    sections.extend((measured.left_out.is_some() || !is_searched).then(|| cross_validation(measured)));
     sections.push(delivered(measured));
     sections.extend((measured.is_judged() || !is_searched).then(|| trust(measured)));
     sections.extend(merit(study, figures));

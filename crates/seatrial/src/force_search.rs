@@ -9,7 +9,7 @@ use refusal::{Invalid, listed};
 use regression::pooled::PooledRuns;
 use ship::model::Vessel;
 use study::documents::{
-    FittedParameter, ForceScores, ForcesWithoutFold, FoundForce, ModelDocument, SearchDocument,
+    FittedParameter, ForceScores, ForcesWithoutFold, FoundForce, ModelDocument, SearchSummary,
     SearchedForces, TriedForce,
 };
 
@@ -189,8 +189,8 @@ impl ForceSearch<'_> {
         }
         let numbers = numbers(&model).to_vec();
         let scores = self.scores(recorded.0, judged);
-        let search = SearchDocument::of_forces(self.vessel, scores, forces, (ship, &numbers), statements);
-        Ok(FoundStructure { search, model, average: None })
+        let search = SearchSummary::of_forces(self.vessel, scores, forces, (ship, &numbers), statements);
+        Ok(FoundStructure { search, model })
     }
 
     fn scores(&self, sources: &[Recorded], judged: JudgedShips) -> ForceScores {

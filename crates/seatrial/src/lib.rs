@@ -69,9 +69,9 @@ pub use ship::model::{Model, Source, Vessel};
 pub use study::campaign_file::CampaignFile;
 pub use study::design_files::Promised;
 pub use study::documents::{
-    AverageDocument, CompareDocument, DesignDocument, DesignScores, DesignUpdateDocument, IngestDocument,
-    MapDocument, MeritDocument, MeritTableRow, ModelDocument, PlanChart, PlanDocument, RecordingSummary,
-    Reference, SearchDocument, SolvedFigures,
+    CompareDocument, DesignDocument, DesignScores, IngestDocument, MapDocument, MeritDocument, MeritTableRow,
+    ModelDocument, PlanChart, PlanDocument, PromiseUpdate, RecordingSummary, Reference, SearchSummary,
+    SolvedFigures, Trust,
 };
 pub use study::figure_goals::FigureGoals;
 pub use study::ingest_file::IngestFile;

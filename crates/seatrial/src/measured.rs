@@ -193,7 +193,7 @@ impl<'a> Pooling<'a> {
         runs: &PooledRuns<R>,
         asked: Option<Estimator>,
     ) -> Result<PooledSet, PoolError<R::Error>> {
-        if let Err(refused) = self.pool.vessel.check_terms("estimate pool") {
+        if let Err(refused) = self.pool.vessel.check_terms("estimate --fit together") {
             return Err(PoolError::NotIdentifiable(vec![refused.to_string()]));
         }
         let estimator = match asked.or_else(|| self.pool.usual(false)) {

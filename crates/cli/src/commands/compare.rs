@@ -10,16 +10,14 @@ use seatrial::{Comparison, channels_within, widest};
 use serde_json::json;
 use ship::model::Vessel;
 use study::Tried;
-use study::documents::{CrossvalDocument, SelectionDocument, traces};
-use study::files::{StageOfTerms, read_any_vessel, read_any_vessel_as, read_reference};
+use study::documents::{SelectionDocument, traces};
+use study::files::{StageOfTerms, read_any_vessel_as, read_reference};
 use study::selection::{Row, columns, document, rows};
-use validation::crossval::{CrossOptions, cross_validate, dealt};
 use validation::selection::{PublishedLimits, Selection, SelectionOptions, Selector, available};
 
 use crate::cli::{Common, Sharding, beside, choice, member, samples};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made, counts, joined, joined_blocks};
-use crate::physical::{self, Scored, absent, written};
 use crate::pool::{PoolFlags, RunFlags};
 use crate::stage::{Summary, Task};
 
@@ -33,7 +31,7 @@ use crate::stage::{Summary, Task};
 )]
 pub struct CompareArguments {
     /// The model, or several whose trajectories are averaged, or a ship before her first fit
-    #[arg(long, value_name = "model.json|average.json|vessel.toml")]
+    #[arg(long, value_name = "model.json|vessel.toml")]
     model: PathBuf,
     #[command(flatten)]
     of: RunFlags,
@@ -91,9 +89,9 @@ impl CompareArguments {
     fn averaged(&self, model: &Tried, provenance: &mut Provenance) -> Result<Vec<Tried>, Failure> {
         let single = |path: &Path, model: &Tried| match model.standing() {
             Standing::Average => {
-                let expected = "model/1, a single model, where models are averaged";
-                let remedy = "take the `model.json` of the same search";
-                Err(Failure::refuse(path, "schema", "average/1", expected, remedy))
+                let expected = "a single model, where models are averaged";
+                let remedy = "compare it alone, or name models of one structure";
+                Err(Failure::refuse(path, "`data.members`", "several models", expected, remedy))
             }
             _ => Ok(()),
         };
@@ -123,67 +121,6 @@ impl CompareArguments {
             channels_within(vessel, widest).map_err(|e| Failure::invalid(path, &e))?;
         }
         Ok(widest)
-    }
-}
-
-/// Finds how well a model predicts runs or recordings that were left out of it; writes crossval.json
-#[derive(Parser)]
-#[command(
-    name = "cross",
-    after_help = "Example:\n  validate cross --vessel pipelines/kvlcc2/vessel.toml \
-    --trajectories trajectories.parquet --out crossval.json"
-)]
-pub struct CrossArguments {
-    #[command(flatten)]
-    flags: PoolFlags,
-    /// The estimators to compare, with commas between them [default: ls, iv, auto, output-error; of a ship with forces output-error]
-    #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description), value_delimiter = ',')]
-    estimator: Vec<Estimator>,
-    /// Of a ship with forces: the runs are fitted in windows of at most this length [s] [default: 100]
-    #[arg(long, value_name = "S")]
-    fitted_window_s: Option<f64>,
-    /// Simulates over windows of this length, side by side [s]; whole runs without it
-    #[arg(long, value_name = "S")]
-    window_s: Option<f64>,
-    /// Deals runs or recordings in turns into N folds; without it each is left out on its own
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
-    folds: Option<u16>,
-}
-
-impl Task for CrossArguments {
-    fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let mut provenance = common.provenance("validate");
-        let vessel = self.flags.cored(read_any_vessel(&self.flags.vessel, &mut provenance)?)?;
-        let window = self.window_s.map(|s| samples("--window-s", s, vessel.sample_rate_hz)).transpose()?;
-        let out = common.main_output("crossval.json", self.flags.inputs())?;
-        let folds = self.folds.map(usize::from);
-        if vessel.model.forces.is_some() {
-            let inputs = (&self.flags, self.fitted_window_s, self.estimator.as_slice());
-            return physical::cross(inputs, &vessel, Scored { window, folds, out }, (common, provenance));
-        }
-        absent([("--fitted-window-s", self.fitted_window_s.is_some())])?;
-        let estimators = match self.estimator.as_slice() {
-            [] => Estimator::COMPARED.to_vec(),
-            asked => asked.to_vec(),
-        };
-        let (runs, pool) = self.flags.read(&vessel, &mut provenance, inputs::runs)?;
-        let bytes = pool.bytes_of_many(&runs, rayon::current_num_threads());
-        inputs::fits(self.flags.of.file(), &runs.amount(), bytes)?;
-        let options = CrossOptions { estimators, window, folds };
-        let folds = dealt(runs.sources(), folds).len() * options.estimators.len();
-        let progress = WorkProgress::new("folds", folds, common.quiet);
-        let folds = cross_validate(&pool, &runs, &options, &|count| progress.advance(count));
-        let folds = folds.map_err(|e| Failure::invalid(self.flags.of.file(), &e.invalid()))?;
-        let settings = [
-            ("estimators", json!(options.estimators)),
-            ("intercepts", json!(true)),
-            ("window_samples", json!(window)),
-            ("folds", json!(self.folds)),
-        ];
-        self.flags.note(settings, &mut provenance);
-        let window_s = window.map(|samples| samples as f64 / vessel.sample_rate_hz);
-        let document = CrossvalDocument::new(&pool, self.flags.nominal().source(), window_s, &folds);
-        written(&out, &provenance, &document)
     }
 }
 
@@ -225,7 +162,7 @@ const SELECTION: &str = "selection.parquet";
 impl Task for SelectionArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("validate");
-        let vessel = self.flags.cored(StageOfTerms::Selection.read(&self.flags.vessel, &mut provenance)?)?;
+        let vessel = StageOfTerms::Selection.read(&self.flags.vessel, &mut provenance)?;
         if !ESTIMATORS.contains(&self.estimator) {
             return Err(Failure::Usage(format!(
                 "--estimator: found {}, expected ls, iv or auto; a selection study adds up sums per sub-experiment",

@@ -12,13 +12,11 @@ mod search;
 mod simulate;
 mod validate;
 
-pub(crate) use compare::{CompareArguments, CrossArguments, SelectionArguments};
-pub(crate) use estimate::EstimateArguments;
-pub(crate) use estimate_pool::PoolArguments;
+pub(crate) use compare::{CompareArguments, SelectionArguments};
+pub(crate) use estimate::{SEARCHED, usual_structure};
 pub(crate) use moments::MomentsArguments;
 pub(crate) use monte_carlo::MonteCarloArguments;
 pub(crate) use plan::PlanArguments;
-pub(crate) use search::SearchArguments;
 pub(crate) use validate::MeritArguments;
 
 use crate::stage::Stage;
@@ -36,17 +34,15 @@ pub const INGEST: Stage = Stage::of::<ingest::IngestArguments>();
 /// The information of each maneuver about the parameters.
 pub const MOMENTS: Stage = Stage::of::<moments::MomentsArguments>();
 /// The time of each maneuver, and its inputs.
-pub const DESIGN: Stage = Stage::of::<crate::design::DesignArguments>()
-    .with(&[Stage::of::<crate::design::Refine>(), Stage::of::<crate::design::Update>()]);
+pub const DESIGN: Stage =
+    Stage::of::<crate::design::DesignArguments>().with(&[Stage::of::<crate::design::Refine>()]);
 /// Parameters of every run, or of all runs together.
-pub const ESTIMATE: Stage = Stage::of::<estimate::EstimateArguments>()
-    .with(&[Stage::of::<estimate_pool::PoolArguments>(), Stage::of::<search::SearchArguments>()]);
+pub const ESTIMATE: Stage = Stage::of::<crate::pool::EstimateArguments>();
 /// A campaign's runs, estimated and scored in memory.
 pub const MONTE_CARLO: Stage = Stage::of::<monte_carlo::MonteCarloArguments>();
 /// Validation of the estimated models.
 pub const VALIDATE: Stage = Stage::of::<validate::ValidateArguments>().with(&[
     Stage::of::<compare::CompareArguments>(),
-    Stage::of::<compare::CrossArguments>(),
     Stage::of::<validate::MeritArguments>(),
     Stage::of::<compare::SelectionArguments>(),
 ]);

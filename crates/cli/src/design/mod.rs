@@ -24,7 +24,7 @@ use trial::moments::{Estimated, Moments, NoCriterion};
 use crate::cli::{check_positive, choice, given};
 use crate::failure::Failure;
 
-pub use stage::{Refine, Update};
+pub use stage::Refine;
 
 /// The longest experiment for --accuracy \[s\]: a day.
 const LONGEST_S: f64 = 86_400.0;

@@ -48,9 +48,9 @@ pub use trial::rounds::{Arm, ArmSummary, RoundGain, Stopping};
 pub use crate::written::reference::{
     Published, PublishedPicks, PublishedSelection, PublishedShare, Reference,
 };
-pub use average::{AverageDocument, AverageMember, AverageSummary, AverageTerm};
+pub use average::{AverageMember, AverageSummary, AverageTerm};
 pub use compare::{
-    CompareDocument, CrossvalDocument, MeritDocument, MeritTableRow, SlopesAt, merit_rows, traces,
+    CompareDocument, LeftOutScores, MeritDocument, MeritTableRow, SlopesAt, merit_rows, traces,
 };
 pub use design::{
     Accuracy, AccuracyPoint, Counts, CovarianceCriterion, DesignDocument, DesignFigure, DesignFigures,
@@ -59,8 +59,8 @@ pub use design::{
 };
 pub(crate) use estimate::bounded;
 pub use estimate::{
-    ConstrainedParameter, DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary,
-    TrustDocument,
+    ChosenStructure, ConstrainedParameter, DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary,
+    ModelStructure, ParameterSummary, Trust,
 };
 pub use forces::{
     AbsentForce, CaptiveValue, FittedForces, FittedParameter, ForceCriticism, ForcesWithoutFold, FoundForce,
@@ -81,10 +81,10 @@ pub use plan::{
     PlanLattice, PlanPose, PlanStatus, PlanStep, PlanUnitFrom, SecondaryCost, Voyage,
 };
 pub use refined::{
-    DesignUpdateDocument, RefinedDocument, RefinedExperiment, RefinedFiles, RefinedLimit, UpdatedAccuracy,
+    PromiseUpdate, RefinedDocument, RefinedExperiment, RefinedFiles, RefinedLimit, UpdatedAccuracy,
     UpdatedCriterion, UpdatedError, UpdatedFigure, UpdatedParameter,
 };
-pub use search::{BesideForces, DeliveredKind, ForceScores, SearchDocument, SearchTerm, TriedFit};
+pub use search::{BesideForces, DeliveredKind, ForceScores, SearchSummary, SearchTerm, TriedFit};
 pub use solved::Solved;
 pub use validation::{
     ComparedError, DesignScores, EstimatorRecommendation, EstimatorScores, PairedRatio, SelectionDocument,
@@ -96,7 +96,6 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
     vec![
         (MomentsDocument::ID, json_schema::<MomentsDocument>()),
         (DesignDocument::ID, json_schema::<DesignDocument>()),
-        (DesignUpdateDocument::ID, json_schema::<DesignUpdateDocument>()),
         (RefinedDocument::ID, json_schema::<RefinedDocument>()),
         (EstimateDocument::ID, json_schema::<EstimateDocument>()),
         (FollowDocument::ID, json_schema::<FollowDocument>()),
@@ -107,11 +106,7 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (PlanDocument::ID, json_schema::<PlanDocument>()),
         (MapDocument::ID, json_schema::<MapDocument>()),
         (ModelDocument::ID, json_schema::<ModelDocument>()),
-        (AverageDocument::ID, json_schema::<AverageDocument>()),
-        (TrustDocument::ID, json_schema::<TrustDocument>()),
         (CompareDocument::ID, json_schema::<CompareDocument>()),
-        (CrossvalDocument::ID, json_schema::<CrossvalDocument>()),
-        (SearchDocument::ID, json_schema::<SearchDocument>()),
         (SelectionDocument::ID, json_schema::<SelectionDocument>()),
         (SequentialDocument::ID, json_schema::<SequentialDocument>()),
         (SimulatedLogsDocument::ID, json_schema::<SimulatedLogsDocument>()),
