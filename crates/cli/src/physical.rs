@@ -66,8 +66,7 @@ pub fn fit(
     let promised = asked.promised(common)?;
     let runs = flags.of.read_of_forces(vessel, &mut provenance)?;
     let (former, reference) = (former.as_deref(), reference.as_ref());
-    let most_added = usize::from(asked.add_terms.unwrap_or(0));
-    let physical = Physical { vessel, settings, former, reference, most_added };
+    let physical = Physical { vessel, settings, former, reference };
     let model = physical.model(&runs).map_err(|e| unfit(e, &flags.vessel, flags.of.file()))?;
     let noted = [
         ("estimator", json!(Estimator::OutputError)),
@@ -76,7 +75,6 @@ pub fn fit(
         ("leave_out", json!(flags.of.leave_out)),
         ("window_s", json!(settings.window_s)),
         ("prior_weight", json!(settings.prior_weight)),
-        ("add_terms", json!(most_added)),
     ];
     note(noted, &mut provenance);
     let left_out = match asked.folds {
@@ -84,12 +82,12 @@ pub fn fit(
         Some(Folds(folds)) => {
             let folds = folds.map(usize::from);
             let progress = WorkProgress::new("folds", dealt(runs.sources(), folds).len(), common.quiet);
-            let physical = Physical { reference: None, most_added: 0, ..physical };
-            let found = physical.cross(&runs, (window, folds), &|count| progress.advance(count));
-            let found = found.map_err(|e| Failure::invalid(flags.of.file(), &e.invalid()))?;
+            let physical = Physical { reference: None, ..physical };
+            let scores = physical.cross(&runs, (window, folds), &|count| progress.advance(count));
+            let scores = scores.map_err(|e| Failure::invalid(flags.of.file(), &e.invalid()))?;
             note([("window_samples", json!(window)), ("folds", json!(folds))], &mut provenance);
             let window_s = window.map(|samples| samples as f64 / rate_hz);
-            Some(LeftOutScores::of_forces(settings.prior_weight, window_s, &found))
+            Some(LeftOutScores::of_forces(settings.prior_weight, window_s, &scores))
         }
     };
     let promise = asked.promise(promised, Some(&model), &mut provenance)?;

@@ -349,9 +349,6 @@ pub struct EstimateArguments {
     /// Terms that `library` and `few` search through instead, or products that a ship with forces may lack: lists `surge`, `sway`, `yaw`
     #[arg(long, value_name = "terms.toml")]
     pub terms: Option<PathBuf>,
-    /// Forces that are added to the vessel's at most, or terms, one after the other, where the model lacks them
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(0..=50))]
-    pub add_terms: Option<u16>,
     /// Of a ship with forces: values of captive tests under `derivatives`, to set beside the estimates
     #[arg(long, value_name = "reference.toml")]
     pub reference: Option<PathBuf>,

@@ -94,6 +94,10 @@ const GONE: &[(&str, &str)] = &[
     ("search", "it is gone: `estimate --structure library` searches, `--structure few` for few terms"),
     ("cross", "it is gone: `estimate --fit together --folds each` scores recordings left out"),
     ("update", "it is gone: `estimate --fit together --promised design.json` compares"),
+    (
+        "--add-terms",
+        "it is gone: `estimate --structure library` finds terms, or forces, that the vessel lacks",
+    ),
     ("--core", "it is gone: `estimate --structure core`, or `--structure average` of a ship with forces"),
     ("--compact", "it is gone: `estimate --structure few`"),
     ("--covariance", "it is gone: `--keep covariance`"),

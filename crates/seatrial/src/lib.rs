@@ -52,7 +52,7 @@ pub use design::{
     Wanted,
 };
 pub use estimation::fitting::{Settings, Starts, Unfit};
-pub use estimation::pooled::{Covariance, Grown, Judgement, Pool, PoolError, Resampling};
+pub use estimation::pooled::{Covariance, Judgement, Pool, PoolError, Resampling};
 pub use estimation::runs::{RunError, RunEstimators};
 pub use estimation::search::{SearchError, SearchOptions};
 pub use estimation::{Estimator, RunEstimate, RunScore, ValidationRuns};

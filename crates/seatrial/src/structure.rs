@@ -254,7 +254,7 @@ impl AveragedSearch<'_> {
     }
 
     fn physical(&self, settings: Settings) -> Physical<'_> {
-        Physical { vessel: self.vessel, settings, former: None, reference: None, most_added: 0 }
+        Physical { vessel: self.vessel, settings, former: None, reference: None }
     }
 
     /// Fits the forces without each fold in both ways, each from what the one before found, and all of `runs` in the better way:

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use estimation::pooled::{Added, Pool, Pooled};
+use estimation::pooled::{Pool, Pooled};
 use estimation::{Estimator, RunEstimate};
 use files::{Error, Provenance, TableWriter, commit, stage_document, stage_set_document};
 use regression::pooled::NominalSource;
@@ -17,7 +17,7 @@ pub const MAIN: &str = "estimates.parquet";
 
 /// A row of estimates.parquet, estimate.json and model.json.
 pub struct PooledSet {
-    /// The vessel, with the terms that were added.
+    /// The vessel.
     pub vessel: Vessel,
     /// The estimate as that of one run.
     pub row: RunEstimate,
@@ -37,13 +37,13 @@ impl PooledSet {
         pool: &Pool,
         nominal: NominalSource,
         (estimator, replicates): (Estimator, u32),
-        (found, added): (&Pooled, &[Added]),
+        found: &Pooled,
     ) -> Self {
         Self {
             vessel: pool.vessel.clone(),
             row: found.as_run(estimator),
             estimate: EstimateDocument::pooled(pool.vessel, estimator, pool.removal, found),
-            trust: Trust::new(pool, nominal, (estimator, replicates), found, added),
+            trust: Trust::new(pool, nominal, (estimator, replicates), found),
             model: ModelDocument::new(pool, estimator, found),
             turned: found.turned.clone(),
         }
@@ -83,16 +83,11 @@ impl PooledSet {
             [] => String::new(),
             reasons => format!("; not identifiable: {}", reasons.join("; ")),
         };
-        let added: Vec<String> =
-            self.trust.added.iter().map(|a| format!("`{}` in {}", a.term, a.degree)).collect();
-        let more = if added.is_empty() { String::new() } else { format!("; added: {}", added.join(", ")) };
         let turned = self.turned.as_ref().map_or(String::new(), |turned| format!("; {turned}"));
         (
-            format!(
-                "{estimator} from {parts} parts of {sources} runs, {samples} samples{more}{rest}{turned}"
-            ),
+            format!("{estimator} from {parts} parts of {sources} runs, {samples} samples{rest}{turned}"),
             json!({"parts": parts, "sources": sources, "samples": samples,
-                "not_identifiable": refused, "added": added, "statements": statements}),
+                "not_identifiable": refused, "statements": statements}),
         )
     }
 }

@@ -11,7 +11,7 @@ use regression::pooled::{PooledRuns, Recorded};
 use serde_json::json;
 use ship::engine::Run;
 use ship::model::Vessel;
-use study::documents::{ChosenStructure, ModelDocument, ModelStructure};
+use study::documents::{ChosenStructure, EstimateDocument, ModelDocument, ModelStructure, PromiseUpdate};
 use study::estimates::covariances::{self, Covariances};
 use study::estimates::{self, Row, distinct};
 use study::files::{read_any_followed, read_any_vessel, read_campaign};
@@ -21,7 +21,7 @@ use study::{Doubtful, LoggedHelm};
 use crate::cli::{Allowed, Common, beside, given, member, none_given};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made, joined, joined_blocks};
-use crate::pool::{EstimateArguments, FitKind, Nominal};
+use crate::pool::{EstimateArguments, FitKind, Nominal, besides};
 use crate::stage::{Summary, Task};
 
 use super::{estimate_pool, search};
@@ -89,6 +89,11 @@ impl EstimateArguments {
             let enough = if count >= SEARCHED { "are enough" } else { "are too few" };
             (usual_structure(count, is_of_forces), format!("{count} recordings {enough} for a search"))
         };
+        if is_of_forces && [ModelStructure::Core, ModelStructure::Few].contains(&chosen) {
+            return Err(Failure::Usage(format!(
+                "--structure: found `{chosen}` of a ship with forces, expected own, library or average; take another one"
+            )));
+        }
         if self.structure.is_none() && chosen == ModelStructure::Core {
             // Few recordings distinguish seven terms best by their steps.
             asked.estimator = vec![Estimator::PredictionError];
@@ -114,9 +119,7 @@ impl EstimateArguments {
             ("--window-s", self.window_s.is_some()),
             ("--fitted-window-s", self.fitted_window_s.is_some()),
             ("--terms", self.terms.is_some()),
-            ("--add-terms", self.add_terms.is_some()),
             ("--reference", self.reference.is_some()),
-            ("--promised", self.promised.is_some()),
             ("--estimator auto", self.estimator.contains(&Estimator::Auto)),
         ];
         none_given(given, "an estimate of each run", "--fit together")?;
@@ -143,14 +146,22 @@ impl EstimateArguments {
         let inputs = [&self.flags.vessel].into_iter().chain(&self.flags.of.trajectories);
         let table = member(&out, MAIN, covariances::FILE, inputs)?;
         let kept = self.keep.is_some().then(|| Covariances::new(&table));
-        let (made, model) = match self.sharding.gathers() {
+        let promised = self.promised(common)?;
+        let (mut made, model) = match self.sharding.gathers() {
             true => (gathered(&self.sharding.gather, &vessel, [&out, &document], provenance)?, None),
             false => {
                 self.computed(&vessel, levels, provenance, [&out, &document], (kept.as_ref(), common.quiet))?
             }
         };
+        if promised.is_some() && model.is_none() {
+            let remedy = "name it by --runs, or estimate all by --fit together";
+            return Err(Failure::Usage(format!(
+                "--promised: found no single run with an estimate, expected one; {remedy}"
+            )));
+        }
+        let promise = self.promise(promised, model.as_ref(), &mut made.provenance)?;
         let also = kept.map(|kept| kept.staged(&vessel, &document, &made.provenance)).transpose()?;
-        publish(&vessel, &document, made, (&path, model), also)
+        publish((&vessel, promise), &document, made, (&path, model), also)
     }
 
     /// The vessel with the parameters that the runs can determine: simulated runs, which have their true states, have
@@ -344,7 +355,7 @@ fn levels(
 }
 
 fn publish(
-    vessel: &Vessel,
+    (vessel, promise): (&Vessel, Option<PromiseUpdate>),
     document: &Path,
     made: Made<Row>,
     (path, model): (&Path, Option<ModelDocument>),
@@ -371,7 +382,11 @@ fn publish(
     let verdict =
         if asked { format!(", {rejected} reject the model") } else { ", model not criticised".to_owned() };
     let turned = turned(vessel, &rows).map_or(String::new(), |turned| format!("; {turned}"));
-    let summary = || estimates::summarize(&out, &provenance, vessel, &rows);
+    let said = besides(None, promise.as_ref());
+    let summary = || {
+        let summary = estimates::summarize(&out, &provenance, vessel, &rows)?;
+        Ok(EstimateDocument { promise, ..summary })
+    };
     let also_model = if model.is_some() { ", a model" } else { "" };
     let model = model.map(|model| stage_document(path, &provenance, &model)).transpose()?;
     estimates::publish(table, [covariances, model], document, &provenance, summary)?;
@@ -387,7 +402,8 @@ fn publish(
             json!({"estimates": runs, "identified": identified, "not_identifiable": unexcited,
                 "not_converged": unconverged, "rejected": asked.then_some(rejected)})
         },
-    ))
+    )
+    .also(said))
 }
 
 /// The means of all runs with another sign than the nominal value, in words; standard errors are those of a run.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use estimation::Estimator;
-use estimation::pooled::{Judgement, Pool, Resample, Resampling, grown, resampled, unstated};
+use estimation::pooled::{Judgement, Pool, Resample, Resampling, resampled, unstated};
 use estimation::runs::AdditionalUnknowns;
 use files::{Provenance, Shard, TableReader};
 use regression::pooled::{PooledRuns, Recorded};
@@ -30,17 +30,16 @@ pub(super) fn pooled(
 ) -> Result<Summary, Failure> {
     let mut provenance = common.provenance("estimate");
     let (flags, file) = (&asked.flags, asked.flags.of.file());
-    let own = read_any_vessel(&flags.vessel, &mut provenance)?;
+    let given = read_any_vessel(&flags.vessel, &mut provenance)?;
     asked.check_none(structure.chosen, [("--terms", asked.terms.is_some())])?;
     let is_core = structure.chosen == ModelStructure::Core;
-    if own.model.forces.is_some() {
-        asked.check_none(structure.chosen, [("a ship with forces", is_core)])?;
+    if given.model.forces.is_some() {
         check_forces(asked)?;
-        return physical::fit(asked, structure, &own, (common, provenance));
+        return physical::fit(asked, structure, &given, (common, provenance));
     }
     let vessel = match is_core {
-        true => core_of(&own).map_err(|e| Failure::invalid(&flags.vessel, &e))?,
-        false => own,
+        true => core_of(&given).map_err(|e| Failure::invalid(&flags.vessel, &e))?,
+        false => given,
     };
     let windows = asked.window_s.is_some() && asked.folds.is_none();
     none_given([("--window-s", windows)], "no --folds", "recordings that are left out")?;
@@ -69,21 +68,18 @@ pub(super) fn pooled(
     let bytes = pool.bytes(&runs, estimator, replicates, rayon::current_num_threads());
     inputs::fits(file, &runs.amount(), bytes)?;
     note(asked, (estimator, is_core), &judgement, &mut provenance);
-    let most = usize::from(asked.add_terms.unwrap_or(0));
-    let grown = grown(&pool, &runs, estimator, &judgement, most).map_err(|e| Failure::of_pool(e, file))?;
-    let pool_of_grown = pool.of(&grown.vessel, grown.nominal.clone());
     if let Some(shard) = asked.sharding.shard {
         provenance.shard = Some(shard);
-        let (pooled, how) = ((&pool_of_grown, &runs), (estimator, &judgement));
+        let (pooled, how) = ((&pool, &runs), (estimator, &judgement));
         return drawn(asked, (shard, &written.main), pooled, how, (provenance, common.quiet));
     }
-    let drawn = gathered(asked, &grown.vessel, replicates, &mut provenance)?;
+    let drawn = gathered(asked, &vessel, replicates, &mut provenance)?;
     let progress = WorkProgress::new("resamples", replicates as usize, common.quiet);
     let resampled = |count: usize| progress.advance(count);
     let resampling = drawn.as_deref().map_or(Resampling::Drawn(&resampled), Resampling::Given);
     let nominal = flags.nominal().source();
-    let pooling = Pooling { pool, nominal, judgement, most_added: most };
-    let set = pooling.judged(grown, &runs, (estimator, asked.estimator.is_empty()), resampling);
+    let pooling = Pooling { pool, nominal, judgement };
+    let set = pooling.judged(&runs, (estimator, asked.estimator.is_empty()), resampling);
     let set = set.map_err(|e| Failure::of_pool(e, file))?;
     let left_out =
         asked.folds.map(|folds| left_out(asked, folds, &vessel, (common, &mut provenance))).transpose()?;
@@ -114,8 +110,8 @@ fn left_out(
     let options = CrossOptions { estimators, window, folds: folds.map(usize::from) };
     let all = dealt(runs.sources(), options.folds).len() * options.estimators.len();
     let progress = WorkProgress::new("folds", all, common.quiet);
-    let found = cross_validate(&pool, &runs, &options, &|count| progress.advance(count));
-    let found = found.map_err(|e| Failure::invalid(file, &e.invalid()))?;
+    let scores = cross_validate(&pool, &runs, &options, &|count| progress.advance(count));
+    let scores = scores.map_err(|e| Failure::invalid(file, &e.invalid()))?;
     let settings = [
         ("estimators", json!(options.estimators)),
         ("window_samples", json!(window)),
@@ -123,15 +119,13 @@ fn left_out(
     ];
     physical::note(settings, provenance);
     let window_s = window.map(|samples| samples as f64 / vessel.sample_rate_hz);
-    Ok(LeftOutScores::new(&pool, flags.nominal().source(), window_s, &found))
+    Ok(LeftOutScores::new(&pool, flags.nominal().source(), window_s, &scores))
 }
 
 /// Refuses flags that a fit of forces does not have.
 fn check_forces(asked: &EstimateArguments) -> Result<(), Failure> {
-    let adds = asked.add_terms.is_some_and(|most| most > 0);
     let flags = [
         ("--bootstrap", asked.bootstrap.is_some()),
-        ("--add-terms beside a former fit", adds && asked.flags.former().is_some()),
         ("--unknown-current or --intercepts", asked.additional.unknown() != AdditionalUnknowns::default()),
         ("--shard or --gather", asked.sharding.shard.is_some() || asked.sharding.gathers()),
     ];
@@ -168,7 +162,6 @@ fn note(
         ("pool", json!(true)),
         ("bootstrap", json!(judgement.replicates)),
         ("seed", json!(judgement.seed)),
-        ("add_terms", json!(asked.add_terms.filter(|most| *most > 0))),
         ("core", json!(Some(true).filter(|_| is_core))),
     ];
     asked.flags.note(settings, provenance);

@@ -20,8 +20,8 @@ use crate::physical::{note, settings, unfit};
 use crate::pool::{EstimateArguments, Folds, SetPaths, besides};
 use crate::stage::Summary;
 
-/// Most forces that are added, by default.
-const MOST_ADDED: u16 = 3;
+/// Most forces that are added.
+const MOST_ADDED: usize = 3;
 /// Models of few terms that are averaged.
 const AVERAGED: u32 = 10;
 /// Resamples, by default.
@@ -42,11 +42,11 @@ pub(super) fn searched(
     search.check(vessel.model.forces.is_some())?;
     let written = SetPaths::of(common, asked)?;
     let promised = asked.promised(common)?;
-    let found = match vessel.model.forces.is_some() && search.kind() == ModelStructure::Library {
+    let structure = match vessel.model.forces.is_some() && search.kind() == ModelStructure::Library {
         true => search.forces(&vessel, &mut provenance)?,
         false => search.terms(vessel, &mut provenance)?,
     };
-    let FoundStructure { search: summary, model } = found;
+    let FoundStructure { search: summary, model } = structure;
     let promise = asked.promise(promised, Some(&model), &mut provenance)?;
     let besides = besides(None, promise.as_ref());
     let said = format!("{} terms; {}", summary.terms.len(), summary.statements.join("; "));
@@ -88,14 +88,12 @@ impl Searching<'_> {
                 ("--mean-removal", flags.mean_removal != MeanRemoval::Complete),
                 ("--reference", asked.reference.is_some()),
                 ("--bootstrap", asked.bootstrap.is_some() && !is_few),
-                ("--add-terms", asked.add_terms.is_some() && !(is_of_forces && is_library)),
                 ("--terms", asked.terms.is_some() && is_of_forces && !is_library),
                 (
                     "--unknown-current or --intercepts",
                     asked.additional.unknown() != AdditionalUnknowns::default(),
                 ),
                 ("--shard or --gather", asked.sharding.shard.is_some() || asked.sharding.gathers()),
-                ("a ship with forces", is_of_forces && is_few),
             ],
         )
     }
@@ -138,7 +136,7 @@ impl Searching<'_> {
             }
             Some(ship) => self.averaged((ship, &begun, &runs), &options, provenance)?,
         };
-        let found = structure.map_err(|e| refused(of.file(), &e))?;
+        let structure = structure.map_err(|e| refused(of.file(), &e))?;
         let bootstrap =
             options.bootstrap.map(|of| [("bootstrap", json!(of.resamples)), ("seed", json!(of.seed))]);
         let average = options.average.map(|of| [("average", json!(of.models)), ("seed", json!(of.seed))]);
@@ -152,7 +150,7 @@ impl Searching<'_> {
             ("leave_out", json!(of.leave_out)),
         ];
         note(settings.into_iter().chain(bootstrap.into_iter().chain(average).flatten()), provenance);
-        Ok(found)
+        Ok(structure)
     }
 
     /// Forces that `vessel` lacks.
@@ -168,7 +166,7 @@ impl Searching<'_> {
             settings: settings(1.0 / rate_hz, ("--fitted-window-s", asked.fitted_window_s), None)?,
             scored: asked.scored(vessel)?,
             folds: usize::from(folds),
-            most_added: usize::from(asked.add_terms.unwrap_or(MOST_ADDED).max(1)),
+            most_added: MOST_ADDED,
             listed: listed.as_ref(),
         };
         let file = asked.terms.as_ref().unwrap_or(&asked.flags.vessel);
@@ -176,17 +174,16 @@ impl Searching<'_> {
         let runs = of.read_of_forces(vessel, provenance)?;
         let progress = WorkProgress::new("searches", search.searches(), self.common.quiet);
         let structure = search.find(&runs, &|count| progress.advance(count));
-        let found = structure.map_err(|e| self.unfound(e))?;
+        let structure = structure.map_err(|e| self.unfound(e))?;
         let noted = [
             ("fitted_window_s", json!(search.settings.window_s)),
             ("window_samples", json!(search.scored)),
             ("folds", json!(folds)),
-            ("add_terms", json!(search.most_added)),
             ("runs", json!(of.runs)),
             ("leave_out", json!(of.leave_out)),
         ];
         note(noted, provenance);
-        Ok(found)
+        Ok(structure)
     }
 
     /// Searches from the core of `ship`, and fits her forces to the same runs.

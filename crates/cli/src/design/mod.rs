@@ -1,4 +1,4 @@
-//! `design`: the time of each maneuver, `design refine`: the input signals themselves, and `design update`: what became of its promise.
+//! `design`: the time of each maneuver, `design refine`: the input signals themselves.
 
 mod stage;
 

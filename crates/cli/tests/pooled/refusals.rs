@@ -79,7 +79,7 @@ fn a_nominal_model_that_diverges_is_told_with_part_and_sample() {
     );
     run(&folder, &format!("{POOL} --runs random/0 --allow=mixed --estimator auto --out estimates.parquet"))
         .succeeds();
-    let said = json(&folder, "trust.json")["data"]["statements"][0].clone();
+    let said = json(&folder, "estimate.json")["data"]["trust"]["statements"][0].clone();
     assert!(said.as_str().unwrap().contains("diverges"), "{said}");
 }
 
@@ -88,9 +88,9 @@ fn validate_still_wants_estimates_without_a_subcommand() {
     let folder = with(&["campaign.parquet"]);
     refused(&folder, 2, "validate --out estimates.parquet", &["--vessel"]);
     refused(&folder, 2, "validate", &["--vessel"]);
-    refused(&folder, 2, "validate cross --out c.json", &["--vessel", "--trajectories"]);
+    refused(&folder, 2, "estimate --out c.json", &["--vessel", "--trajectories"]);
     let help = run(&folder, "validate --help").succeeds();
-    for piece in ["cross", "selection", "--estimates", "--validation"] {
+    for piece in ["selection", "--estimates", "--validation"] {
         assert!(help.stdout.contains(piece), "{help}");
     }
 }

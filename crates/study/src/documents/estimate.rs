@@ -2,7 +2,7 @@
 
 use estimation::Estimator;
 use estimation::criticism::Criticism;
-use estimation::pooled::{Added, DegreeTrust, ParameterTrust, Pool, Pooled, SourceErrors};
+use estimation::pooled::{DegreeTrust, ParameterTrust, Pool, Pooled, SourceErrors};
 use files::{Document, Units};
 use refusal::Invalid;
 use regression::MeanRemoval;
@@ -405,9 +405,6 @@ pub struct Trust {
     /// What the model lacks; absent where the model diverges or has no estimate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub criticism: Option<Criticism>,
-    /// Terms that the model was found to lack and was given, in that order; absent where none were.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub added: Vec<Added>,
 }
 
 impl Trust {
@@ -417,7 +414,6 @@ impl Trust {
         nominal: NominalSource,
         (estimator, replicates): (Estimator, u32),
         found: &Pooled,
-        added: &[Added],
     ) -> Self {
         Self {
             estimator,
@@ -434,7 +430,6 @@ impl Trust {
             constrained: ConstrainedParameter::all(pool.vessel, Some(found)),
             runs: found.sources.clone(),
             criticism: found.criticism.clone(),
-            added: added.to_vec(),
         }
     }
 }
