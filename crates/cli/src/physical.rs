@@ -51,7 +51,7 @@ pub fn fit(
 ) -> Result<Summary, Failure> {
     let flags = &asked.flags;
     check(flags, &asked.estimator, vessel)?;
-    let written = SetPaths::of(common, asked)?;
+    let written = SetPaths::of(common, asked, false)?;
     let rate_hz = vessel.sample_rate_hz;
     let settings =
         settings(1.0 / rate_hz, ("--fitted-window-s", asked.fitted_window_s), flags.prior.as_ref())?;

@@ -399,7 +399,7 @@ impl EstimateArguments {
         if let Some(digest) = provenance.inputs.get("trajectories") {
             noted.made("trajectories", file, *digest, &from)?;
         }
-        let roles = [("design", "promised"), ("moments", "promised:moments"), ("merit", "promised:merit")];
+        let roles = [("design", "promised"), ("moments", "promised:moments"), ("figures", "promised:figures")];
         let known =
             roles.iter().filter_map(|(role, name)| Some(((*name).to_owned(), *noted.inputs.get(*role)?)));
         provenance.inputs.extend(known);
@@ -435,9 +435,9 @@ pub struct SetPaths {
 }
 
 impl SetPaths {
-    /// Those of `asked`: --out names the document or the table.
-    pub fn of(common: &Common, asked: &EstimateArguments) -> Result<Self, Failure> {
-        let is_table = common.out.extension().is_some_and(|end| end.eq_ignore_ascii_case("parquet"));
+    /// Those of `asked`: --out names the document, or the table where there is one.
+    pub fn of(common: &Common, asked: &EstimateArguments, has_table: bool) -> Result<Self, Failure> {
+        let is_table = has_table && common.out.extension().is_some_and(|end| end.eq_ignore_ascii_case("parquet"));
         let usual = if is_table { "estimates.parquet" } else { "estimate.json" };
         let main = common.main_output(usual, asked.inputs())?;
         let of = |name: &str| match name == usual {

@@ -256,7 +256,7 @@ fn logs_section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
     let (read, missing) = documents::<EstimateDocument>(folders, "estimate.json")?;
     let scores = read.iter().flat_map(|(folder, loaded)| {
         let all = loaded.data.left_out.iter();
-        all.flat_map(move |found| found.estimators.iter().map(move |score| (folder, found, score)))
+        all.flat_map(move |scores| scores.estimators.iter().map(move |score| (folder, scores, score)))
     });
     let table = MarkdownTable::of(scores)
         .column("logs", |(folder, ..)| label(folder))

@@ -63,8 +63,8 @@ impl PooledSet {
         let mut writer = TableWriter::create(table, columns.schema(), provenance)?.with_document(summary);
         writer.push(columns.encode(std::slice::from_ref(&self.row))?)?;
         let mut staged = vec![writer.finish()?];
-        if let Some(found) = &self.model {
-            staged.push(stage_document(model, provenance, found)?);
+        if let Some(delivered) = &self.model {
+            staged.push(stage_document(model, provenance, delivered)?);
         }
         staged.push(stage_set_document(summary, provenance, &said, &staged)?);
         commit(staged)

@@ -56,7 +56,7 @@ pub(super) fn pooled(
         Some(_) => {
             SetPaths { main: common.main_output(resamples::MAIN, asked.inputs())?, ..SetPaths::default() }
         }
-        None => SetPaths::of(common, asked)?,
+        None => SetPaths::of(common, asked, true)?,
     };
     let promised = asked.promised(common)?;
     let (runs, pool) = flags.read(&vessel, &mut provenance, inputs::kept_runs)?;

@@ -40,7 +40,7 @@ pub(super) fn searched(
     let vessel = read_any_vessel(&asked.flags.vessel, &mut provenance)?;
     let search = Searching { asked, structure, common };
     search.check(vessel.model.forces.is_some())?;
-    let written = SetPaths::of(common, asked)?;
+    let written = SetPaths::of(common, asked, false)?;
     let promised = asked.promised(common)?;
     let structure = match vessel.model.forces.is_some() && search.kind() == ModelStructure::Library {
         true => search.forces(&vessel, &mut provenance)?,

@@ -64,8 +64,8 @@ fn a_model_carries_what_was_fixed_tied_and_at_a_bound_and_the_next_estimate_star
     let told = trust["data"]["constrained"].as_array().unwrap();
     assert_eq!(told.iter().map(|p| p["name"].as_str().unwrap()).collect::<Vec<_>>(), ["X_uu", "Y_ur"]);
     assert_eq!((&told[1]["estimate"], &told[1]["standard_error"]), (&tied["value"], &tied["standard_error"]));
-    assert!(trust["data"]["statements"].to_string().contains("yaw: held at a bound"), "{trust}");
-    assert_eq!(json(&folder, "estimate.json")["data"]["constrained"], trust["data"]["constrained"]);
+    assert!(trust["data"]["trust"]["statements"].to_string().contains("yaw: held at a bound"), "{trust}");
+    assert_eq!(trust["data"]["trust"]["constrained"], trust["data"]["constrained"]);
     // From the model on: the same structure, the same constraints.
     std::fs::create_dir(folder.path().join("again")).unwrap();
     let again =

@@ -43,7 +43,7 @@ fn folds_are_dealt_in_turns() {
 fn an_estimator_that_cannot_be_simulated_is_told_and_not_recommended() {
     let folder = with(&["dictionary.parquet"]);
     let line = "estimate --structure own --folds each --vessel vessel.toml --trajectories dictionary.parquet --runs 0,1,2 \
-                --prior 0.1 --estimator output-error,iv --out scores.json";
+                --estimator ls,iv --out scores.json";
     let said = run(&folder, line).succeeds();
     let data = json(&folder, "scores.json")["data"]["left_out"].clone();
     assert_eq!(

@@ -1,6 +1,5 @@
 //! Tests of what a model lacks, on runs for which that is known.
 
-
 use estimation::criticism::{Absent, Criticism, Subject, criticise, criticise_each};
 use estimation::predictor::{Flow, InitialState, NoiseModel};
 use estimation::runs::{AdditionalUnknowns, RunEstimators};
