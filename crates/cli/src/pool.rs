@@ -399,7 +399,8 @@ impl EstimateArguments {
         if let Some(digest) = provenance.inputs.get("trajectories") {
             noted.made("trajectories", file, *digest, &from)?;
         }
-        let roles = [("design", "promised"), ("moments", "promised:moments"), ("figures", "promised:figures")];
+        let roles =
+            [("design", "promised"), ("moments", "promised:moments"), ("figures", "promised:figures")];
         let known =
             roles.iter().filter_map(|(role, name)| Some(((*name).to_owned(), *noted.inputs.get(*role)?)));
         provenance.inputs.extend(known);
@@ -437,7 +438,8 @@ pub struct SetPaths {
 impl SetPaths {
     /// Those of `asked`: --out names the document, or the table where there is one.
     pub fn of(common: &Common, asked: &EstimateArguments, has_table: bool) -> Result<Self, Failure> {
-        let is_table = has_table && common.out.extension().is_some_and(|end| end.eq_ignore_ascii_case("parquet"));
+        let is_table =
+            has_table && common.out.extension().is_some_and(|end| end.eq_ignore_ascii_case("parquet"));
         let usual = if is_table { "estimates.parquet" } else { "estimate.json" };
         let main = common.main_output(usual, asked.inputs())?;
         let of = |name: &str| match name == usual {

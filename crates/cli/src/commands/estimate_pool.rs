@@ -65,8 +65,14 @@ pub(super) fn pooled(
     asked.additional.check(&[estimator])?;
     LoggedHelm::of(&provenance).check(file, &[estimator])?;
     let judgement = Judgement { replicates, seed: common.seed.unwrap_or(1) };
-    let bytes = pool.bytes(&runs, estimator, replicates, rayon::current_num_threads());
-    inputs::fits(file, &runs.amount(), bytes)?;
+    let threads = rayon::current_num_threads();
+    inputs::fits(file, &runs.amount(), pool.bytes(&runs, estimator, replicates, threads))?;
+    let dealt_runs = asked.folds.map(|folds| {
+        let (runs, pool) = flags.read(&vessel, &mut common.provenance("estimate"), inputs::runs)?;
+        inputs::fits(file, &runs.amount(), pool.bytes_of_many(&runs, threads))?;
+        Ok::<_, Failure>((folds, runs, pool))
+    });
+    let dealt_runs = dealt_runs.transpose()?;
     note(asked, (estimator, is_core), &judgement, &mut provenance);
     if let Some(shard) = asked.sharding.shard {
         provenance.shard = Some(shard);
@@ -81,8 +87,9 @@ pub(super) fn pooled(
     let pooling = Pooling { pool, nominal, judgement };
     let set = pooling.judged(&runs, (estimator, asked.estimator.is_empty()), resampling);
     let set = set.map_err(|e| Failure::of_pool(e, file))?;
-    let left_out =
-        asked.folds.map(|folds| left_out(asked, folds, &vessel, (common, &mut provenance))).transpose()?;
+    let scores =
+        |(Folds(folds), runs, pool)| left_out(asked, folds, (&pool, &runs), (common, &mut provenance));
+    let left_out = dealt_runs.map(scores).transpose()?;
     let promise = asked.promise(promised, set.model.as_ref(), &mut provenance)?;
     let (said, details) = set.summary();
     let besides = besides(left_out.as_ref(), promise.as_ref());
@@ -94,14 +101,11 @@ pub(super) fn pooled(
 /// The scores of estimators on recordings that are left out of them, a fold at a time.
 fn left_out(
     asked: &EstimateArguments,
-    Folds(folds): Folds,
-    vessel: &Vessel,
+    folds: Option<u16>,
+    (pool, runs): (&Pool, &PooledRuns),
     (common, provenance): (&Common, &mut Provenance),
 ) -> Result<LeftOutScores, Failure> {
-    let (flags, file) = (&asked.flags, asked.flags.of.file());
-    let (runs, pool) = flags.read(vessel, &mut common.provenance("estimate"), inputs::runs)?;
-    inputs::fits(file, &runs.amount(), pool.bytes_of_many(&runs, rayon::current_num_threads()))?;
-    let window = asked.scored(vessel)?;
+    let window = asked.scored(pool.vessel)?;
     let of = |estimators: &[Estimator]| {
         Estimator::POOLED.into_iter().filter(|one| estimators.contains(one)).collect::<Vec<_>>()
     };
@@ -110,16 +114,16 @@ fn left_out(
     let options = CrossOptions { estimators, window, folds: folds.map(usize::from) };
     let all = dealt(runs.sources(), options.folds).len() * options.estimators.len();
     let progress = WorkProgress::new("folds", all, common.quiet);
-    let scores = cross_validate(&pool, &runs, &options, &|count| progress.advance(count));
-    let scores = scores.map_err(|e| Failure::invalid(file, &e.invalid()))?;
+    let scores = cross_validate(pool, runs, &options, &|count| progress.advance(count));
+    let scores = scores.map_err(|e| Failure::invalid(asked.flags.of.file(), &e.invalid()))?;
     let settings = [
         ("estimators", json!(options.estimators)),
         ("window_samples", json!(window)),
         ("folds", json!(folds)),
     ];
     physical::note(settings, provenance);
-    let window_s = window.map(|samples| samples as f64 / vessel.sample_rate_hz);
-    Ok(LeftOutScores::new(&pool, flags.nominal().source(), window_s, &scores))
+    let window_s = window.map(|samples| samples as f64 / pool.vessel.sample_rate_hz);
+    Ok(LeftOutScores::new(pool, asked.flags.nominal().source(), window_s, &scores))
 }
 
 /// Refuses flags that a fit of forces does not have.

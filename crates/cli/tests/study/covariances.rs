@@ -114,6 +114,6 @@ fn covariances_belong_to_the_set_and_go_with_the_next_estimate() {
         &folder,
         2,
         &format!("{ESTIMATE} --keep covariance --shard 1/2"),
-        &["--keep covariance", "--shard"],
+        &["--keep", "--shard"],
     );
 }
