@@ -209,7 +209,7 @@ results: build
 	for name in $(SELECTED_STUDIES); do $(MAKE) STUDY=pipelines/$$name OUT=out/$$name seeds || exit 1; done
 	for name in $(LOGGED_STUDIES); do \
 	  case $$name in esso-osaka) logs="$(ESSO_OSAKA_LOGS)" ;; *) logs="$(KVLCC2_LOGS)" ;; esac; \
-	  $(MAKE) STUDY=pipelines/$$name OUT=out/$$name LOGS="$$logs" STAGE=cross study || exit 1; done
+	  $(MAKE) STUDY=pipelines/$$name OUT=out/$$name LOGS="$$logs" STAGE=estimate study || exit 1; done
 	$(MAKE) docs
 
 .PHONY: docs

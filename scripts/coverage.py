@@ -66,8 +66,8 @@ def main() -> None:
                 pooled = []
                 for first in range(0, a.trials - a.together + 1, a.together):
                     some = [f"--runs={number}" for number in range(first, first + a.together)]
-                    run("estimate", "pool", *sailed_so, *some, "--estimator", estimator, out="")
-                    pooled.append(hits_of(folder / "trust.json", truth))
+                    run("estimate", "--fit=together", *sailed_so, *some, "--estimator", estimator, out="")
+                    pooled.append(hits_of(folder / "estimate.json", truth))
                 cells.append(share(pooled))
             print(f"| `{kind}` | {' | '.join(cells)} |", flush=True)
 
@@ -81,7 +81,7 @@ def single(path: Path, truth: dict[str, str]) -> list[list[bool]]:
 
 def hits_of(path: Path, truth: dict[str, str]) -> list[bool]:
     """The same of a pooled estimate, whose parts are the trials."""
-    degrees = json.loads(path.read_text())["data"]["degrees"]
+    degrees = json.loads(path.read_text())["data"]["trust"]["degrees"]
     found = {own["name"]: own for degree in degrees for own in degree["parameters"]}
     return [abs(found[name]["estimate"] - float(value)) <= Z * found[name]["standard_error"] for name, value in truth.items()]
 

@@ -4,7 +4,7 @@
 
 Each draw multiplies every nominal parameter of the paper's ship by e^(0.4 z), as `scripts/wrong_nominal.py` does. The nominal ship
 designs a trial of 125 s for an output-error estimate (a-relative). The true ship sails it. *Found* is the root mean square of the
-errors over so many trials; *promised* is that of `design.json` before a trial, and of `design update` after each of three others.
+errors over so many trials; *promised* is that of `design.json` before a trial, and of `estimate --promised` after each of three others.
 With fixed scales, all errors are over the nominal parameters; relative, those found are over the true ones. Prints promised over
 found of every draw, then its spread, and the share between 0.8 and 1.25 with a 95 % interval (bootstrap over draws). Needs nothing
 besides Python.
@@ -86,10 +86,8 @@ def ratios(a: argparse.Namespace, folder: Path, seed: int) -> dict[str, list[flo
     relative = math.sqrt(sum(square(p) / p["truth"] ** 2 for p in found))
     promised, after = 0.0, []
     for trial in range(AFTER):
-        sail(run, ("--set", "campaign.realizations=1", "--seed", str(100_000 + 10 * seed + trial)))
-        files = ("--design", "design.json", "--moments", "moments.json", "--model", "model.json")
-        run("design", "update", "--allow=mixed", *files, "--out", "design-update.json")
-        error = json.loads((folder / "design-update.json").read_text())["data"]["parameter_error"]
+        sail(run, ("--set", "campaign.realizations=1", "--seed", str(100_000 + 10 * seed + trial)), "--promised", "design.json")
+        error = json.loads((folder / "estimate.json").read_text())["data"]["promise"]["parameter_error"]
         promised = error["promised"]
         after.append(error["now"] / fixed)
     return {"before, relative": [promised / relative], "before, fixed": [promised / fixed], "after, fixed": after}
@@ -100,11 +98,11 @@ def square(found: dict[str, float]) -> float:
     return (found["mean"] - found["truth"]) ** 2 + (found["spread"] or 0.0) ** 2
 
 
-def sail(run, size: tuple[str, ...]) -> None:
+def sail(run, size: tuple[str, ...], *more: str) -> None:
     files = ("--vessel", "true.toml", "--dictionary", "dictionary.toml", "--campaign", "campaign.toml", "--design", "design.json")
     run("simulate", "campaign", "--allow=mixed", *files, *size, "--out", "campaign.parquet")
     estimate = ("--vessel", "true.toml", "--trajectories", "campaign.parquet", *DESIGNED)
-    run("estimate", "--allow=mixed", *estimate, "--out", "estimates.parquet")
+    run("estimate", "--allow=mixed", *estimate, *more, "--out", "estimates.parquet")
 
 
 if __name__ == "__main__":

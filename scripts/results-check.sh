@@ -77,7 +77,7 @@ logs=""
 for name in esso-osaka:esso_osaka kvlcc2:kvlcc2_hsva; do
   folder=../shared/data/${name#*:} study=${name%:*}
   if [ -d "$folder" ]; then
-    made "pipelines/$study" cross "$study" --logs "$folder"
+    made "pipelines/$study" estimate "$study" --logs "$folder"
     logs="$logs $out/$study/measured"
   fi
 done

@@ -45,7 +45,7 @@ small() {
         sed -i -e 's/^BOOTSTRAP .*/BOOTSTRAP = 5/' -e 's/--compact/--compact --bootstrap 2/' -e 's/--duration-s 1800/--duration-s 600/' \
           -e 's/^TEST \(.*\)= *random.*/TEST = turn_14-Sep-2020_13_51_45/' "$3/study.mk"
       else
-        sed -i -e 's/^bootstrap = .*/bootstrap = 5/' -e 's/^compact = true/compact = true\nbootstrap = 2/' \
+        sed -i -e 's/^bootstrap = .*/bootstrap = 5/' -e '/^\[search\]/,$ s/^window_s = 100/window_s = 100\nbootstrap = 2/' \
           -e 's/^duration_s = 1800/duration_s = 600/' -e '/^    "[rtz]/{/turn_14-Sep/!d}' "$3/study.toml"
       fi
       sed -i -e 's/^realizations = .*/realizations = 4/' -e 's/^duration_s = 1800.0/duration_s = 600.0/' \
@@ -105,7 +105,7 @@ study() {
     model-ship)
       small model-ship "$2" "$copy"
       few=--setting=BOOTSTRAP=20
-      [ -f "$copy/study.mk" ] || few=--set=study.pool.bootstrap=20
+      [ -f "$copy/study.mk" ] || few=--set=study.estimate.bootstrap=20
       "$program" run "$copy" $few --out "$out" --quiet ;;
     esso-osaka | kvlcc2)
       small "$1" "$2" "$copy"
@@ -116,11 +116,11 @@ study() {
       "$program" run "$copy" --stage campaign --out "$out" --quiet
       for estimator in ls iv output-error; do
         mkdir -p "$out/$estimator"
-        "$program" estimate pool --quiet --estimator $estimator --bootstrap 20 --vessel "$copy/vessel.toml" \
+        "$program" estimate --fit together --quiet --estimator $estimator --bootstrap 20 --vessel "$copy/vessel.toml" \
           --trajectories "$out/campaign.parquet" --runs optimized/0,optimized/1,random/2 --out "$out/$estimator/"
       done
-      "$program" validate cross --quiet --vessel "$copy/vessel.toml" --trajectories "$out/campaign.parquet" \
-        --runs optimized/0,optimized/1,random/2 --out "$out/crossval.json" ;;
+      "$program" estimate --fit together --folds each --estimator ls,iv,auto,output-error --quiet --vessel "$copy/vessel.toml" --trajectories "$out/campaign.parquet" \
+        --runs optimized/0,optimized/1,random/2 --out "$out/scores.json" ;;
     *)
       small "$1" "$2" "$copy"
       "$program" run "$copy" --out "$out" --quiet ;;

@@ -45,7 +45,7 @@ def model() -> Path:
     out.mkdir()
     runs = ["optimized/0", "optimized/1", "optimized/2"]
     vessel, campaign = study() / "vessel.toml", results() / "campaign.parquet"
-    seatrial.run("estimate pool", vessel=vessel, trajectories=campaign, runs=runs, out=f"{out}/", quiet=True)
+    seatrial.run("estimate", fit="together", vessel=vessel, trajectories=campaign, runs=runs, out=f"{out}/", quiet=True)
     return out / "model.json"
 
 
@@ -55,7 +55,7 @@ def covariances() -> Path:
     out = folder() / "covariances"
     out.mkdir()
     vessel, campaign = study() / "vessel.toml", results() / "campaign.parquet"
-    seatrial.run("estimate", vessel=vessel, trajectories=campaign, covariance=True, out=f"{out}/", quiet=True)
+    seatrial.run("estimate", vessel=vessel, trajectories=campaign, keep="covariance", out=f"{out}/", quiet=True)
     return out
 
 

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::error::Error;
 
 use estimation::criticism::{Criticism, Subject, criticise, criticise_each};
-use estimation::pooled::{Judgement, Pool, Resampling, StandardErrors, enriched, standard_errors};
+use estimation::pooled::{Judgement, Pool, StandardErrors, standard_errors};
 use numerics::distributions::student_half_width;
 use numerics::statistics::{Z, clustered_share, wilson};
 use rayon::prelude::*;
@@ -62,7 +62,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         let (right, lacking) = (runs(&exact)?, runs(&richer)?);
         let told = match what {
             "errors" => errors(&exact, &right),
-            "added" => added(&exact, &right, &lacking),
             _ => rejections(&exact, &campaign, &right, &lacking, what == "stated")?,
         };
         told.iter().for_each(|line| println!("{name:<6} {line}"));
@@ -148,34 +147,6 @@ fn named(found: &Criticism) -> bool {
     first.is_some_and(|a| {
         matches!((a.name.as_str(), a.degree.as_deref()), ("v |v|", Some("sway")) | ("r |r|", Some("yaw")))
     })
-}
-
-/// How often exactly the terms that are missing are added, by single runs whose noise is not stated.
-fn added(study: &Study, right: &[SimulatedRun], lacking: &[SimulatedRun]) -> Vec<String> {
-    let judgement = Judgement { replicates: 0, seed: 1 };
-    let terms = |run: &SimulatedRun| {
-        let runs = pooled(std::slice::from_ref(run));
-        let found = enriched(
-            &Pool::new(study.vessel()),
-            &runs,
-            Estimator::Iv,
-            &judgement,
-            4,
-            Resampling::Drawn(&|_| ()),
-        )
-        .ok()?;
-        let mut terms: Vec<String> = found.added.into_iter().map(|a| a.term).collect();
-        terms.sort_unstable();
-        Some(terms)
-    };
-    let exactly = |runs: &[SimulatedRun], wanted: &[&str]| {
-        let found: Vec<Vec<String>> = runs.par_iter().filter_map(terms).collect();
-        share(found.iter().filter(|own| *own == wanted).count(), found.len())
-    };
-    vec![
-        format!("two missing: exactly these added {}", exactly(lacking, &["r |r|", "v |v|"])),
-        format!("right: nothing added {}", exactly(right, &[])),
-    ]
 }
 
 /// How often the 95 % intervals of estimates from several runs hold the truth, over all parameters.

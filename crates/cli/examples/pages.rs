@@ -27,7 +27,7 @@ enum Page {
         /// Picks of sub-experiments (picks/validation.json)
         #[arg(long, num_args = 1..)]
         selections: Vec<PathBuf>,
-        /// Measured logs (crossval.json)
+        /// Measured logs (estimate.json with recordings left out)
         #[arg(long, num_args = 1..)]
         logs: Vec<PathBuf>,
         /// Folder of the studies' hand-written files, for published results

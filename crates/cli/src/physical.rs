@@ -3,22 +3,20 @@
 use std::path::{Path, PathBuf};
 
 use estimation::Estimator;
-use files::{Provenance, commit, read_document, stage_document};
+use files::{Provenance, commit_with_document, read_document, stage_document};
 use seatrial::estimation::fitting::{Settings, Unfit};
 use seatrial::validation::crossval::dealt;
 use seatrial::{Physical, PhysicalError, check_captive, former};
 use serde_json::{Value, json};
 use ship::model::Vessel;
-use study::documents::{CrossvalDocument, ModelDocument};
+use study::documents::{ChosenStructure, EstimateDocument, LeftOutScores, ModelDocument};
 use study::files::read_reference;
 
 use crate::cli::{Common, none_given, not_below, samples};
 use crate::failure::{Failure, WorkProgress};
-use crate::pool::{Held, PoolFlags};
+use crate::pool::{EstimateArguments, Folds, Held, PoolFlags, SetPaths, besides};
 use crate::stage::Summary;
 
-/// The usual name of the document.
-const MAIN: &str = "model.json";
 /// Weight of a former fit of the same ship or of a sister's.
 const FORMER: f64 = 10.0;
 
@@ -44,26 +42,31 @@ pub fn settings(
     Ok(Settings { window_s, prior_weight, ..usual })
 }
 
-/// Fits `vessel`, which has forces, to windows of the runs of `flags`, sets what is published beside, and writes model.json.
+/// Fits `vessel`, which has forces, to windows of the runs, sets what is published beside, and writes estimate.json and model.json.
 pub fn fit(
-    (flags, window_s, published): (&PoolFlags, Option<f64>, Option<&PathBuf>),
-    (estimator, most_added): (Option<Estimator>, usize),
+    asked: &EstimateArguments,
+    structure: ChosenStructure,
     vessel: &Vessel,
     (common, mut provenance): (&Common, Provenance),
 ) -> Result<Summary, Failure> {
-    check(flags, estimator.as_slice(), vessel)?;
-    let out = common.main_output(MAIN, flags.inputs().chain(published))?;
-    let settings = settings(1.0 / vessel.sample_rate_hz, ("--window-s", window_s), flags.prior.as_ref())?;
+    let flags = &asked.flags;
+    check(flags, &asked.estimator, vessel)?;
+    let written = SetPaths::of(common, asked, false)?;
+    let rate_hz = vessel.sample_rate_hz;
+    let settings =
+        settings(1.0 / rate_hz, ("--fitted-window-s", asked.fitted_window_s), flags.prior.as_ref())?;
+    let window = asked.scored(vessel)?;
     let former = read_former(flags, vessel, &mut provenance)?;
     let read = |path: &PathBuf| {
         let reference = read_reference(path, "reference", &mut provenance)?;
         check_captive(&reference, vessel).map_err(|e| Failure::invalid(path, &e))?;
         Ok::<_, Failure>(reference)
     };
-    let reference = published.map(read).transpose()?;
+    let reference = asked.reference.as_ref().map(read).transpose()?;
+    let promised = asked.promised(common)?;
     let runs = flags.of.read_of_forces(vessel, &mut provenance)?;
     let (former, reference) = (former.as_deref(), reference.as_ref());
-    let physical = Physical { vessel, settings, former, reference, most_added };
+    let physical = Physical { vessel, settings, former, reference };
     let model = physical.model(&runs).map_err(|e| unfit(e, &flags.vessel, flags.of.file()))?;
     let noted = [
         ("estimator", json!(Estimator::OutputError)),
@@ -72,59 +75,38 @@ pub fn fit(
         ("leave_out", json!(flags.of.leave_out)),
         ("window_s", json!(settings.window_s)),
         ("prior_weight", json!(settings.prior_weight)),
-        ("add_terms", json!(most_added)),
     ];
     note(noted, &mut provenance);
-    commit(vec![stage_document(&out, &provenance, &model)?])?;
+    let left_out = match asked.folds {
+        None => None,
+        Some(Folds(folds)) => {
+            let folds = folds.map(usize::from);
+            let progress = WorkProgress::new("folds", dealt(runs.sources(), folds).len(), common.quiet);
+            let physical = Physical { reference: None, ..physical };
+            let scores = physical.cross(&runs, (window, folds), &|count| progress.advance(count));
+            let scores = scores.map_err(|e| Failure::invalid(flags.of.file(), &e.invalid()))?;
+            note([("window_samples", json!(window)), ("folds", json!(folds))], &mut provenance);
+            let window_s = window.map(|samples| samples as f64 / rate_hz);
+            Some(LeftOutScores::of_forces(settings.prior_weight, window_s, &scores))
+        }
+    };
+    let promise = asked.promise(promised, Some(&model), &mut provenance)?;
+    let besides = besides(left_out.as_ref(), promise.as_ref());
+    let document = EstimateDocument {
+        structure: Some(structure),
+        left_out,
+        promise,
+        ..EstimateDocument::new(model.estimator, model.mean_removal)
+    };
+    let member = stage_document(&written.model, &provenance, &model)?;
+    commit_with_document(member, &written.document, &provenance, &document)?;
     let (windows, free, steps) =
         model.forces.as_ref().map_or((0, 0, 0), |fit| (fit.windows, fit.parameters.len(), fit.steps));
     let statements = &model.statements;
     let said = format!("output-error from {windows} windows, {free} parameters, {steps} steps");
     let all: Vec<&str> = [said.as_str()].into_iter().chain(statements.iter().map(String::as_str)).collect();
     let details = json!({"windows": windows, "parameters": free, "steps": steps, "statements": statements});
-    Ok(Summary::of(&out, all.join("; "), details))
-}
-
-/// How a cross-validation scores and leaves out.
-pub struct Scored {
-    /// Length of the windows in samples.
-    pub window: Option<usize>,
-    /// The number of folds; each alone without it.
-    pub folds: Option<usize>,
-    /// The document.
-    pub out: PathBuf,
-}
-
-/// Leaves runs of `flags` out of fits of `vessel`, which has forces, and writes crossval.json.
-pub fn cross(
-    (flags, fitted_window_s, estimators): (&PoolFlags, Option<f64>, &[Estimator]),
-    vessel: &Vessel,
-    scored: Scored,
-    (common, mut provenance): (&Common, Provenance),
-) -> Result<Summary, Failure> {
-    check(flags, estimators, vessel)?;
-    let (rate_hz, window) = (vessel.sample_rate_hz, ("--fitted-window-s", fitted_window_s));
-    let settings = settings(1.0 / rate_hz, window, flags.prior.as_ref())?;
-    let former = read_former(flags, vessel, &mut provenance)?;
-    let runs = flags.of.read_of_forces(vessel, &mut provenance)?;
-    let progress = WorkProgress::new("folds", dealt(runs.sources(), scored.folds).len(), common.quiet);
-    let former = former.as_deref();
-    let physical = Physical { vessel, settings, former, reference: None, most_added: 0 };
-    let folds = physical.cross(&runs, (scored.window, scored.folds), &|count| progress.advance(count));
-    let folds = folds.map_err(|e| Failure::invalid(flags.of.file(), &e.invalid()))?;
-    let noted = [
-        ("estimators", json!([Estimator::OutputError])),
-        ("runs", json!(flags.of.runs)),
-        ("leave_out", json!(flags.of.leave_out)),
-        ("window_samples", json!(scored.window)),
-        ("fitted_window_s", json!(settings.window_s)),
-        ("prior_weight", json!(settings.prior_weight)),
-        ("folds", json!(scored.folds)),
-    ];
-    note(noted, &mut provenance);
-    let window_s = scored.window.map(|samples| samples as f64 / rate_hz);
-    let document = CrossvalDocument::of_forces(settings.prior_weight, window_s, &folds);
-    written(&scored.out, &provenance, &document)
+    Ok(Summary::of(&written.document, all.join("; "), details).also(besides))
 }
 
 /// Refuses flags and estimators that need terms per sample.
@@ -159,16 +141,4 @@ pub fn unfit(error: PhysicalError, vessel: &Path, runs: &Path) -> Failure {
         PhysicalError::Unfit(Unfit::NoParameter) => Failure::invalid(vessel, &Unfit::NoParameter.invalid()),
         PhysicalError::Unfit(other) => Failure::NoAnswer(format!("{}: {}", runs.display(), other.invalid())),
     }
-}
-
-/// Writes the result, and says it in short.
-pub fn written(out: &Path, provenance: &Provenance, document: &CrossvalDocument) -> Result<Summary, Failure> {
-    commit(vec![stage_document(out, provenance, document)?])?;
-    let (windows, folds, said) = (document.windows, document.folds, document.statements.join("; "));
-    Ok(Summary::of(
-        out,
-        format!("{windows} windows, {folds} folds; {said}"),
-        json!({"windows": windows, "folds": folds,
-            "recommended": document.recommended, "statements": document.statements}),
-    ))
 }

@@ -4,19 +4,26 @@ use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use clap::Args;
+use clap::{Args, Parser};
+use estimation::Estimator;
 use estimation::pooled::Pool;
-use files::{Digest, Provenance};
+use files::{Digest, Provenance, STUDY_ROLES, read_document};
 use regression::MeanRemoval;
 use regression::pooled::{NominalModel, NominalSource, PooledRuns, Recorded};
-use seatrial::core_of;
+use seatrial::{Promised, UpdateError, Updating};
 use serde_json::{Value, json};
 use ship::model::Vessel;
 use study::Doubtful;
-use study::documents::{EstimateDocument, IngestDocument};
+use study::documents::{
+    DesignDocument, EstimateDocument, IngestDocument, LeftOutScores, ModelDocument, ModelStructure,
+    PromiseUpdate,
+};
 use study::trajectories::label;
 
-use crate::cli::{Allowed, allowance, choice, none_given, not_below, samples};
+use crate::cli::{
+    AdditionalFlags, Allowed, Common, Sharding, allowance, beside, choice, member, none_given, not_below,
+    samples,
+};
 use crate::failure::Failure;
 use crate::inputs;
 
@@ -54,7 +61,7 @@ impl FromStr for Held {
 pub struct RunFlags {
     /// The runs
     #[arg(long, required = true, value_name = "trajectories.parquet")]
-    trajectories: Option<PathBuf>,
+    pub trajectories: Option<PathBuf>,
     /// What `ingest` wrote with the trajectories: names the recordings that runs were cut from [default: ingest.json beside them]
     #[arg(long, value_name = "ingest.json")]
     pub recordings: Option<PathBuf>,
@@ -111,6 +118,13 @@ impl RunFlags {
         self.trajectories.iter().chain(&self.recordings)
     }
 
+    /// The same with the ingest.json beside the trajectories, where it was written with these and no other is named.
+    #[must_use]
+    pub fn with_recordings_beside(mut self) -> Self {
+        self.recordings = self.recordings.take().or_else(|| ingested_with(self.file()));
+        self
+    }
+
     /// The file with the runs; the command line has one.
     pub fn file(&self) -> &Path {
         self.trajectories.as_deref().unwrap_or(Path::new(""))
@@ -131,10 +145,6 @@ pub struct PoolFlags {
     /// The vessel
     #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
     pub vessel: PathBuf,
-    /// Takes a core of some seven terms instead of the vessel's: resistance, drive and what steers
-    #[arg(long)]
-    core: bool,
-    /// Which runs
     #[command(flatten)]
     pub of: RunFlags,
     /// How the instruments' mean is removed
@@ -162,20 +172,10 @@ impl PoolFlags {
             ("part_s", json!(self.part_s)),
             ("mean_removal", json!(self.mean_removal)),
             ("prior", json!(self.strength())),
-            ("core", json!(Some(true).filter(|_| self.core))),
         ];
         let given = |(_, value): &(&str, Value)| *value != json!([]) && !value.is_null();
         let all = settings.into_iter().chain(pooled).filter(given);
         provenance.settings.extend(all.map(|(key, value)| (key.to_owned(), value)));
-    }
-
-    /// `vessel`, or her core of terms per sample where that is asked for.
-    pub fn cored(&self, vessel: Vessel) -> Result<Vessel, Failure> {
-        if !self.core {
-            return Ok(vessel);
-        }
-        none_given([("--core", vessel.model.forces.is_some())], "a ship with forces", "terms per sample")?;
-        core_of(&vessel).map_err(|e| Failure::invalid(&self.vessel, &e))
     }
 
     /// The files that are read.
@@ -274,4 +274,190 @@ impl FromStr for Nominal {
             file => Self::File(file.into()),
         })
     }
+}
+
+refusal::choices! {
+    /// What an estimate is of.
+    pub enum FitKind {
+        /// Each run by itself.
+        Each = "each",
+        /// All runs or recordings together.
+        Together = "together",
+    }
+}
+
+/// How runs or recordings are left out: each on its own, or dealt into so many folds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Folds(pub Option<u16>);
+
+impl FromStr for Folds {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text.parse() {
+            Ok(count @ 2..) => Ok(Self(Some(count))),
+            _ if text == "each" => Ok(Self(None)),
+            _ => Err("expected `each` or a whole number from 2 on"),
+        }
+    }
+}
+
+/// Estimates a model's parameters with standard errors: of each simulated run, or one model of all recordings; writes estimate.json,
+/// estimates.parquet, and of one model model.json, which stands for a vessel.toml
+#[derive(Clone, Debug, Parser)]
+#[command(
+    name = "estimate",
+    after_help = "Example:\n  estimate --vessel pipelines/paper/vessel.toml --trajectories campaign.parquet --out results/",
+    mut_arg("trajectories", |runs| runs.required(false).required_unless_present("gather"))
+)]
+pub struct EstimateArguments {
+    #[command(flatten)]
+    pub flags: PoolFlags,
+    /// What is estimated [default: each simulated run, recordings together]
+    #[arg(long, value_parser = choice(&FitKind::ALL, FitKind::name, FitKind::description))]
+    pub fit: Option<FitKind>,
+    /// The model of all runs together [default: of six recordings or more `library`, of a ship with forces `average`; of fewer `core`,
+    /// of a ship with forces `own`; of simulated runs and with --estimator `own`]
+    #[arg(long, value_parser = choice(&ModelStructure::ALL, ModelStructure::name, ModelStructure::description))]
+    pub structure: Option<ModelStructure>,
+    /// The estimators, with commas between them; the first makes the model of all together, of each run the default one leads
+    /// [default: `prediction-error` for measured logs, or `output-error` where no noise known here describes their errors, and of
+    /// forces; of simulated trials and with --prior `iv`]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description))]
+    pub estimator: Vec<Estimator>,
+    /// Of each run: what disturbs it, for `prediction-error` and standard errors of `output-error`, which else find the noise of
+    /// each run by itself, and to ask the runs what the model lacks
+    #[arg(long, value_name = "campaign.toml")]
+    pub campaign: Option<PathBuf>,
+    #[command(flatten)]
+    pub additional: AdditionalFlags,
+    /// Of each run: `covariance` writes covariances.parquet, the covariances of its parameters
+    #[arg(long, value_name = "LIST", value_parser = ["covariance"], conflicts_with_all = ["shard", "gather"])]
+    pub keep: Option<String>,
+    /// Resamples of the bootstrap over sub-experiments; of `few` terms over recordings, 50 without it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    pub bootstrap: Option<u32>,
+    /// Leaves recordings out, each or in N folds, and scores the estimators on them; a search has 6 folds without it
+    #[arg(long, value_name = "each|N")]
+    pub folds: Option<Folds>,
+    /// Scores models over windows of this length, side by side [s]; whole runs without it
+    #[arg(long, value_name = "S")]
+    pub window_s: Option<f64>,
+    /// Length of the windows that are fitted, of a search and of forces [s] [default: 60; of forces 100, at most]
+    #[arg(long, value_name = "S")]
+    pub fitted_window_s: Option<f64>,
+    /// Terms that `library` and `few` search through instead, or products that a ship with forces may lack: lists `surge`, `sway`, `yaw`
+    #[arg(long, value_name = "terms.toml")]
+    pub terms: Option<PathBuf>,
+    /// Of a ship with forces: values of captive tests under `derivatives`, to set beside the estimates
+    #[arg(long, value_name = "reference.toml")]
+    pub reference: Option<PathBuf>,
+    /// The design of this trial, with its moments.json beside it: says what became of its promise
+    #[arg(long, value_name = "design.json")]
+    pub promised: Option<PathBuf>,
+    #[command(flatten)]
+    pub sharding: Sharding,
+}
+
+impl EstimateArguments {
+    /// The files that are read.
+    pub fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
+        let given = [&self.terms, &self.reference, &self.promised].into_iter().flatten();
+        self.flags.inputs().chain(given).chain(&self.sharding.gather)
+    }
+
+    /// The length in samples of windows that models are scored over.
+    pub fn scored(&self, vessel: &Vessel) -> Result<Option<usize>, Failure> {
+        self.window_s.map(|s| samples("--window-s", s, vessel.sample_rate_hz)).transpose()
+    }
+
+    /// The design of the trial, with what it was made from beside it.
+    pub fn promised(&self, common: &Common) -> Result<Option<(Promised, Provenance)>, Failure> {
+        let Some(design) = &self.promised else { return Ok(None) };
+        let mut noted = common.provenance("estimate");
+        let [moments, figures] =
+            ["moments.json", "merit.json"].map(|name| beside(design, "design.json", name));
+        let known: DesignDocument = read_document(design)?.data;
+        let figures = Some(figures.as_path()).filter(|file| known.figures.is_some() && file.exists());
+        Ok(Some((Promised::read(design, &moments, figures, &mut noted)?, noted)))
+    }
+
+    /// What became of the promise of the design, by the `model` of its trial. The estimate may be by another vessel.toml, with other
+    /// nominal values.
+    pub fn promise(
+        &self,
+        promised: Option<(Promised, Provenance)>,
+        model: Option<&ModelDocument>,
+        provenance: &mut Provenance,
+    ) -> Result<Option<PromiseUpdate>, Failure> {
+        let (Some((of, mut noted)), Some(design), Some(model)) = (promised, &self.promised, model) else {
+            return Ok(None);
+        };
+        let (file, mut from) = (self.flags.of.file(), provenance.clone());
+        let others: Vec<&str> = STUDY_ROLES.into_iter().filter(|role| *role != "design").collect();
+        from.forget(&others);
+        if let Some(digest) = provenance.inputs.get("trajectories") {
+            noted.made("trajectories", file, *digest, &from)?;
+        }
+        let roles =
+            [("design", "promised"), ("moments", "promised:moments"), ("figures", "promised:figures")];
+        let known =
+            roles.iter().filter_map(|(role, name)| Some(((*name).to_owned(), *noted.inputs.get(*role)?)));
+        provenance.inputs.extend(known);
+        provenance.read.extend(noted.read);
+        let updated = Updating::new(&of).after(model);
+        updated.map(Some).map_err(|e| match e {
+            UpdateError::Design(e) => Failure::invalid(design, &e),
+            UpdateError::Model(e) => Failure::invalid(file, &e),
+        })
+    }
+
+    /// Refuses the first of `flags` that is given, which `structure` does not have.
+    pub fn check_none<const N: usize>(
+        &self,
+        structure: ModelStructure,
+        flags: [(&str, bool); N],
+    ) -> Result<(), Failure> {
+        none_given(flags, &format!("structure `{structure}`"), "another --structure")
+    }
+}
+
+/// Where the files of one model are written.
+#[derive(Default)]
+pub struct SetPaths {
+    /// What --out names.
+    pub main: PathBuf,
+    /// estimates.parquet.
+    pub table: PathBuf,
+    /// estimate.json.
+    pub document: PathBuf,
+    /// model.json.
+    pub model: PathBuf,
+}
+
+impl SetPaths {
+    /// Those of `asked`: --out names the document, or the table where there is one.
+    pub fn of(common: &Common, asked: &EstimateArguments, has_table: bool) -> Result<Self, Failure> {
+        let is_table =
+            has_table && common.out.extension().is_some_and(|end| end.eq_ignore_ascii_case("parquet"));
+        let usual = if is_table { "estimates.parquet" } else { "estimate.json" };
+        let main = common.main_output(usual, asked.inputs())?;
+        let of = |name: &str| match name == usual {
+            true => Ok(main.clone()),
+            false => member(&main, usual, name, asked.inputs()),
+        };
+        let [table, document, model] = ["estimates.parquet", "estimate.json", "model.json"].map(of);
+        Ok(Self { table: table?, document: document?, model: model?, main })
+    }
+}
+
+/// What is said of a model besides, in a line.
+pub fn besides(left_out: Option<&LeftOutScores>, promise: Option<&PromiseUpdate>) -> Option<String> {
+    let scored = |found: &LeftOutScores| {
+        let said = found.statements.join("; ");
+        format!("left out: {} windows, {} folds; {said}", found.windows, found.folds)
+    };
+    let all: Vec<String> =
+        left_out.map(scored).into_iter().chain(promise.map(PromiseUpdate::summary)).collect();
+    (!all.is_empty()).then(|| all.join("; "))
 }

@@ -68,6 +68,7 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
 }
 
 const NO_DRIFT: &str = "it is gone: take `--estimator prediction-error`, or `--unknown-current earth`";
+const SEARCHED: &str = "estimate.json has it: made again by: seatrial estimate --structure library";
 const SAY_WHERE: &str =
     "it is gone: mend the log, or say where she is by `--done STEPS --from LON,LAT,HEADING`";
 const SAY_ROLE: &str = "it is gone: the channel says it by its `role` in vessel.toml";
@@ -77,6 +78,29 @@ const NO_SWEEP: &str =
 /// Names that are known no more, each with the remedy.
 const GONE: &[(&str, &str)] = &[
     ("sequential", "it is gone: `monte-carlo` without a design takes the [rounds] of campaign.toml"),
+    (
+        "average/1",
+        "model.json has the models that are averaged: made again by: seatrial estimate --structure average",
+    ),
+    ("crossval/1", "estimate.json has it: made again by: seatrial estimate --fit together --folds each"),
+    (
+        "design-update/1",
+        "estimate.json has it: made again by: seatrial estimate --fit together --promised design.json",
+    ),
+    ("search/1", SEARCHED),
+    ("search/2", SEARCHED),
+    ("trust/1", "estimate.json has it: made again by: seatrial estimate --fit together"),
+    ("pool", "it is gone: `estimate --fit together` makes one model of all runs"),
+    ("search", "it is gone: `estimate --structure library` searches, `--structure few` for few terms"),
+    ("cross", "it is gone: `estimate --fit together --folds each` scores recordings left out"),
+    ("update", "it is gone: `estimate --fit together --promised design.json` compares"),
+    (
+        "--add-terms",
+        "it is gone: `estimate --structure library` finds terms, or forces, that the vessel lacks",
+    ),
+    ("--core", "it is gone: `estimate --structure core`, or `--structure average` of a ship with forces"),
+    ("--compact", "it is gone: `estimate --structure few`"),
+    ("--covariance", "it is gone: `--keep covariance`"),
     ("--fold", "it is gone: `--folds` deals runs or recordings into so many"),
     ("--keep-first", "it is gone: take fewer --realizations"),
     ("--compiler", "it is gone: the variable CC names a compiler"),

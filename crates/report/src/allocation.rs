@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use maud::{Markup, display, html};
 use study::documents::{
     Accuracy, AccuracyOf, AccuracyPoint, CriterionName, DesignDocument, DesignFigure, DesignFigures,
-    DesignUpdateDocument, Reference, Sequence, SequencePart, UpdatedParameter,
+    PromiseUpdate, Reference, Sequence, SequencePart, UpdatedParameter,
 };
 
 use crate::dictionary::{omission, shown, used};
@@ -225,7 +225,7 @@ fn facts(design: &DesignDocument) -> Markup {
 }
 
 /// What became of the promise of a design; nothing before its trial.
-fn updated(update: Option<&DesignUpdateDocument>) -> Markup {
+fn updated(update: Option<&PromiseUpdate>) -> Markup {
     let Some(update) = update else { return html! {} };
     html! {
         h3 { "What became of the promise?" }

@@ -1,8 +1,8 @@
 use maud::{Markup, html};
 use refusal::listed;
 use study::documents::{
-    CaptiveValue, CrossvalDocument, DeliveredKind, Estimator, FittedForces, FittedParameter, ModelDegree,
-    ModelDocument, ModelParameter, SailedSum, SailedSums, SearchDocument,
+    CaptiveValue, DeliveredKind, Estimator, FittedForces, FittedParameter, LeftOutScores, ModelDegree,
+    ModelDocument, ModelParameter, SailedSum, SailedSums, SearchSummary,
 };
 
 use crate::figures::text::signed;
@@ -16,11 +16,11 @@ pub(super) fn delivered(measured: &MeasuredStudy) -> Section {
         None if measured.trust.is_some() => html! {
             p { "The estimate delivers no model: a degree of freedom has no estimate, or the free simulation of a recording diverges. See below." }
         },
-        None => missing("The model is", "model.json", "estimate pool"),
+        None => missing("The model is", "model.json", "estimate --fit together"),
         Some(model) => html! {
-            @match measured.searched.as_ref().filter(|_| measured.crossval.is_none()) {
+            @match measured.searched.as_ref().filter(|_| measured.left_out.is_none()) {
                 Some(search) => (by_search(search)),
-                None => (chosen(model.estimator, measured.crossval.as_ref())),
+                None => (chosen(model.estimator, measured.left_out.as_ref())),
             }
             @match &model.forces {
                 Some(forces) => (derivatives(forces)),
@@ -37,41 +37,40 @@ pub(super) fn delivered(measured: &MeasuredStudy) -> Section {
 }
 
 /// Which model of a search this is.
-fn by_search(found: &SearchDocument) -> Markup {
-    let average = html! { code { "average.json" } };
+fn by_search(found: &SearchSummary) -> Markup {
     match found.beside.as_ref().map(|beside| beside.delivered) {
         Some(DeliveredKind::Average) => html! {
             p {
-                "The delivered model is the mean trajectory of two, which are in " (average) ": the terms that the search found, and these \
-                 forces. Stages that take a single model take these."
+                "The delivered model is the mean trajectory of two, which " code { "model.json" } " has as its members: the terms that the \
+                 search found, and these forces. Stages that take a single model take these."
             }
         },
         Some(DeliveredKind::Forces) => {
-            html! { p { "The forces alone are delivered, in " (average) " too." } }
+            html! { p { "The forces alone are delivered." } }
         }
         Some(DeliveredKind::Search) => {
-            html! { p { "The searched terms alone are delivered, in " (average) " too." } }
+            html! { p { "The searched terms alone are delivered." } }
         }
         None => html! { p { "Found by the search above." } },
     }
 }
 
 /// Whether cross-validation recommends the estimator of the model.
-fn chosen(estimator: Estimator, crossval: Option<&CrossvalDocument>) -> Markup {
-    let Some(crossval) = crossval else {
+fn chosen(estimator: Estimator, left_out: Option<&LeftOutScores>) -> Markup {
+    let Some(left_out) = left_out else {
         return html! { p { "Estimated by " (estimator) ". No cross-validation says which estimator to take." } };
     };
-    match crossval.recommended {
+    match left_out.recommended {
         Some(best) if best == estimator => {
             html! { p { "Estimated by " (estimator) ", which cross-validation recommends." } }
         }
         Some(best) => html! {
             p.missing {
                 "Cross-validation recommends " (best) ", but this model was estimated by " (estimator) ". For one by " (best)
-                " run " code { "estimate pool --estimator " (best) } "."
+                " run " code { "estimate --fit together --estimator " (best) } "."
             }
         },
-        None => html! { p { (undecided(estimator, &crossval.candidates)) } },
+        None => html! { p { (undecided(estimator, &left_out.candidates)) } },
     }
 }
 

@@ -216,7 +216,7 @@ impl<'a> Shown<'a> {
             None => format!("No estimator is recommended; these are the estimates by {estimator}."),
         };
         let why = Some(why).filter(|_| !compared.is_empty());
-        let pooled = estimate.trust.is_some();
+        let pooled = estimate.structure.is_some();
         Self { estimator, mean_removal: estimate.mean_removal, designs, why, pooled }
     }
 }

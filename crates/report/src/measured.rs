@@ -2,9 +2,9 @@ use files::Error;
 use maud::{Markup, display, html};
 use refusal::listed;
 use study::documents::{
-    COLLINEAR, Compared, CrossvalDocument, DegreeTrust, DeliveredKind, EstimatorScore, FreeRunErrors,
-    IngestDocument, ModelDocument, RecordingSummary, SearchDocument, SelectionScores, Traced, TrustDocument,
-    WarningSummary,
+    COLLINEAR, Compared, DegreeTrust, DeliveredKind, EstimateDocument, EstimatorScore, FreeRunErrors,
+    IngestDocument, LeftOutScores, ModelDocument, RecordingSummary, SearchSummary, SelectionScores, Traced,
+    Trust, WarningSummary,
 };
 
 use crate::SelectionStudy;
@@ -18,37 +18,40 @@ use crate::parts::{HtmlTable, Section, card, grouped, missing};
 pub struct MeasuredStudy {
     /// `ingest.json`.
     pub ingest: Option<IngestDocument>,
-    /// `trust.json`.
-    pub trust: Option<TrustDocument>,
-    /// `crossval.json`.
-    pub crossval: Option<CrossvalDocument>,
+    /// Of `estimate.json`: how far the estimate can be trusted.
+    pub trust: Option<Trust>,
+    /// Of `estimate.json`: estimators over recordings left out.
+    pub left_out: Option<LeftOutScores>,
     /// `model.json`.
     pub model: Option<ModelDocument>,
     /// The model on recordings of `validation.json`, and over time.
     pub compared: Option<(Compared, Vec<Traced>)>,
-    /// `search.json`.
-    pub searched: Option<SearchDocument>,
+    /// Of `estimate.json`: how the structure was searched for.
+    pub searched: Option<SearchSummary>,
     /// The next trial.
     pub next: Option<NextTrial>,
 }
 
-/// Reads `ingest.json`, `trust.json`, `crossval.json` and `search.json`, with the models on `recordings`; `None` if the last four are
-/// all missing.
+/// Reads `ingest.json`, `model.json` and the next trial, with the models on `recordings`; takes out of `estimate` what is said of one model of
+/// recordings. `None` without a comparison and such a model.
 pub(super) fn load(
     loader: &mut Loader,
+    estimate: Option<&mut EstimateDocument>,
     recordings: Option<Compared>,
 ) -> Result<Option<MeasuredStudy>, Error> {
-    let crossval = loader.document("crossval.json", "free simulation over recordings left out")?;
-    let trust = loader.document("trust.json", "how far the pooled estimate can be trusted")?;
+    let taken = estimate.filter(|estimate| estimate.structure.is_some());
+    let is_modelled = taken.is_some();
+    let (trust, left_out, searched) = taken.map_or((None, None, None), |estimate| {
+        (estimate.trust.take(), estimate.left_out.take(), estimate.search.take())
+    });
     let compared = super::compared::load(loader, recordings)?;
-    let searched = loader.document("search.json", "how a structure was searched for")?;
-    if crossval.is_none() && trust.is_none() && compared.is_none() && searched.is_none() {
+    if !is_modelled && compared.is_none() {
         return Ok(None);
     }
     let ingest = loader.document("ingest.json", "what was read from the logs, and its quality")?;
     let model = loader.document("model.json", "the model that the estimate delivers")?;
     let next = super::next_trial::load(loader)?;
-    Ok(Some(MeasuredStudy { ingest, trust, crossval, model, compared, searched, next }))
+    Ok(Some(MeasuredStudy { ingest, trust, left_out, model, compared, searched, next }))
 }
 
 /// Adds fits and errors of free simulations.
@@ -80,11 +83,11 @@ impl SelectionStudy {
 impl MeasuredStudy {
     /// The delivered model's estimator in cross-validation, else the one of least error, with its errors.
     pub(super) fn judged(&self) -> Option<(&EstimatorScore, FreeRunErrors)> {
-        let crossval = self.crossval.as_ref()?;
+        let left_out = self.left_out.as_ref()?;
         let delivered = self.model.as_ref().map(|model| model.estimator);
-        let mut names = delivered.iter().chain(crossval.candidates.first());
+        let mut names = delivered.iter().chain(left_out.candidates.first());
         names.find_map(|name| {
-            let score = crossval.estimators.iter().find(|e| e.name == *name)?;
+            let score = left_out.estimators.iter().find(|e| e.name == *name)?;
             Some((score, score.errors?))
         })
     }
@@ -96,8 +99,8 @@ impl MeasuredStudy {
     }
 
     /// The search whose model is delivered, with its errors where recordings were left out.
-    fn delivered_search(&self) -> Option<(&SearchDocument, FreeRunErrors)> {
-        let search = self.searched.as_ref().filter(|_| self.crossval.is_none())?;
+    fn delivered_search(&self) -> Option<(&SearchSummary, FreeRunErrors)> {
+        let search = self.searched.as_ref().filter(|_| self.left_out.is_none())?;
         Some((search, search.delivered_errors()?))
     }
 
@@ -135,8 +138,8 @@ impl MeasuredStudy {
     /// The answer in a few sentences.
     pub(super) fn answer(&self, selection: Option<&SelectionStudy>) -> String {
         let mut sentences = Vec::new();
-        if let (Some((score, errors)), Some(crossval)) = (self.judged(), &self.crossval) {
-            let over = windows_of(crossval.window_s);
+        if let (Some((score, errors)), Some(left_out)) = (self.judged(), &self.left_out) {
+            let over = windows_of(left_out.window_s);
             sentences.push(format!(
                 "Fitted by {} to the other recordings, the model follows those left out, over {over}, with a fit of {} in \
                  surge, {} in sway and {} in yaw rate.",

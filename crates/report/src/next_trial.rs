@@ -3,8 +3,8 @@
 use files::{Error, Provenance, read_document};
 use maud::{Markup, html};
 use study::documents::{
-    CountedRuns, DesignDocument, DesignScores, FreeRunErrors, ModelDocument, Quantiles, SearchDocument,
-    ValidationDocument,
+    CountedRuns, DesignDocument, DesignScores, EstimateDocument, FreeRunErrors, ModelDocument, Quantiles,
+    SearchSummary, ValidationDocument,
 };
 
 use crate::loader::{Loader, existing};
@@ -17,8 +17,8 @@ use crate::planned_trial::{PlannedTrial, map};
 pub struct NextTrial {
     /// `next/model.json`: the model for its design.
     pub model: ModelDocument,
-    /// `next/search.json`: how that model was found.
-    pub searched: Option<SearchDocument>,
+    /// Of `next/estimate.json`: how that model was found.
+    pub searched: Option<SearchSummary>,
     /// `next/design.json`.
     pub design: DesignDocument,
     /// Of `next/validation.json`: estimates from simulations of it.
@@ -51,7 +51,9 @@ pub(super) fn load(loader: &mut Loader) -> Result<Option<NextTrial>, Error> {
     let planned =
         plan.map(|plan| PlannedTrial { name: String::new(), plan, map, document, stale: Vec::new() });
     let mut search = Provenance { allow_mixed: loader.sources.allow_mixed, ..Provenance::default() };
-    let searched = read(loader, &mut search, "search", "how that model was found")?;
+    let estimate: Option<EstimateDocument> =
+        read(loader, &mut search, "estimate", "how that model was found")?;
+    let searched = estimate.and_then(|estimate| estimate.search);
     Ok(Some(NextTrial { model: model.data, searched, design, counted, planned }))
 }
 
@@ -128,7 +130,7 @@ fn free_runs(next: &NextTrial) -> Markup {
     let measured = next
         .searched
         .as_ref()
-        .and_then(SearchDocument::delivered_errors)
+        .and_then(SearchSummary::delivered_errors)
         .map(|errors| ("this model, on recordings left out of the search", Some(errors), None));
     let scores = counted.scores.iter().flat_map(|score| &score.designs);
     let scored = scores.flat_map(|scores| {

@@ -69,7 +69,7 @@ fn of_logs(study: &Study, measured: &MeasuredStudy, figures: &mut Figures) -> Ve
     }
     sections.extend(searched(measured.searched.as_ref(), figures));
     let is_searched = measured.searched.is_some();
-    sections.extend((measured.crossval.is_some() || !is_searched).then(|| cross_validation(measured)));
+    sections.extend((measured.left_out.is_some() || !is_searched).then(|| cross_validation(measured)));
     sections.extend((measured.is_judged() || !is_searched).then(|| trust(measured)));
     sections.extend(selection(study.selection.as_ref(), figures));
     sections.extend(published_selection(study, figures));

@@ -5,8 +5,8 @@ use std::path::{Component, Path, PathBuf};
 use files::{Document, Error, Loaded, Provenance, TableReader};
 use serde_json::Value;
 use study::documents::{
-    Bounds, CrossvalDocument, DesignScores, EstimateDocument, Estimator, EstimatorScore, EstimatorScores,
-    PublishedShare, Quantiles, Reference, SimulatedLogsDocument, TrialsInRounds, ValidationDocument,
+    Bounds, DesignScores, EstimateDocument, Estimator, EstimatorScore, EstimatorScores, PublishedShare,
+    Quantiles, Reference, SimulatedLogsDocument, TrialsInRounds, ValidationDocument,
 };
 use study::files::{read_campaign, read_reference};
 use study::trajectories;
@@ -29,7 +29,7 @@ pub struct Folders {
     pub rounds: Vec<PathBuf>,
     /// Picks of sub-experiments: picks/validation.json.
     pub selections: Vec<PathBuf>,
-    /// Measured logs: crossval.json.
+    /// Measured logs: estimate.json with scores of recordings left out.
     pub logs: Vec<PathBuf>,
 }
 
@@ -271,9 +271,10 @@ fn of(scores: &[EstimatorScores], estimator: Estimator) -> Option<&DesignScores>
 
 /// How well models predict measured recordings that were left out.
 fn logs_section(folders: &[PathBuf]) -> Result<Option<String>, Error> {
-    let (read, missing) = documents::<CrossvalDocument>(folders, "crossval.json")?;
+    let (read, missing) = documents::<EstimateDocument>(folders, "estimate.json")?;
     let scores = read.iter().flat_map(|(folder, loaded)| {
-        loaded.data.estimators.iter().map(move |score| (folder, &loaded.data, score))
+        let all = loaded.data.left_out.iter();
+        all.flat_map(move |scores| scores.estimators.iter().map(move |score| (folder, scores, score)))
     });
     let table = MarkdownTable::of(scores)
         .column("logs", |(folder, ..)| label(folder))

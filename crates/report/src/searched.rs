@@ -1,7 +1,7 @@
 use maud::{Markup, html};
 use study::documents::{
     AverageSummary, AverageTerm, Candidate, ForcesWithoutFold, FoundForce, FreeRunErrors, NestedAverage,
-    NestedRecording, SearchDocument, SearchTerm, SearchedForces, SizeScore, TriedForce,
+    NestedRecording, SearchSummary, SearchTerm, SearchedForces, SizeScore, TriedForce,
 };
 
 use crate::figures::{ScoredDot, scored};
@@ -13,7 +13,7 @@ use crate::parts::{Figures, HtmlTable, Section, coded, statements};
 const MOST_TERMS: usize = 40;
 
 /// The search for the structure: candidates, the score on recordings that the search has not seen, terms.
-pub(super) fn searched(search: Option<&SearchDocument>, figures: &mut Figures) -> Option<Section> {
+pub(super) fn searched(search: Option<&SearchSummary>, figures: &mut Figures) -> Option<Section> {
     let search = search?;
     if let Some(forces) = &search.forces {
         let body = html! {
@@ -39,7 +39,7 @@ pub(super) fn searched(search: Option<&SearchDocument>, figures: &mut Figures) -
     Some(Section::new("search", "Search for a structure", "The search for a structure", body))
 }
 
-fn about(found: &SearchDocument) -> Markup {
+fn about(found: &SearchSummary) -> Markup {
     let windows = windows_of(found.window_s);
     html! {
         p {
@@ -52,7 +52,7 @@ fn about(found: &SearchDocument) -> Markup {
 }
 
 /// Scores of the whole search, of the base structure and of the average, over both kinds of windows.
-fn nested(found: &SearchDocument) -> Markup {
+fn nested(found: &SearchSummary) -> Markup {
     let nested = &found.nested;
     let average = nested.average.as_ref();
     let scores = |windows: &'static str,
@@ -87,7 +87,7 @@ fn nested(found: &SearchDocument) -> Markup {
     }
 }
 
-fn ridges(found: &SearchDocument, figures: &mut Figures) -> Markup {
+fn ridges(found: &SearchSummary, figures: &mut Figures) -> Markup {
     let chosen = |c: &Candidate| Some(c.ridge) == found.ridge;
     let dot = |c: &Candidate| {
         let (at, standard_error) = (c.ridge, c.standard_error);
@@ -112,7 +112,7 @@ fn ridges(found: &SearchDocument, figures: &mut Figures) -> Markup {
     }
 }
 
-fn sizes(found: &SearchDocument, figures: &mut Figures) -> Markup {
+fn sizes(found: &SearchSummary, figures: &mut Figures) -> Markup {
     let kept = found.sizes.iter().find(|size| size.excess <= size.standard_error).map(|size| size.terms);
     let dot = |size: &SizeScore| ScoredDot {
         at: size.terms as f64,
@@ -132,7 +132,7 @@ fn sizes(found: &SearchDocument, figures: &mut Figures) -> Markup {
     }
 }
 
-fn terms(found: &SearchDocument) -> Markup {
+fn terms(found: &SearchSummary) -> Markup {
     let mut rows: Vec<&SearchTerm> = found.terms.iter().collect();
     rows.sort_by_key(|term| std::cmp::Reverse((term.base, term.chosen_by_resamples, term.chosen_by_folds)));
     let listed = rows.len().min(MOST_TERMS);
@@ -166,7 +166,7 @@ fn terms(found: &SearchDocument) -> Markup {
                     "A ridge holds them back: predictions have bands, parameters have no errors. "
                 }
             }
-            @if rows.len() > listed { "The first " (listed) " of " (rows.len()) "; all are in `search.json`. " }
+            @if rows.len() > listed { "The first " (listed) " of " (rows.len()) "; all are in `estimate.json`. " }
             @if !found.sizes.is_empty() {
                 "Chosen without a fold: in how many of the " (found.folds) " searches without a fold the term was chosen too."
             }
@@ -174,7 +174,7 @@ fn terms(found: &SearchDocument) -> Markup {
     }
 }
 
-fn recordings(found: &SearchDocument) -> Markup {
+fn recordings(found: &SearchSummary) -> Markup {
     let mut table = HtmlTable::of(&found.nested.recordings)
         .compact()
         .name("Recording", |r: &NestedRecording| r.source.as_str())
@@ -224,13 +224,13 @@ fn averaged(found: &AverageSummary) -> Markup {
         (agreed)
         (table)
         @if of_library.len() > listed.len() {
-            p.note { "The first " (listed.len()) " of " (of_library.len()) "; all are in `search.json`." }
+            p.note { "The first " (listed.len()) " of " (of_library.len()) "; all are in `estimate.json`." }
         }
     }
 }
 
 /// How the search was made.
-fn about_forces(found: &SearchDocument, forces: &SearchedForces) -> Markup {
+fn about_forces(found: &SearchSummary, forces: &SearchedForces) -> Markup {
     let windows = windows_of(found.window_s);
     html! {
         p {

@@ -4,8 +4,8 @@ use files::{Digest, Error, Loaded, Provenance, exists, read_document};
 use ship::engine::{Run, track};
 use study::campaign_file::CampaignFile;
 use study::documents::{
-    CountedRuns, DesignDocument, DesignScores, DesignUpdateDocument, EstimateDocument, IngestDocument,
-    MeritDocument, MomentsDocument, PlanDocument, Reference, ScoredEstimates, TrialsInRounds,
+    CountedRuns, DesignDocument, DesignScores, EstimateDocument, IngestDocument, MeritDocument,
+    MomentsDocument, PlanDocument, PromiseUpdate, Reference, ScoredEstimates, TrialsInRounds,
     ValidationDocument,
 };
 use study::files::{Variable, Vessel};
@@ -30,9 +30,9 @@ pub struct Study {
     pub moments: Option<MomentsDocument>,
     /// `design.json`.
     pub design: Option<DesignDocument>,
-    /// `design-update.json`; absent before the trial.
-    pub update: Option<DesignUpdateDocument>,
-    /// `estimate.json`.
+    /// Of `estimate.json`: what became of the promise; absent before the trial.
+    pub update: Option<PromiseUpdate>,
+    /// `estimate.json`, where it has estimates of single runs or of the vessel's terms.
     pub estimate: Option<EstimateDocument>,
     /// Of `validation.json`: estimates of simulated runs.
     pub validation: Option<ScoredEstimates>,
@@ -160,17 +160,20 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
     let validation: Option<ValidationDocument> =
         loader.document("validation.json", "how good the models are")?;
     let ValidationDocument { scored, counted, recordings, picks, rounds } = validation.unwrap_or_default();
+    let mut estimate: Option<EstimateDocument> =
+        loader.document("estimate.json", "estimates of all runs together")?;
+    let measured = crate::measured::load(&mut loader, estimate.as_mut(), recordings)?;
     let study = Study {
         name: title(sources, vessel.as_ref().map(|vessel| vessel.name.as_str())),
         experiment_s: campaign.map(|c| c.duration_s),
         dictionary,
         moments: loader.document("moments.json", "moments of every maneuver")?,
         design: loader.document("design.json", "optimal shares with their certificate")?,
-        update: loader.document("design-update.json", "the promise of the design after its trial")?,
+        update: estimate.as_mut().and_then(|estimate| estimate.promise.take()),
         validation_trace: loader
             .traces(&vessel, "validation.parquet", "validation maneuvers")?
             .and_then(|traces| traces.into_iter().next()),
-        estimate: loader.document("estimate.json", "estimates of all runs together")?,
+        estimate: estimate.filter(|estimate| !estimate.designs.is_empty()),
         scores: scored.as_ref().map_or(Ok(None), |_| loader.scores())?,
         validation: scored,
         counted,
@@ -183,7 +186,7 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
         trajectory: trajectory(&mut loader)?,
         merit: loader.document("merit.json", "figures of merit of standard maneuvers")?,
         selection: crate::selection::load(&mut loader, picks)?,
-        measured: crate::measured::load(&mut loader, recordings)?,
+        measured,
         sequential: rounds,
         data: loader.label()?,
         mixed: loader.mixed(),
@@ -197,7 +200,7 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
         return Err(study::refuse(
             &sources.results,
             "results",
-            "none of crossval.json, design.json, dictionary.parquet, plan.json, search.json, trust.json, validation.json",
+            "none of design.json, dictionary.parquet, estimate.json, plan.json, validation.json",
             "files that the stages wrote",
             "run `make` first, or name their folder with --results",
         ));

@@ -1,7 +1,7 @@
 use maud::{Markup, display, html};
 use study::documents::{
-    Absent, AbsentForce, ConstrainedParameter, Criticism, CrossvalDocument, DegreeTrust, EstimatorScore,
-    ForceCriticism, FoundNoise, LateActuator, SourceErrors, TriedSign, TrustDocument, Verdict,
+    Absent, AbsentForce, ConstrainedParameter, Criticism, DegreeTrust, EstimatorScore, ForceCriticism,
+    FoundNoise, LateActuator, LeftOutScores, SourceErrors, TriedSign, Trust, Verdict,
 };
 
 use crate::measured::{MeasuredStudy, free_runs};
@@ -16,7 +16,7 @@ pub(super) fn trust(measured: &MeasuredStudy) -> Section {
     let criticism = forces.and_then(|forces| forces.criticism.as_ref());
     let body = match (&measured.trust, criticism) {
         (None, Some(found)) => wrong_forces(found),
-        (None, None) => missing("Trust is", "trust.json", "estimate pool"),
+        (None, None) => missing("Trust is", "estimate.json", "estimate --fit together"),
         (Some(found), _) => html! {
             (about(found))
             (statements(&found.statements))
@@ -48,7 +48,7 @@ fn constrained(all: &[ConstrainedParameter]) -> Markup {
     html! { h3 { "Parameters fixed or tied" } (table) }
 }
 
-fn about(found: &TrustDocument) -> Markup {
+fn about(found: &Trust) -> Markup {
     html! {
         p {
             "Estimator " (found.estimator) ", " (found.parts) " sub-experiments of " (found.sources) " recordings, "
@@ -61,7 +61,7 @@ fn about(found: &TrustDocument) -> Markup {
     }
 }
 
-fn tests(found: &TrustDocument) -> Markup {
+fn tests(found: &Trust) -> Markup {
     let table = HtmlTable::of(&found.degrees)
         .compact()
         .name("Degree", |d| &d.name)
@@ -298,8 +298,8 @@ fn others(noise: &FoundNoise) -> String {
 
 /// The estimators compared on recordings that were left out, and the recommended one recording by recording.
 pub(super) fn cross_validation(measured: &MeasuredStudy) -> Section {
-    let body = match &measured.crossval {
-        None => missing("Cross-validation is", "crossval.json", "validate cross"),
+    let body = match &measured.left_out {
+        None => missing("Cross-validation is", "estimate.json", "estimate --folds each"),
         Some(found) => html! {
             (about_folds(found))
             (statements(&found.statements))
@@ -310,7 +310,7 @@ pub(super) fn cross_validation(measured: &MeasuredStudy) -> Section {
     Section::new("cross-validation", "Cross-validation", "Cross-validation", body)
 }
 
-fn about_folds(found: &CrossvalDocument) -> Markup {
+fn about_folds(found: &LeftOutScores) -> Markup {
     let windows = windows_of(found.window_s);
     html! {
         p {
@@ -328,7 +328,7 @@ fn about_folds(found: &CrossvalDocument) -> Markup {
     }
 }
 
-fn estimators(found: &CrossvalDocument) -> Markup {
+fn estimators(found: &LeftOutScores) -> Markup {
     let recommended = |e: &EstimatorScore| found.recommended == Some(e.name);
     let named = HtmlTable::of(&found.estimators)
         .mark("main", |e| found.candidates.contains(&e.name))

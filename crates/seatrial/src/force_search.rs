@@ -9,7 +9,7 @@ use refusal::{Invalid, listed};
 use regression::pooled::PooledRuns;
 use ship::model::Vessel;
 use study::documents::{
-    FittedParameter, ForceScores, ForcesWithoutFold, FoundForce, ModelDocument, SearchDocument,
+    FittedParameter, ForceScores, ForcesWithoutFold, FoundForce, ModelDocument, SearchSummary,
     SearchedForces, TriedForce,
 };
 
@@ -104,7 +104,7 @@ impl ForceSearch<'_> {
         };
         let (ships, said): (Vec<_>, Vec<_>) = (0..self.folds).into_par_iter().map(without).unzip();
         let judged = judged_ships(&recordings, &dealt, &ships, held);
-        let grown = self.physical(self.vessel).grown((&sources, held), self.listed);
+        let grown = self.physical(self.vessel).grown((&sources, held), self.most_added, self.listed);
         let grown = grown.map_err(PhysicalError::from)?;
         done(1);
         self.delivered(runs, (&sources, held), (base, grown), said, judged)
@@ -116,8 +116,7 @@ impl ForceSearch<'_> {
     }
 
     fn physical<'p>(&self, vessel: &'p Vessel) -> Physical<'p> {
-        let (settings, most_added) = (self.settings, self.most_added);
-        Physical { vessel, settings, former: None, reference: None, most_added }
+        Physical { vessel, settings: self.settings, former: None, reference: None }
     }
 
     /// The fold of each recording.
@@ -151,7 +150,7 @@ impl ForceSearch<'_> {
             theta.map(|theta| FittedShip { model: vessel.model.clone(), theta })
         };
         let base = fitted(self.vessel);
-        let grown = self.physical(self.vessel).grown((&kept, held), self.listed);
+        let grown = self.physical(self.vessel).grown((&kept, held), self.most_added, self.listed);
         let (tried, ended) =
             grown.as_ref().map_or((Vec::new(), None), |grown| (grown.tried.clone(), grown.ended.clone()));
         let search = match (&base, grown) {
@@ -189,8 +188,8 @@ impl ForceSearch<'_> {
         }
         let numbers = numbers(&model).to_vec();
         let scores = self.scores(recorded.0, judged);
-        let search = SearchDocument::of_forces(self.vessel, scores, forces, (ship, &numbers), statements);
-        Ok(FoundStructure { search, model, average: None })
+        let search = SearchSummary::of_forces(self.vessel, scores, forces, (ship, &numbers), statements);
+        Ok(FoundStructure { search, model })
     }
 
     fn scores(&self, sources: &[Recorded], judged: JudgedShips) -> ForceScores {

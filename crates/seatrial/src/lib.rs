@@ -52,7 +52,7 @@ pub use design::{
     Wanted,
 };
 pub use estimation::fitting::{Settings, Starts, Unfit};
-pub use estimation::pooled::{Covariance, Grown, Judgement, Pool, PoolError, Resampling};
+pub use estimation::pooled::{Covariance, Judgement, Pool, PoolError, Resampling};
 pub use estimation::runs::{RunError, RunEstimators};
 pub use estimation::search::{SearchError, SearchOptions};
 pub use estimation::{Estimator, RunEstimate, RunScore, ValidationRuns};
@@ -69,9 +69,9 @@ pub use ship::model::{Model, Source, Vessel};
 pub use study::campaign_file::CampaignFile;
 pub use study::design_files::Promised;
 pub use study::documents::{
-    AverageDocument, Compared, DesignDocument, DesignScores, DesignUpdateDocument, IngestDocument,
-    MapDocument, MeritDocument, MeritTableRow, ModelDocument, PlanChart, PlanDocument, RecordingSummary,
-    Reference, SearchDocument, SolvedFigures,
+    Compared, DesignDocument, DesignScores, IngestDocument, MapDocument, MeritDocument, MeritTableRow,
+    ModelDocument, PlanChart, PlanDocument, PromiseUpdate, RecordingSummary, Reference, SearchSummary,
+    SolvedFigures, Trust,
 };
 pub use study::figure_goals::FigureGoals;
 pub use study::ingest_file::IngestFile;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use estimation::Estimator;
-use estimation::pooled::{Grown, Judgement, Pool, PoolError, Resampling, grown, unstated};
+use estimation::pooled::{Judgement, Pool, PoolError, Resampling, estimate, unstated};
 use estimation::runs::AdditionalUnknowns;
 use files::{Error, Provenance, Scratch};
 use logs::{BLOCK, Plan, Source, Totals, check_intervals};
@@ -162,8 +162,6 @@ pub struct Pooling<'a> {
     pub nominal: NominalSource,
     /// Number of resamples of sub-experiments, and their seed.
     pub judgement: Judgement,
-    /// Maximum number of missing terms that are added.
-    pub most_added: usize,
 }
 
 /// A remark if no estimator was requested.
@@ -171,10 +169,10 @@ const NO_NOISE: &str = "estimated by `output-error`: no noise known here describ
      --estimator takes others";
 
 impl<'a> Pooling<'a> {
-    /// Defaults for `vessel`: instruments by its nominal values, no added terms, no resamples.
+    /// Defaults for `vessel`: instruments by its nominal values, no resamples.
     pub fn new(vessel: &'a Vessel) -> Self {
         let judgement = Judgement { replicates: 0, seed: 1 };
-        Self { pool: Pool::new(vessel), nominal: NominalSource::Given, judgement, most_added: 0 }
+        Self { pool: Pool::new(vessel), nominal: NominalSource::Given, judgement }
     }
 
     /// The same with instruments by least squares of the same data.
@@ -193,37 +191,34 @@ impl<'a> Pooling<'a> {
         runs: &PooledRuns<R>,
         asked: Option<Estimator>,
     ) -> Result<PooledSet, PoolError<R::Error>> {
-        if let Err(refused) = self.pool.vessel.check_terms("estimate pool") {
+        if let Err(refused) = self.pool.vessel.check_terms("estimate --fit together") {
             return Err(PoolError::NotIdentifiable(vec![refused.to_string()]));
         }
         let estimator = match asked.or_else(|| self.pool.usual(false)) {
             Some(estimator) => estimator,
             None => unstated(&self.pool, runs)?,
         };
-        let grown = grown(&self.pool, runs, estimator, &self.judgement, self.most_added)?;
-        self.judged(grown, runs, (estimator, asked.is_none()), Resampling::Drawn(&|_| ()))
+        self.judged(runs, (estimator, asked.is_none()), Resampling::Drawn(&|_| ()))
     }
 
-    /// The model of `runs` with the terms of `grown`; and whether the estimator was the default.
+    /// The model of `runs` by this estimator; and whether that was the default.
     ///
     /// # Errors
     /// See [`Pooling::model`].
     pub fn judged<R: Recorded>(
         &self,
-        grown: Grown,
         runs: &PooledRuns<R>,
         (estimator, is_usual): (Estimator, bool),
         resampling: Resampling,
     ) -> Result<PooledSet, PoolError<R::Error>> {
         let Self { pool, judgement, .. } = self;
-        let mut judged = grown.judged(pool, runs, estimator, judgement, resampling)?;
+        let mut judged = estimate(pool, runs, estimator, judgement, resampling)?;
         if is_usual && estimator == Estimator::OutputError && pool.additional == AdditionalUnknowns::default()
         {
-            judged.found.statements.insert(0, NO_NOISE.to_owned());
+            judged.statements.insert(0, NO_NOISE.to_owned());
         }
-        let fitted_pool = pool.of(&judged.vessel, pool.nominal.clone());
         let made = (estimator, judgement.replicates);
-        let mut set = PooledSet::new(&fitted_pool, self.nominal, made, (&judged.found, &judged.added));
+        let mut set = PooledSet::new(pool, self.nominal, made, &judged);
         if let Some(model) = &mut set.model {
             let Vessel { model: of, sample_rate_hz, .. } = pool.vessel;
             model.magnitudes = Magnitudes::of(of, runs, *sample_rate_hz).map_err(PoolError::Unread)?;

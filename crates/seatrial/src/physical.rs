@@ -28,8 +28,6 @@ pub struct Physical<'a> {
     pub former: Option<&'a [f64]>,
     /// Values of captive tests to set beside the estimates. They change none.
     pub reference: Option<&'a Reference>,
-    /// Most forces that are added to the ship, one after the other, where recordings left out confirm them.
-    pub most_added: usize,
 }
 
 impl Physical<'_> {
@@ -40,22 +38,17 @@ impl Physical<'_> {
     pub fn model(&self, runs: &PooledRuns) -> Result<ModelDocument, PhysicalError> {
         self.forces()?;
         let (sources, held) = (runs.windows(None), runs.are_inputs_held());
-        let grown = self.grown((&sources, held), None)?;
-        let mut model = Physical { vessel: &grown.vessel, ..*self }.fitted_model(runs, (&sources, held))?;
-        model.statements = growing::statements(&grown).into_iter().chain(model.statements).collect();
-        if let Some(forces) = &mut model.forces {
-            forces.tried = grown.tried;
-        }
-        Ok(model)
+        self.fitted_model(runs, (&sources, held))
     }
 
-    /// The ship with the forces that `sources` confirm, of the usual ones or of those `listed` for surge, sway and yaw.
+    /// The ship with at `most` so many forces that `sources` confirm, of the usual ones or of those `listed` for surge, sway and yaw.
     pub(crate) fn grown(
         &self,
         (sources, held): (&[Recorded], bool),
+        most: usize,
         listed: Option<&[Vec<String>; 3]>,
     ) -> Result<GrownShip, Unfit> {
-        let (settings, most) = (self.settings_for(held), self.most_added);
+        let settings = self.settings_for(held);
         ForwardSelection { sources, settings, most, listed }.grown(self.vessel)
     }
 

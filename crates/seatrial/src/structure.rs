@@ -14,9 +14,7 @@ use regression::pooled::PooledRuns;
 use ship::model::terms::listed;
 use ship::model::{Actuator, Model, Vessel};
 use study::TermLists;
-use study::documents::{
-    AverageDocument, BesideForces, DeliveredKind, ModelDocument, SearchDocument, TriedFit,
-};
+use study::documents::{AverageMember, BesideForces, DeliveredKind, ModelDocument, SearchSummary, TriedFit};
 use validation::comparison::Magnitudes;
 
 use crate::growing::Recorded;
@@ -87,13 +85,13 @@ impl StructureSearch {
         let vessel = &self.vessel;
         let mut searched = search(&vessel.model, &self.library, runs, options, done)?;
         searched.statements.extend(self.turned(&searched));
-        let model = self.model(runs, &searched);
-        let averaged = |all| AverageDocument::new(vessel, all, searched.samples, model.magnitudes.as_ref());
-        Ok(FoundStructure {
-            search: SearchDocument::new(vessel, options, &searched),
-            average: searched.average.as_ref().map(averaged),
-            model,
-        })
+        let mut model = self.model(runs, &searched);
+        if let Some(average) = &searched.average {
+            let magnitudes = model.magnitudes.as_ref();
+            model.members = AverageMember::all(vessel, average, searched.samples, magnitudes);
+            model.average_rmse = average.output_rmse;
+        }
+        Ok(FoundStructure { search: SearchSummary::new(vessel, options, &searched), model })
     }
 
     /// Estimates with another sign than the nominal value, in words; standard errors are those of the jackknife over folds.
@@ -143,12 +141,10 @@ fn with_core(vessel: &Vessel) -> Result<(Vessel, Roles), Invalid> {
 /// The result of a search.
 #[derive(Clone, Debug)]
 pub struct FoundStructure {
-    /// `search.json`: how it was found, and its validation.
-    pub search: SearchDocument,
-    /// `model.json`.
+    /// How it was found, and its validation.
+    pub search: SearchSummary,
+    /// The model, with those that it averages.
     pub model: ModelDocument,
-    /// `average.json`, if several models were requested.
-    pub average: Option<AverageDocument>,
 }
 
 // A search that begins with a core of terms, beside the forces of the same ship: the average of both is delivered.
@@ -212,7 +208,7 @@ impl AveragedSearch<'_> {
         let kinds = [(&recordings, without), (&physical, &without_forces)]
             .map(|(recordings, without)| Kind { recordings, without });
         let mut document = match &searched {
-            Ok(searched) => SearchDocument::new(begun, self.options, searched),
+            Ok(searched) => SearchSummary::new(begun, self.options, searched),
             Err(_) => self.unfound(&recordings, dealt),
         };
         let (nested, alone) = dealt.averaged(document.nested, &kinds);
@@ -237,16 +233,18 @@ impl AveragedSearch<'_> {
             members.zip(choice.kind.members()).filter_map(|(model, is)| model.ok().filter(|_| is)).collect();
         let mut model = members.last().cloned().ok_or(SearchError::NoAverage)?;
         model.statements.insert(0, document.statements[0].clone());
-        let average = Some(AverageDocument::of(begun, members, choice.output_rmse));
-        Ok(FoundStructure { search: document, model, average })
+        if members.len() > 1 {
+            (model.members, model.average_rmse) = (AverageMember::of(members), choice.output_rmse);
+        }
+        Ok(FoundStructure { search: document, model })
     }
 
     /// The document of a search without a model.
-    fn unfound(&self, recordings: &[Recording], dealt: Dealt) -> SearchDocument {
+    fn unfound(&self, recordings: &[Recording], dealt: Dealt) -> SearchSummary {
         let none = vec![ShipsWithoutFold { search: None, base: None }; self.options.folds];
         let judged = judged_ships(recordings, dealt.folds, &none, dealt.are_inputs_held);
         let samples = recordings.iter().map(|recording| recording.samples() as u64).sum();
-        SearchDocument::unfound(&self.search.vessel, self.options, [judged.windows, samples], judged.nested)
+        SearchSummary::unfound(&self.search.vessel, self.options, [judged.windows, samples], judged.nested)
     }
 
     /// Both ways to fit the forces.
@@ -256,7 +254,7 @@ impl AveragedSearch<'_> {
     }
 
     fn physical(&self, settings: Settings) -> Physical<'_> {
-        Physical { vessel: self.vessel, settings, former: None, reference: None, most_added: 0 }
+        Physical { vessel: self.vessel, settings, former: None, reference: None }
     }
 
     /// Fits the forces without each fold in both ways, each from what the one before found, and all of `runs` in the better way:

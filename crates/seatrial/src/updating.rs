@@ -7,7 +7,7 @@ use refusal::Invalid;
 use ship::model::Source;
 use study::design_files::Promised;
 use study::documents::{
-    CovarianceCriterion, DesignDocument, DesignFigure, DesignUpdateDocument, ModelDocument, UpdatedAccuracy,
+    CovarianceCriterion, DesignDocument, DesignFigure, ModelDocument, PromiseUpdate, UpdatedAccuracy,
     UpdatedCriterion, UpdatedError, UpdatedFigure, UpdatedParameter,
 };
 use study::figure_goals::FigureGoals;
@@ -57,7 +57,7 @@ impl<'a> Updating<'a> {
     ///
     /// # Errors
     /// [`UpdateError`].
-    pub fn after(&self, model: &ModelDocument) -> Result<DesignUpdateDocument, UpdateError> {
+    pub fn after(&self, model: &ModelDocument) -> Result<PromiseUpdate, UpdateError> {
         let promised = self.promised().map_err(UpdateError::Design)?;
         let names = self.names();
         let estimate = Estimate::read(model, self.moments, &names).map_err(UpdateError::Model)?;
@@ -83,7 +83,7 @@ impl<'a> Updating<'a> {
             Some(AccuracyOf::Figures) => self.over_wanted(&figures),
             None => None,
         };
-        let mut document = DesignUpdateDocument {
+        let mut document = PromiseUpdate {
             statement: String::new(),
             estimator: model.estimator,
             samples: estimate.samples as u64,
@@ -141,7 +141,7 @@ impl<'a> Updating<'a> {
             (None, Norm::Trace) => diagonal(&estimate.variances),
             (None, Norm::LogDet) => {
                 let expected = "one, for the criterion d of the design";
-                let remedy = "estimate the trial by `estimate pool`";
+                let remedy = "estimate the trial by `estimate --fit together`";
                 return Err(Invalid::new("`data.covariance`", "none", expected, remedy));
             }
         };
@@ -264,7 +264,8 @@ impl Estimate {
             None if parameter.at_bound => Ok(0.0),
             None => parameter.standard_error.map(|error| error * error).ok_or_else(|| {
                 let expected = "how uncertain the estimate is: a covariance or standard errors";
-                let remedy = "estimate the trial by `estimate pool`, without a search for its structure";
+                let remedy =
+                    "estimate the trial by `estimate --fit together`, without a search for its structure";
                 Invalid::new(format!("parameter `{}`", parameter.name), "no standard error", expected, remedy)
             }),
         };
@@ -317,7 +318,7 @@ fn diagonal(variances: &[f64]) -> Vec<f64> {
 }
 
 /// The update in words.
-fn said(found: &DesignUpdateDocument) -> String {
+fn said(found: &PromiseUpdate) -> String {
     let error = found.parameter_error.map(|error| ("parameter error", error));
     let by_criterion = found.criterion.as_ref().map(|criterion| ("criterion", criterion.error));
     let errors = match error.or(by_criterion) {

@@ -8,11 +8,11 @@ use refusal::Invalid;
 use ship::model::Vessel;
 use validation::comparison::{EstimatedErrors, Magnitudes, Standing};
 
-use crate::documents::{AverageDocument, ModelDocument};
+use crate::documents::ModelDocument;
 use crate::tables::trajectories::rate_of;
-use crate::written::files::{is_average, read_any_vessel_as};
+use crate::written::files::read_any_vessel_as;
 
-/// A `model.json` or an `average.json`, with its models.
+/// A `model.json`, with the models that it averages.
 pub struct Tried {
     models: Vec<ModelDocument>,
     vessels: Vec<Vessel>,
@@ -35,18 +35,9 @@ impl Tried {
                 by_least_squares: None,
             });
         }
-        let (models, output_rmse) = if is_average(path) {
-            let average = read_document::<AverageDocument>(path)?;
-            provenance.made("model", path, average.digest, &average.provenance)?;
-            let output_rmse = average.data.output_rmse();
-            (average.data.members.into_iter().map(|member| member.model).collect(), output_rmse)
-        } else {
-            let model = read_document::<ModelDocument>(path)?;
-            provenance.made("model", path, model.digest, &model.provenance)?;
-            let output_rmse = model.data.output_rmse();
-            (vec![model.data], output_rmse)
-        };
-        Self::all(models, output_rmse).map_err(|e| crate::invalid(path, &e))
+        let model = read_document::<ModelDocument>(path)?;
+        provenance.made("model", path, model.digest, &model.provenance)?;
+        Self::of(model.data).map_err(|e| crate::invalid(path, &e))
     }
 
     /// A ship with forces that was not fitted, at the rate of the trajectories at `path`; others keep theirs.
@@ -66,11 +57,12 @@ impl Tried {
     /// # Errors
     /// A model that does not give a valid vessel.
     pub fn of(model: ModelDocument) -> Result<Self, Invalid> {
-        let output_rmse = model.output_rmse();
-        Self::all(vec![model], output_rmse)
-    }
-
-    fn all(models: Vec<ModelDocument>, output_rmse: Option<[f64; 3]>) -> Result<Self, Invalid> {
+        let (models, output_rmse) = if model.members.is_empty() {
+            let output_rmse = model.output_rmse();
+            (vec![model], output_rmse)
+        } else {
+            (model.members.into_iter().map(|member| member.model).collect(), model.average_rmse)
+        };
         let vessels = models.iter().map(ModelDocument::vessel).collect::<Result<Vec<_>, _>>()?;
         let by_least_squares = match models.as_slice() {
             [model] => model.by_least_squares()?,

@@ -25,7 +25,7 @@ def fit(frame: Any, vessel: str | os.PathLike[str], out: str | os.PathLike[str] 
 
     `frame` is one of pandas, polars or Arrow, or columns by name: `t` [s], `u`, `v` [m/s], `r` [rad/s] in body axes, and each input of
     the vessel in its unit. `out` names a folder that keeps the log, ingest.toml, trajectories and model.json; `flags` are those of
-    `seatrial estimate pool`.
+    `seatrial estimate --fit together`.
 
     Raises what `run` raises.
     """
@@ -47,13 +47,12 @@ def fit(frame: Any, vessel: str | os.PathLike[str], out: str | os.PathLike[str] 
         trajectories = place / "trajectories.parquet"
         run("ingest", config=place / "ingest.toml", logs=place / "logs", vessel=vessel, out=trajectories, quiet=True)
         run(
-            "estimate pool",
+            "estimate",
             vessel=vessel,
             trajectories=trajectories,
-            recordings=place / "ingest.json",
             out=f"{place}{os.sep}",
             quiet=True,
-            **flags,
+            **({"structure": "own"} | flags),
         )
         model = place / "model.json"
         if not model.is_file():

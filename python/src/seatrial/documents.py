@@ -58,6 +58,8 @@ MapTrackKind = Literal["maneuver", "run-in", "basic"]
 MeanRemoval = Literal["none", "batch", "complete"]
 #: How counts, or choices of candidates, were found.
 Method = Literal["exhaustive", "exchange"]
+#: Which model is made of all runs.
+ModelStructure = Literal["own", "core", "library", "few", "average"]
 #: What disturbs runs besides white noise of u, v and r.
 NoiseKind = Literal["white", "current", "forces", "forces-each", "forces-and-current", "sensors"]
 #: Where the model comes from that instruments are simulated with.
@@ -201,26 +203,6 @@ class AccuracyPoint:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Added:
-    """A term that a model lacked and was given."""
-
-    #: The term.
-    term: str
-    #: `surge`, `sway` or `yaw`.
-    degree: str
-    #: What its parameter is called.
-    parameter: str
-    #: The parameter's unit.
-    unit: str
-    #: How probable it was under the model without it that anything looked for seems as likely to be missing.
-    p_value: float
-    #: The estimate in the model as it is now; null where it has none.
-    value: float | None = None
-    #: Its standard error.
-    standard_error: float | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
 class Apart:
     """A recording whose own parameters are not those of the others."""
 
@@ -271,27 +253,11 @@ class ArmSummary:
 
 
 @dataclass(frozen=True, kw_only=True)
-class AverageDocument:
-    """`average.json`: several models of the same recordings, whose simulated trajectories are averaged. Their spread
-    tells where the recordings leave the structure open.
-    """
-
-    #: Name of the vessel.
-    vessel: str
-    #: RMSE of the mean trajectory over the recordings that were fitted; null where a model diverges.
-    output_rmse_u: float | None = None
-    #: Of v.
-    output_rmse_v: float | None = None
-    #: Of r.
-    output_rmse_r: float | None = None
-    #: The models; a single one where another of the two that were to be averaged was left out.
-    members: list[AverageMember]
-
-
-@dataclass(frozen=True, kw_only=True)
 class AverageMember:
     """One of the models."""
 
+    #: Its weight in the mean trajectory; those of all add up to 1.
+    weight: float
     #: The recordings that its structure was found on.
     found_on: list[str]
     #: The model of that structure, fitted to all recordings. It has no standard errors: the spread of the models takes
@@ -353,9 +319,9 @@ class Bands:
 
 @dataclass(frozen=True, kw_only=True)
 class BesideForces:
-    """Forces of the ship that were fitted beside a search, and what `average.json` delivers of the two."""
+    """Forces of the ship that were fitted beside a search, and what is delivered of the two."""
 
-    #: What `average.json` has.
+    #: What `model.json` has.
     delivered: DeliveredKind
     #: How the forces may be fitted.
     tried: list[TriedFit]
@@ -767,47 +733,6 @@ class Criticism:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CrossvalDocument:
-    """`crossval.json`: free simulation over runs or recordings that were left out of the estimate."""
-
-    #: How the instruments' mean is removed.
-    mean_removal: MeanRemoval
-    #: Where the instruments' nominal model comes from.
-    nominal: NominalSource
-    #: Strength of the pull towards it; of forces the weight of their priors.
-    prior: float
-    #: Whether forces were fitted, which have no instruments.
-    forces: bool = False
-    #: Whether the estimated intercepts were simulated too.
-    intercepts: bool
-    #: Length of the windows \[s\]; null: whole runs.
-    window_s: float | None = None
-    #: Number of windows that were simulated.
-    windows: int
-    #: Their samples.
-    samples: int
-    #: Number of folds.
-    folds: int
-    #: Standard deviations of the measured states over the windows.
-    std_u: float
-    #: Of sway speed.
-    std_v: float
-    #: Of yaw rate.
-    std_r: float
-    #: The estimator with the least median norm of RMSE/std over the recordings; null where they cannot tell it from
-    #: another, or none could be simulated over all.
-    recommended: Estimator | None = None
-    #: That of least median norm, and those that the recordings cannot tell from it.
-    candidates: list[Estimator]
-    #: The other estimators against that of least median norm, recording by recording.
-    differences: list[PairedDifference]
-    #: That, and what went wrong, in words.
-    statements: list[str]
-    #: One entry per estimator.
-    estimators: list[EstimatorScore]
-
-
-@dataclass(frozen=True, kw_only=True)
 class Degree:
     """One degree of freedom of a model."""
 
@@ -1103,34 +1028,6 @@ class DesignSummary:
 
 
 @dataclass(frozen=True, kw_only=True)
-class DesignUpdateDocument:
-    """`design-update.json`: what a design promised, and what an estimate of its trial leaves uncertain."""
-
-    #: The update in words.
-    statement: str
-    #: The estimator of the estimate.
-    estimator: Estimator
-    #: Samples of the trial.
-    samples: int
-    #: Its duration \[s\]. All promises are for this length.
-    duration_s: float
-    #: Every parameter, in order.
-    parameters: list[UpdatedParameter]
-    #: Root of Σ (standard error/scale)², with the fixed scales of `parameters`; absent where one is zero.
-    parameter_error: UpdatedError | None = None
-    #: The criterion of the design, where parameters alone tell it.
-    criterion: UpdatedCriterion | None = None
-    #: Figures of merit, where they were given.
-    figures: list[UpdatedFigure] = field(default_factory=list)
-    #: Root of Σ (standard error/scale)² after one more trial of the same design and length.
-    after_another: float | None = None
-    #: How much longer trials of the same design have to be, where an accuracy was asked for.
-    accuracy: UpdatedAccuracy | None = None
-    #: What to know before using it, in words.
-    statements: list[str] = field(default_factory=list)
-
-
-@dataclass(frozen=True, kw_only=True)
 class Difference:
     """How far the error norm of another lies above the first model's, recording by recording, or window by window of
     one recording.
@@ -1226,9 +1123,17 @@ class EstimateDocument:
     compared: list[EstimatorSummary] | None = None
     #: Parameters that are fixed or tied to others.
     constrained: list[ConstrainedParameter] = field(default_factory=list)
-    #: What to know before using a pooled estimate, in words; `trust.json` has the numbers. Absent where every run has
-    #: its own estimate.
-    trust: list[str] | None = None
+    #: Which model was made of all runs, and why; absent where every run has its own estimate.
+    structure: ChosenStructure | None = None
+    #: How far the estimate of all runs can be trusted; absent of a ship with forces and of a structure that was
+    #: searched for.
+    trust: Trust | None = None
+    #: How the structure was searched for.
+    search: SearchSummary | None = None
+    #: Estimators over runs or recordings that were left out, where that was asked for.
+    left_out: LeftOutScores | None = None
+    #: What a design promised beside what the estimate leaves uncertain.
+    promise: PromiseUpdate | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1836,6 +1741,47 @@ class LateActuator:
 
 
 @dataclass(frozen=True, kw_only=True)
+class LeftOutScores:
+    """Free simulation over runs or recordings that were left out of the estimate."""
+
+    #: How the instruments' mean is removed.
+    mean_removal: MeanRemoval
+    #: Where the instruments' nominal model comes from.
+    nominal: NominalSource
+    #: Strength of the pull towards it; of forces the weight of their priors.
+    prior: float
+    #: Whether forces were fitted, which have no instruments.
+    forces: bool = False
+    #: Whether the estimated intercepts were simulated too.
+    intercepts: bool
+    #: Length of the windows \[s\]; null: whole runs.
+    window_s: float | None = None
+    #: Number of windows that were simulated.
+    windows: int
+    #: Their samples.
+    samples: int
+    #: Number of folds.
+    folds: int
+    #: Standard deviations of the measured states over the windows.
+    std_u: float
+    #: Of sway speed.
+    std_v: float
+    #: Of yaw rate.
+    std_r: float
+    #: The estimator with the least median norm of RMSE/std over the recordings; null where they cannot tell it from
+    #: another, or none could be simulated over all.
+    recommended: Estimator | None = None
+    #: That of least median norm, and those that the recordings cannot tell from it.
+    candidates: list[Estimator]
+    #: The other estimators against that of least median norm, recording by recording.
+    differences: list[PairedDifference]
+    #: That, and what went wrong, in words.
+    statements: list[str]
+    #: One entry per estimator.
+    estimators: list[EstimatorScore]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Magnitudes:
     """How large the channels were: the range of their root mean squares over stretches of the data, side by side in
     each run. A model holds for motions as large as those that it was fitted to, and as small: a zig-zag of one
@@ -2276,6 +2222,12 @@ class ModelDocument:
     rejected: bool | None = None
     #: What to know before using the model, in words.
     statements: list[str]
+    #: Models whose trajectories are averaged for predictions, where an average was made; the others are this model
+    #: alone.
+    members: list[AverageMember] = field(default_factory=list)
+    #: RMSE of u, v \[m/s\], r \[rad/s\] of that average over the recordings that were fitted; null where a model
+    #: diverges.
+    average_rmse: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -2892,6 +2844,34 @@ class PriorInformation:
 
 
 @dataclass(frozen=True, kw_only=True)
+class PromiseUpdate:
+    """What a design promised, and what an estimate of its trial leaves uncertain."""
+
+    #: The update in words.
+    statement: str
+    #: The estimator of the estimate.
+    estimator: Estimator
+    #: Samples of the trial.
+    samples: int
+    #: Its duration \[s\]. All promises are for this length.
+    duration_s: float
+    #: Every parameter, in order.
+    parameters: list[UpdatedParameter]
+    #: Root of Σ (standard error/scale)², with the fixed scales of `parameters`; absent where one is zero.
+    parameter_error: UpdatedError | None = None
+    #: The criterion of the design, where parameters alone tell it.
+    criterion: UpdatedCriterion | None = None
+    #: Figures of merit, where they were given.
+    figures: list[UpdatedFigure] = field(default_factory=list)
+    #: Root of Σ (standard error/scale)² after one more trial of the same design and length.
+    after_another: float | None = None
+    #: How much longer trials of the same design have to be, where an accuracy was asked for.
+    accuracy: UpdatedAccuracy | None = None
+    #: What to know before using it, in words.
+    statements: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True, kw_only=True)
 class PublishedLimits:
     """Errors at which the figures of a published study end."""
 
@@ -3259,7 +3239,7 @@ class SearchDocument:
     resamples: Resamples | None = None
     #: The terms that were found; of a ship with forces, those of the delivered ship whose numbers are free.
     terms: list[SearchTerm]
-    #: What the models of `average.json` are made of, where an average was asked for.
+    #: What the models of an average are made of, where an average was asked for.
     average: AverageSummary | None = None
     #: The forces that were found, where the vessel has forces.
     forces: SearchedForces | None = None
@@ -3768,8 +3748,8 @@ class TriedSign:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TrustDocument:
-    """`trust.json`: how far one pooled estimate can be trusted."""
+class Trust:
+    """How far one pooled estimate can be trusted."""
 
     #: The estimator.
     estimator: Estimator
@@ -3799,8 +3779,6 @@ class TrustDocument:
     runs: list[SourceErrors]
     #: What the model lacks; absent where the model diverges or has no estimate.
     criticism: Criticism | None = None
-    #: Terms that the model was found to lack and was given, in that order; absent where none were.
-    added: list[Added] = field(default_factory=list)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -4088,7 +4066,7 @@ KINDS = {
     "crossval/1": "CrossvalDocument",
     "design-update/1": "DesignUpdateDocument",
     "design/1": "DesignDocument",
-    "estimate/1": "EstimateDocument",
+    "estimate/2": "EstimateDocument",
     "follow/1": "FollowDocument",
     "ingest/1": "IngestDocument",
     "map/1": "MapDocument",

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Parser};
+use clap::Args;
 use estimation::Estimator;
 use estimation::pooled::Pool;
 use files::{Provenance, TableWriter, commit_with_document, encode_block};
@@ -13,20 +13,18 @@ use seatrial::{Comparison, channels_within, widest};
 use serde_json::json;
 use ship::model::Vessel;
 use study::Tried;
-use study::documents::{CrossvalDocument, DesignDocument, Selection, ValidationDocument, traces};
-use study::files::{StageOfTerms, read_any_vessel, read_any_vessel_as, read_reference};
+use study::documents::{DesignDocument, Selection, ValidationDocument, traces};
+use study::files::{StageOfTerms, read_any_vessel_as, read_reference};
 use study::parts::MAIN;
 use study::selection::{Row, columns, counts_of, rows};
-use validation::crossval::{CrossOptions, cross_validate, dealt};
 use validation::selection::{PublishedLimits, SelectionOptions, Selector, available};
 
 use super::validate::SCORES;
 use crate::cli::{Common, Sharding, beside, choice, member, samples};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made, joined, joined_blocks};
-use crate::physical::{self, Scored, absent, written};
-use crate::pool::{PoolFlags, RunFlags};
-use crate::stage::{Summary, Task};
+use crate::pool::RunFlags;
+use crate::stage::Summary;
 
 /// Which models are tried, and how.
 #[derive(Args)]
@@ -92,67 +90,6 @@ impl ModelFlags {
             channels_within(vessel, widest).map_err(|e| Failure::invalid(path, &e))?;
         }
         Ok(widest)
-    }
-}
-
-/// Finds how well a model predicts runs or recordings that were left out of it; writes crossval.json
-#[derive(Parser)]
-#[command(
-    name = "cross",
-    after_help = "Example:\n  validate cross --vessel pipelines/kvlcc2/vessel.toml \
-    --trajectories trajectories.parquet --out crossval.json"
-)]
-pub struct CrossArguments {
-    #[command(flatten)]
-    flags: PoolFlags,
-    /// The estimators to compare, with commas between them [default: ls, iv, auto, output-error; of a ship with forces output-error]
-    #[arg(long, value_parser = choice(&Estimator::POOLED, Estimator::name, Estimator::description), value_delimiter = ',')]
-    estimator: Vec<Estimator>,
-    /// Of a ship with forces: the runs are fitted in windows of at most this length [s] [default: 100]
-    #[arg(long, value_name = "S")]
-    fitted_window_s: Option<f64>,
-    /// Simulates over windows of this length, side by side [s]; whole runs without it
-    #[arg(long, value_name = "S")]
-    window_s: Option<f64>,
-    /// Deals runs or recordings in turns into N folds; without it each is left out on its own
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
-    folds: Option<u16>,
-}
-
-impl Task for CrossArguments {
-    fn run(&self, common: &Common) -> Result<Summary, Failure> {
-        let mut provenance = common.provenance("validate");
-        let vessel = self.flags.cored(read_any_vessel(&self.flags.vessel, &mut provenance)?)?;
-        let window = self.window_s.map(|s| samples("--window-s", s, vessel.sample_rate_hz)).transpose()?;
-        let out = common.main_output("crossval.json", self.flags.inputs())?;
-        let folds = self.folds.map(usize::from);
-        if vessel.model.forces.is_some() {
-            let inputs = (&self.flags, self.fitted_window_s, self.estimator.as_slice());
-            return physical::cross(inputs, &vessel, Scored { window, folds, out }, (common, provenance));
-        }
-        absent([("--fitted-window-s", self.fitted_window_s.is_some())])?;
-        let estimators = match self.estimator.as_slice() {
-            [] => Estimator::COMPARED.to_vec(),
-            asked => asked.to_vec(),
-        };
-        let (runs, pool) = self.flags.read(&vessel, &mut provenance, inputs::runs)?;
-        let bytes = pool.bytes_of_many(&runs, rayon::current_num_threads());
-        inputs::fits(self.flags.of.file(), &runs.amount(), bytes)?;
-        let options = CrossOptions { estimators, window, folds };
-        let folds = dealt(runs.sources(), folds).len() * options.estimators.len();
-        let progress = WorkProgress::new("folds", folds, common.quiet);
-        let folds = cross_validate(&pool, &runs, &options, &|count| progress.advance(count));
-        let folds = folds.map_err(|e| Failure::invalid(self.flags.of.file(), &e.invalid()))?;
-        let settings = [
-            ("estimators", json!(options.estimators)),
-            ("intercepts", json!(true)),
-            ("window_samples", json!(window)),
-            ("folds", json!(self.folds)),
-        ];
-        self.flags.note(settings, &mut provenance);
-        let window_s = window.map(|samples| samples as f64 / vessel.sample_rate_hz);
-        let document = CrossvalDocument::new(&pool, self.flags.nominal().source(), window_s, &folds);
-        written(&out, &provenance, &document)
     }
 }
 

@@ -1,105 +1,176 @@
-//! `estimate`: parameters of every run.
+//! `estimate`: parameters of every run, or a model of all.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use clap::Parser;
 use estimation::predictor::{InitialState, NoiseModel};
 use estimation::runs::RunEstimators;
 use estimation::{EstimateStatus, Estimator, against_nominal};
 use files::{Provenance, Staged, stage_document};
-use regression::MeanRemoval;
 use regression::pooled::{PooledRuns, Recorded};
 use serde_json::json;
 use ship::engine::Run;
 use ship::model::Vessel;
-use study::documents::ModelDocument;
+use study::documents::{ChosenStructure, EstimateDocument, ModelDocument, ModelStructure, PromiseUpdate};
 use study::estimates::covariances::{self, Covariances};
 use study::estimates::{self, Row, distinct};
-use study::files::{read_any_followed, read_campaign};
+use study::files::{read_any_followed, read_any_vessel, read_campaign};
 use study::trajectories::{KeptRuns, Layout, TrajectoryReader};
 use study::{Doubtful, LoggedHelm};
 
-use crate::cli::{AdditionalFlags, Allowed, Common, Sharding, allowance, beside, choice, given, member};
+use crate::cli::{Allowed, Common, beside, given, member, none_given};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made, joined, joined_blocks};
+use crate::pool::{EstimateArguments, FitKind, Nominal, besides};
 use crate::stage::{Summary, Task};
 
-/// Estimates the model's parameters from each run, with standard errors; writes estimates.parquet and estimate.json
-#[derive(Parser)]
-#[command(
-    name = "estimate",
-    after_help = "Example:\n  estimate --vessel pipelines/paper/vessel.toml \
-    --trajectories campaign.parquet --out estimates.parquet"
-)]
-pub struct EstimateArguments {
-    /// The vessel
-    #[arg(long, visible_alias = "model", value_name = "vessel.toml")]
-    vessel: PathBuf,
-    /// The runs
-    #[arg(long, required_unless_present = "gather", value_name = "campaign.parquet")]
-    trajectories: Option<PathBuf>,
-    /// The estimators, with commas between them, all on the same runs; of several the default one leads, or else the first
-    /// [default: `prediction-error` for measured logs without --campaign, else `iv`]
-    #[arg(long, value_delimiter = ',', value_parser = choice(&Estimator::OF_RUNS, Estimator::name, Estimator::description))]
-    estimator: Vec<Estimator>,
-    /// What disturbs the runs: for `prediction-error` and standard errors of `output-error`, which else find the noise of each run
-    /// by itself, and to ask the runs what the model lacks
-    #[arg(long, value_name = "campaign.toml")]
-    campaign: Option<PathBuf>,
-    /// How the instruments' mean is removed
-    #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
-    mean_removal: MeanRemoval,
-    #[command(flatten)]
-    additional: AdditionalFlags,
-    /// Only these runs, by name (`optimized/3`) or number; of a single one model.json is written, too
-    #[arg(long, value_name = "NAME,…", conflicts_with_all = ["shard", "gather"])]
-    runs: Vec<String>,
-    /// Writes covariances.parquet, too: for every run the covariances of its parameters
-    #[arg(long, conflicts_with_all = ["shard", "gather"])]
-    covariance: bool,
-    /// Accepts what is refused otherwise; the outputs say so
-    #[arg(long, global = true, value_name = "LIST", value_delimiter = ',', value_parser = allowance(&[Allowed::Mixed, Allowed::Doubtful]))]
-    allow: Vec<Allowed>,
-    #[command(flatten)]
-    sharding: Sharding,
-}
+use super::{estimate_pool, search};
 
 /// The usual name of the table.
 pub const MAIN: &str = "estimates.parquet";
 
+/// Fewest recordings for a search, as many as it has folds.
+pub const SEARCHED: usize = 6;
+
+/// The structure of a model of so many recordings.
+pub fn usual_structure(recordings: usize, is_of_forces: bool) -> ModelStructure {
+    match (recordings >= SEARCHED, is_of_forces) {
+        (true, true) => ModelStructure::Average,
+        (true, false) => ModelStructure::Library,
+        (false, true) => ModelStructure::Own,
+        (false, false) => ModelStructure::Core,
+    }
+}
+
 impl Task for EstimateArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        let is_measured = self.is_measured(common);
+        let usual = if is_measured || self.structure.is_some() { FitKind::Together } else { FitKind::Each };
+        if self.fit.unwrap_or(usual) == FitKind::Each {
+            self.check_each()?;
+            return self.each(common);
+        }
+        let flags = [("--campaign", self.campaign.is_some()), ("--keep", self.keep.is_some())];
+        none_given(flags, "an estimate of all runs together", "--fit each")?;
+        let (asked, chosen) = self.resolved(is_measured, common)?;
+        let said = self.structure.is_none().then(|| chosen.statement.clone());
+        let summary = match chosen.chosen {
+            ModelStructure::Own | ModelStructure::Core => estimate_pool::pooled(&asked, chosen, common),
+            _ => search::searched(&asked, chosen, common),
+        };
+        Ok(summary?.also(said))
+    }
+}
+
+impl EstimateArguments {
+    /// Whether the runs are measured; one that cannot be read is refused later.
+    fn is_measured(&self, common: &Common) -> bool {
+        let Some(file) = &self.flags.of.trajectories else { return false };
+        let vessel = read_any_vessel(&self.flags.vessel, &mut common.provenance("estimate"));
+        vessel.is_ok_and(|vessel| inputs::are_simulated(file, &vessel).is_ok_and(|simulated| !simulated))
+    }
+
+    /// The flags with the defaults of a model of all runs, and which structure it has.
+    fn resolved(&self, is_measured: bool, common: &Common) -> Result<(Self, ChosenStructure), Failure> {
+        let mut asked = self.clone();
+        asked.flags.of = asked.flags.of.with_recordings_beside();
+        let vessel = read_any_vessel(&self.flags.vessel, &mut common.provenance("estimate"))?;
+        let is_of_forces = vessel.model.forces.is_some();
+        let (chosen, why) = if let Some(chosen) = self.structure {
+            (chosen, "as asked for".to_owned())
+        } else if !is_measured {
+            (ModelStructure::Own, "the runs are simulated".to_owned())
+        } else if !self.estimator.is_empty() {
+            (ModelStructure::Own, "an estimator is given".to_owned())
+        } else {
+            let (runs, _) =
+                asked.flags.of.read(&vessel, &mut common.provenance("estimate"), inputs::kept_runs)?;
+            let count = runs.sources();
+            let enough = if count >= SEARCHED { "are enough" } else { "are too few" };
+            (usual_structure(count, is_of_forces), format!("{count} recordings {enough} for a search"))
+        };
+        if is_of_forces && [ModelStructure::Core, ModelStructure::Few].contains(&chosen) {
+            return Err(Failure::Usage(format!(
+                "--structure: found `{chosen}` of a ship with forces, expected own, library or average; take another one"
+            )));
+        }
+        if self.structure.is_none() && chosen == ModelStructure::Core {
+            // Few recordings distinguish seven terms best by their steps.
+            asked.estimator = vec![Estimator::PredictionError];
+        }
+        if is_measured && !is_of_forces && asked.flags.nominal.is_none() {
+            asked.flags.nominal = Some(Nominal::LeastSquares);
+        }
+        Ok((asked, ChosenStructure { chosen, statement: format!("structure `{chosen}`: {why}") }))
+    }
+
+    /// Refuses flags of a model of all runs.
+    fn check_each(&self) -> Result<(), Failure> {
+        let flags = &self.flags;
+        let given = [
+            ("--structure", self.structure.is_some()),
+            ("--recordings", flags.of.recordings.is_some()),
+            ("--leave-out", !flags.of.leave_out.is_empty()),
+            ("--part-s", flags.part_s.is_some()),
+            ("--nominal", flags.nominal.is_some()),
+            ("--prior", flags.prior.is_some()),
+            ("--bootstrap", self.bootstrap.is_some()),
+            ("--folds", self.folds.is_some()),
+            ("--window-s", self.window_s.is_some()),
+            ("--fitted-window-s", self.fitted_window_s.is_some()),
+            ("--terms", self.terms.is_some()),
+            ("--reference", self.reference.is_some()),
+            ("--estimator auto", self.estimator.contains(&Estimator::Auto)),
+        ];
+        none_given(given, "an estimate of each run", "--fit together")?;
+        let is_divided = self.sharding.shard.is_some() || self.sharding.gathers();
+        none_given([("--runs", is_divided && !flags.of.runs.is_empty())], "--shard or --gather", "all runs")
+    }
+
+    /// Estimates each run.
+    fn each(&self, common: &Common) -> Result<Summary, Failure> {
         let mut provenance = common.provenance("estimate");
-        let vessel = self.determined(read_any_followed(&self.vessel, &mut provenance)?)?;
-        self.mean_removal.check(&vessel.model).map_err(|e| Failure::invalid(&self.vessel, &e))?;
-        let inputs = [&self.vessel].into_iter().chain(&self.trajectories).chain(&self.sharding.gather);
+        let vessel = self.determined(read_any_followed(&self.flags.vessel, &mut provenance)?)?;
+        self.flags.mean_removal.check(&vessel.model).map_err(|e| Failure::invalid(&self.flags.vessel, &e))?;
+        let inputs =
+            [&self.flags.vessel].into_iter().chain(&self.flags.of.trajectories).chain(&self.sharding.gather);
         let out = common.main_output(MAIN, inputs)?;
         let levels = levels(self, &vessel, &mut provenance)?;
         let document = beside(&out, MAIN, "estimate.json");
-        let path = member(&out, MAIN, "model.json", [&self.vessel].into_iter().chain(&self.trajectories))?;
-        let inputs = [&self.vessel].into_iter().chain(&self.trajectories);
+        let path = member(
+            &out,
+            MAIN,
+            "model.json",
+            [&self.flags.vessel].into_iter().chain(&self.flags.of.trajectories),
+        )?;
+        let inputs = [&self.flags.vessel].into_iter().chain(&self.flags.of.trajectories);
         let table = member(&out, MAIN, covariances::FILE, inputs)?;
-        let kept = self.covariance.then(|| Covariances::new(&table));
-        let (made, model) = match self.sharding.gathers() {
+        let kept = self.keep.is_some().then(|| Covariances::new(&table));
+        let promised = self.promised(common)?;
+        let (mut made, model) = match self.sharding.gathers() {
             true => (gathered(&self.sharding.gather, &vessel, [&out, &document], provenance)?, None),
             false => {
                 self.computed(&vessel, levels, provenance, [&out, &document], (kept.as_ref(), common.quiet))?
             }
         };
+        if promised.is_some() && model.is_none() {
+            let remedy = "name it by --runs, or estimate all by --fit together";
+            return Err(Failure::Usage(format!(
+                "--promised: found no single run with an estimate, expected one; {remedy}"
+            )));
+        }
+        let promise = self.promise(promised, model.as_ref(), &mut made.provenance)?;
         let also = kept.map(|kept| kept.staged(&vessel, &document, &made.provenance)).transpose()?;
-        publish(&vessel, &document, made, (&path, model), also)
+        publish((&vessel, promise), &document, made, (&path, model), also)
     }
-}
 
-impl EstimateArguments {
     /// The vessel with the parameters that the runs can determine: simulated runs, which have their true states, have
     /// no information about disturbances that they hold constant.
     fn determined(&self, vessel: Vessel) -> Result<Vessel, Failure> {
         if vessel.model.simulated.is_empty() {
             return Ok(vessel);
         }
-        let simulated = match (&self.trajectories, self.sharding.gather.first()) {
+        let simulated = match (&self.flags.of.trajectories, self.sharding.gather.first()) {
             (Some(file), _) => {
                 let layout = Layout::new(&vessel.model);
                 TrajectoryReader::open(file, &layout, vessel.sample_rate_hz)?.true_states()
@@ -119,7 +190,7 @@ impl EstimateArguments {
         out: [&Path; 2],
         (kept, quiet): (Option<&Covariances>, bool),
     ) -> Result<(Made<Row>, Option<ModelDocument>), Failure> {
-        let file = given(&self.trajectories, "trajectories")?;
+        let file = given(&self.flags.of.trajectories, "trajectories")?;
         let reader = inputs::trajectories(file, "trajectories", vessel, &mut provenance)?;
         study::note_seed(reader.provenance(), &mut provenance);
         let (doubtful, helm) = (Doubtful::of(reader.provenance()), LoggedHelm::of(reader.provenance()));
@@ -131,7 +202,7 @@ impl EstimateArguments {
             KeptRuns::Held(runs) => (runs.len() as f64, runs.iter().map(Run::samples).sum()),
             KeptRuns::InFile(reader) => (reader.expected_runs()?, reader.rows().0),
         };
-        if !self.allow.contains(&Allowed::Doubtful) {
+        if !self.flags.of.allow.contains(&Allowed::Doubtful) {
             let is_used = |number| match &kept_runs {
                 KeptRuns::Held(runs) => runs.iter().any(|run| run.run == number),
                 KeptRuns::InFile(_) => true,
@@ -150,13 +221,13 @@ impl EstimateArguments {
         let estimators = RunEstimators {
             vessel,
             estimators: distinct(asked.into_iter()),
-            removal: self.mean_removal,
+            removal: self.flags.mean_removal,
             initial,
             additional: self.additional.unknown(),
             levels,
         };
         let taken = estimators.estimators.iter().try_for_each(|estimator| estimator.check(vessel));
-        taken.map_err(|e| Failure::invalid(&self.vessel, &e))?;
+        taken.map_err(|e| Failure::invalid(&self.flags.vessel, &e))?;
         estimators.check_forces().map_err(|e| Failure::invalid(file, &e))?;
         helm.check(file, &estimators.estimators)?;
         self.additional.check(&estimators.estimators)?;
@@ -179,7 +250,7 @@ impl EstimateArguments {
                     estimators.estimates_with_covariances(&runs).map(|estimates| kept.keep(i, estimates))
                 }
             };
-            let mut rows = estimates.map_err(|e| Failure::of_run(&e, &self.vessel, file))?;
+            let mut rows = estimates.map_err(|e| Failure::of_run(&e, &self.flags.vessel, file))?;
             if asks {
                 estimators.criticise(&runs, &mut rows);
             }
@@ -201,11 +272,11 @@ impl EstimateArguments {
     /// The runs that are named, or all.
     fn named(&self, reader: TrajectoryReader, file: &Path) -> Result<KeptRuns, Failure> {
         let all = KeptRuns::InFile(Box::new(reader));
-        if self.runs.is_empty() {
+        if self.flags.of.runs.is_empty() {
             return Ok(all);
         }
         let mut runs = PooledRuns::of(all, &BTreeMap::new())?;
-        runs.select(&self.runs, &[]).map_err(|e| Failure::invalid(file, &e.invalid()))?;
+        runs.select(&self.flags.of.runs, &[]).map_err(|e| Failure::invalid(file, &e.invalid()))?;
         Ok(KeptRuns::Held(runs.kept()?))
     }
 
@@ -221,9 +292,9 @@ impl EstimateArguments {
         let block = runs.block(0)?;
         let name = format!("{}/{}", row.design, row.run);
         let delivered = block.first().map(|run| estimators.delivered(run, &name)).transpose();
-        let delivered = delivered.map_err(|e| Failure::of_run(&e, &self.vessel, file))?.flatten();
+        let delivered = delivered.map_err(|e| Failure::of_run(&e, &self.flags.vessel, file))?.flatten();
         Ok(delivered.map(|(estimate, model)| {
-            ModelDocument::of_run(estimators.vessel, self.mean_removal, &estimate, &model)
+            ModelDocument::of_run(estimators.vessel, self.flags.mean_removal, &estimate, &model)
         }))
     }
 
@@ -240,10 +311,10 @@ impl EstimateArguments {
         if all.iter().any(|estimator| estimator.searches()) {
             settings.insert("initial_state".into(), json!(estimators.initial.name()));
         }
-        if !self.runs.is_empty() {
-            settings.insert("runs".into(), json!(self.runs));
+        if !self.flags.of.runs.is_empty() {
+            settings.insert("runs".into(), json!(self.flags.of.runs));
         }
-        settings.insert("mean_removal".into(), json!(self.mean_removal));
+        settings.insert("mean_removal".into(), json!(self.flags.mean_removal));
         self.additional.note(settings);
         provenance.shard = self.sharding.shard;
     }
@@ -284,7 +355,7 @@ fn levels(
 }
 
 fn publish(
-    vessel: &Vessel,
+    (vessel, promise): (&Vessel, Option<PromiseUpdate>),
     document: &Path,
     made: Made<Row>,
     (path, model): (&Path, Option<ModelDocument>),
@@ -311,7 +382,11 @@ fn publish(
     let verdict =
         if asked { format!(", {rejected} reject the model") } else { ", model not criticised".to_owned() };
     let turned = turned(vessel, &rows).map_or(String::new(), |turned| format!("; {turned}"));
-    let summary = || estimates::summarize(&out, &provenance, vessel, &rows);
+    let said = besides(None, promise.as_ref());
+    let summary = || {
+        let summary = estimates::summarize(&out, &provenance, vessel, &rows)?;
+        Ok(EstimateDocument { promise, ..summary })
+    };
     let also_model = if model.is_some() { ", a model" } else { "" };
     let model = model.map(|model| stage_document(path, &provenance, &model)).transpose()?;
     estimates::publish(table, [covariances, model], document, &provenance, summary)?;
@@ -327,7 +402,8 @@ fn publish(
             json!({"estimates": runs, "identified": identified, "not_identifiable": unexcited,
                 "not_converged": unconverged, "rejected": asked.then_some(rejected)})
         },
-    ))
+    )
+    .also(said))
 }
 
 /// The means of all runs with another sign than the nominal value, in words; standard errors are those of a run.

@@ -12,13 +12,10 @@ mod search;
 mod simulate;
 mod validate;
 
-pub(crate) use compare::CrossArguments;
-pub(crate) use estimate::EstimateArguments;
-pub(crate) use estimate_pool::PoolArguments;
+pub(crate) use estimate::{SEARCHED, usual_structure};
 pub(crate) use moments::MomentsArguments;
 pub(crate) use monte_carlo::MonteCarloArguments;
 pub(crate) use plan::PlanArguments;
-pub(crate) use search::SearchArguments;
 pub(crate) use validate::{MeritArguments, ValidateArguments};
 
 use crate::stage::Stage;
@@ -36,16 +33,14 @@ pub const INGEST: Stage = Stage::of::<ingest::IngestArguments>();
 /// The information of each maneuver about the parameters.
 pub const MOMENTS: Stage = Stage::of::<moments::MomentsArguments>();
 /// The time of each maneuver, and its inputs.
-pub const DESIGN: Stage =
-    Stage::of::<crate::design::DesignArguments>().with(&[Stage::of::<crate::design::Update>()]);
+pub const DESIGN: Stage = Stage::of::<crate::design::DesignArguments>();
 /// Parameters of every run, or of all runs together.
-pub const ESTIMATE: Stage = Stage::of::<estimate::EstimateArguments>()
-    .with(&[Stage::of::<estimate_pool::PoolArguments>(), Stage::of::<search::SearchArguments>()]);
+pub const ESTIMATE: Stage = Stage::of::<crate::pool::EstimateArguments>();
 /// A campaign's runs, estimated and scored in memory.
 pub const MONTE_CARLO: Stage = Stage::of::<monte_carlo::MonteCarloArguments>();
 /// How good models are.
-pub const VALIDATE: Stage = Stage::of::<validate::ValidateArguments>()
-    .with(&[Stage::of::<compare::CrossArguments>(), Stage::of::<validate::MeritArguments>()]);
+pub const VALIDATE: Stage =
+    Stage::of::<validate::ValidateArguments>().with(&[Stage::of::<validate::MeritArguments>()]);
 /// One trajectory with every maneuver as often as the design requires.
 pub const PLAN: Stage = Stage::of::<plan::PlanArguments>();
 /// A model for other tools.

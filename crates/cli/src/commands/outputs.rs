@@ -67,7 +67,7 @@ impl Task for ReportArguments {
 #[command(name = "export", after_help = "Example:\n  export --model model.json --to fmu --out exported/")]
 pub struct ExportArguments {
     /// The model, or a vessel; of an average each model, into a folder of its own
-    #[arg(long, visible_alias = "vessel", value_name = "model.json|average.json|vessel.toml")]
+    #[arg(long, visible_alias = "vessel", value_name = "model.json|vessel.toml")]
     model: PathBuf,
     /// What for
     #[arg(long, value_parser = choice(&Target::ALL, Target::name, Target::description))]

@@ -284,7 +284,7 @@ impl MeritArguments {
     /// What the model's file says of its parameters.
     fn covariance(&self) -> Result<Covariance, Failure> {
         read_model(&self.vessel)?.and_then(|model| model.errors_of_parameters().cloned()).ok_or_else(|| {
-            let expected = "a model with one, as `estimate pool` writes it";
+            let expected = "a model with one, as `estimate --fit together` writes it";
             Failure::refuse(&self.vessel, "`covariance`", "none", expected, "leave out --draws")
         })
     }

@@ -1,4 +1,4 @@
-//! `design`: the time of each maneuver, or the input signals themselves; `design update`: what became of its promise.
+//! `design`: the time of each maneuver, or the input signals themselves.
 
 mod stage;
 
@@ -23,8 +23,6 @@ use trial::moments::{Estimated, Moments, NoCriterion};
 
 use crate::cli::{check_positive, choice, given};
 use crate::failure::Failure;
-
-pub use stage::Update;
 
 /// The longest experiment for --accuracy \[s\]: a day.
 const LONGEST_S: f64 = 86_400.0;

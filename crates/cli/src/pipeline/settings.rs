@@ -16,10 +16,10 @@ use serde_json::{Map, Value, json};
 use study::refuse;
 
 use crate::commands::{
-    CrossArguments, EstimateArguments, MeritArguments, MomentsArguments, MonteCarloArguments, PlanArguments,
-    PoolArguments, SearchArguments, ValidateArguments,
+    MeritArguments, MomentsArguments, MonteCarloArguments, PlanArguments, ValidateArguments,
 };
 use crate::design::DesignArguments;
+use crate::pool::EstimateArguments;
 
 /// What `study.toml` says: of each stage the flags that are not as usual, in its table.
 #[derive(Default, Deserialize, JsonSchema)]
@@ -37,7 +37,7 @@ pub struct StudySettings {
     pub moments: StageSettings<MomentsArguments>,
     /// How long to run which maneuver
     pub design: StageSettings<DesignArguments>,
-    /// The estimates of simulated trials
+    /// The estimates of simulated trials, or the model of all recordings
     pub estimate: StageSettings<EstimateArguments>,
     /// With this table the simulated trials are estimated and scored in memory, and not kept
     pub monte_carlo: Option<StageSettings<MonteCarloArguments>>,
@@ -45,12 +45,8 @@ pub struct StudySettings {
     pub merit: Option<StageSettings<MeritArguments>>,
     /// The layout on a chart
     pub plan: StageSettings<PlanArguments>,
-    /// The model of `vessel.toml` from all recordings; with an `estimator` no other model is searched for
-    pub pool: StageSettings<PoolArguments>,
-    /// The model that six recordings or more are searched for
-    pub search: StageSettings<SearchArguments>,
-    /// Models tried on recordings that they were not fitted to
-    pub cross: StageSettings<CrossArguments>,
+    /// The model that the next trial is designed for, with `search_next`
+    pub search: StageSettings<EstimateArguments>,
     /// The second model on the recordings of `test`
     pub compare: StageSettings<ValidateArguments>,
     /// With this table sub-experiments are designed, picked from the logs and compared
@@ -118,13 +114,8 @@ impl<A> StageSettings<A> {
 
     /// The words of the `usual` flags and of those that are set, which take the place of usual ones of the same name.
     pub fn over(&self, usual: &str) -> Vec<String> {
-        self.over_words(usual.split_whitespace().map(str::to_owned).collect())
-    }
-
-    /// As [`StageSettings::over`].
-    pub fn over_words(&self, usual: Vec<String>) -> Vec<String> {
         let mut is_kept = true;
-        let mut words = usual;
+        let mut words: Vec<String> = usual.split_whitespace().map(str::to_owned).collect();
         words.retain(|word| {
             if let Some(name) = word.strip_prefix("--") {
                 is_kept = !self.has(&[name]);
@@ -135,21 +126,10 @@ impl<A> StageSettings<A> {
         words
     }
 
-    /// Those that `is_kept` by their names, of the stage `B`.
-    fn kept<B>(&self, is_kept: impl Fn(&str) -> bool) -> StageSettings<B> {
-        let flags = self.flags.iter().filter(|(name, _)| is_kept(name)).cloned().collect();
-        StageSettings { flags, stage: PhantomData }
-    }
-
-    /// Without `flag`.
-    pub fn without(&self, flag: &str) -> Self {
-        self.kept(|name| name != flag)
-    }
-
-    /// Those that the stage `B` takes, too.
-    pub fn shared<B: CommandFactory>(&self) -> StageSettings<B> {
-        let known = B::command();
-        self.kept(|name| known.get_arguments().any(|arg| arg.get_long() == Some(name)))
+    /// Without these `flags`.
+    pub fn without(&self, flags: &[&str]) -> Self {
+        let kept = self.flags.iter().filter(|(name, _)| !flags.contains(&name.as_str()));
+        Self { flags: kept.cloned().collect(), stage: PhantomData }
     }
 }
 

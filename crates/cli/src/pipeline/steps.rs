@@ -1,8 +1,9 @@
 //! The stages of a study, in order: their command lines and what they write.
 
 use estimation::Estimator;
+use study::documents::ModelStructure;
 
-use crate::commands::CrossArguments;
+use crate::commands::{SEARCHED, usual_structure};
 use crate::pipeline::settings::StudySettings;
 
 /// A stage of a study. In its words and outputs `\0study`, `\0dictionary`, `\0logs` and `\0out` stand for the study's folder, its
@@ -53,9 +54,6 @@ pub struct StudyShape {
     /// How many recordings its logs are.
     pub recordings: usize,
 }
-
-/// Fewest recordings for a search, as many as it has folds.
-pub(crate) const SEARCHED: usize = 6;
 
 const SHIP: &str = "--vessel \0study/vessel.toml";
 const HELM: &str = "--dictionary \0dictionary";
@@ -189,8 +187,7 @@ pub fn measured(
     let ingest = format!("ingest --config \0study/ingest.toml {SHIP} --logs \0logs");
     let recordings = ["measured/trajectories.parquet", "measured/ingest.json"];
     let mut steps = vec![step("ingest", &ingest, NONE, &recordings)];
-    let is_searched = !settings.pool.has(&["estimator"]) && shape.recordings >= SEARCHED;
-    steps.extend(if is_searched { searched(settings, shape) } else { pooled(settings, shape) });
+    steps.extend(modelled(settings, shape));
     if let Some(flags) = selected {
         steps.extend(picked(settings, shape, flags));
     }
@@ -206,79 +203,46 @@ pub fn measured(
     steps
 }
 
-/// The model that recordings are searched for; of a ship with forces the average with these.
-fn searched(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
-    let (core, delivered) = match shape.is_of_forces {
-        true => ("--core", "average.json"),
-        false => ("", "model.json"),
+/// The model of all recordings, and one without those of `test`, which it is tried on.
+fn modelled(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
+    let asked = &settings.estimate;
+    let is_searched = match (asked.value("structure"), asked.has(&["estimator"])) {
+        (Some(name), _) => !["own", "core"].contains(&name),
+        (None, true) => false,
+        (None, false) => {
+            let usual = usual_structure(shape.recordings, shape.is_of_forces);
+            ![ModelStructure::Own, ModelStructure::Core].contains(&usual)
+        }
     };
-    let model = |name: &str, below: &str, more: &str| {
-        let file = |name: &str| format!("measured/{below}{name}");
-        let files = ["search.json", "model.json", "average.json"].map(file);
-        let count = if shape.is_of_forces { 3 } else { 2 };
+    // A search leaves recordings out by itself; the second model is not judged by itself, so that fewer folds do.
+    let (judged, second) = match (is_searched, shape.is_of_forces) {
+        (true, _) => ("", "--folds 3"),
+        (false, true) => ("--folds each", ""),
+        (false, false) => ("--folds each --bootstrap 1000", ""),
+    };
+    let fit = |name: &str, below: &str, flags: Vec<String>| {
+        let files = ["estimate.json", "model.json", "estimates.parquet"]
+            .map(|name| format!("measured/{below}{name}"));
+        let count = if is_searched || shape.is_of_forces { 2 } else { 3 };
         let outputs: Vec<&str> = files.iter().take(count).map(String::as_str).collect();
-        let flags = settings.search.over(&format!("{core} {more}"));
-        step(name, &format!("estimate search {LOGGED} {RECORDED}"), flags, &outputs)
+        step(name, &format!("estimate {LOGGED} {RECORDED}"), flags, &outputs)
     };
-    let mut steps = vec![model("model", "", "")];
+    let mut steps = vec![fit("estimate", "", asked.over(judged))];
     let test = settings.test.join(",");
     let left = shape.recordings.saturating_sub(settings.test.len());
-    // The second model is not judged by itself: fewer folds do.
-    if !test.is_empty() && left >= SEARCHED {
-        steps.push(model("test-model", "test/", &format!("--folds 3 --leave-out {test}")));
-        steps.push(compared(settings, &test, delivered));
+    if !test.is_empty() && (!is_searched || left >= SEARCHED) {
+        let dropped: &[&str] = if is_searched { &[] } else { &["folds", "window-s", "bootstrap"] };
+        let flags = asked.without(dropped).over(&format!("{second} --leave-out {test}"));
+        steps.push(fit("test-estimate", "test/", flags));
+        steps.push(compared(settings, &test));
     }
     steps
 }
 
-/// The vessel's own model of recordings; by its core, where no estimator is set. The model of a ship with forces has no table of
-/// estimates, and is tried on others as it is usual.
-fn pooled(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
-    let asked = &settings.pool;
-    let (usual, resampled) = match (shape.is_of_forces, asked.has(&["estimator"])) {
-        (true, _) => ("--estimator output-error".to_owned(), ""),
-        (false, true) => (OF_TERMS.to_owned(), RESAMPLED),
-        (false, false) => (format!("{OF_TERMS} --core --estimator {FEW}"), RESAMPLED),
-    };
-    let fit = |name: &str, below: &str, mut flags: Vec<String>, more: &str| {
-        flags.extend(more.split_whitespace().map(str::to_owned));
-        let [table, model] =
-            ["estimates.parquet", "model.json"].map(|name| format!("measured/{below}{name}"));
-        let outputs: &[&str] = if shape.is_of_forces { &[&model] } else { &[&table, &model] };
-        step(name, &format!("estimate pool {LOGGED} {RECORDED}"), flags, outputs)
-    };
-    // Beside the estimator that a study sets, others are scored.
-    let shared = || asked.without("estimator").shared::<CrossArguments>().over(&usual);
-    let crossed = settings.cross.over_words(if shape.is_of_forces { NONE } else { shared() });
-    let line = format!("validate cross {LOGGED} {RECORDED}");
-    let mut steps = vec![
-        fit("pool", "", asked.over(&format!("{usual} {resampled}")), ""),
-        step("cross", &line, crossed, &["measured/crossval.json"]),
-    ];
-    let test = settings.test.join(",");
-    if !test.is_empty() {
-        steps.push(fit(
-            "test-pool",
-            "test/",
-            asked.without("bootstrap").over(&usual),
-            &format!("--leave-out {test}"),
-        ));
-        steps.push(compared(settings, &test, "model.json"));
-    }
-    steps
-}
-
-/// How the terms of a vessel are fitted, and how often for standard errors.
-const OF_TERMS: &str = "--nominal least-squares";
-const RESAMPLED: &str = "--bootstrap 1000";
-
-/// The estimator of a core from few recordings.
-const FEW: &str = "prediction-error";
-
-/// The `model` of the recordings that are not in `test`, tried on those that are.
-fn compared(settings: &StudySettings, test: &str, model: &str) -> StudyStep {
+/// The model of the recordings that are not in `test`, tried on those that are.
+fn compared(settings: &StudySettings, test: &str) -> StudyStep {
     let line = format!(
-        "validate --model \0out/measured/test/{model} --trajectories \0out/measured/trajectories.parquet {RECORDED} --runs \
+        "validate --model \0out/measured/test/model.json --trajectories \0out/measured/trajectories.parquet {RECORDED} --runs \
          {test}"
     );
     step("compare", &line, settings.compare.over(""), &["measured/validation.json"])
@@ -312,7 +276,8 @@ fn next_trial(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
         true => ("--vessel \0out/measured/next/model.json", ""),
         false => ("--vessel \0out/measured/model.json", "--allow=beyond-range"),
     };
-    let search = format!("estimate search {LOGGED} {RECORDED}");
+    let search = format!("estimate {LOGGED} {RECORDED}");
+    let structure = if shape.is_of_forces { "--structure library" } else { "--structure few" };
     // A fitted ship may not go straight ahead: that is said.
     let unreached = if is_searched { "" } else { "--allow=unreached" };
     let dictionary = format!("simulate dictionary {model} {HELM} {allowed} {unreached}");
@@ -326,14 +291,14 @@ fn next_trial(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
     };
     let designed = with_ship(settings.next.over(usual), &format!("{model} {HELM}"));
     let promised = format!("monte-carlo {model} {HELM} {SEA} {DESIGN} --estimator output-error");
-    let outputs = ["measured/next/search.json", "measured/next/model.json"];
+    let outputs = ["measured/next/estimate.json", "measured/next/model.json"];
     let mut steps = vec![
         step("next-dictionary", &dictionary, NONE, &["measured/next/dictionary.parquet"]),
         step("next-moments", &moments, NONE, &["measured/next/moments.json"]),
         step("next-design", design, designed, &["measured/next/design.json"]),
     ];
     if is_searched {
-        steps.insert(0, step("search", &search, settings.search.over(""), &outputs));
+        steps.insert(0, step("search", &search, settings.search.over(structure), &outputs));
         steps.push(step("next-monte-carlo", &promised, NONE, &["measured/next/validation.json"]));
     }
     if shape.next_is_charted {

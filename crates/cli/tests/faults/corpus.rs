@@ -79,7 +79,7 @@ fn what_was_a_fault_once_is_none() {
 #[test]
 fn magnitudes_that_no_ship_has_are_put_down_to_the_table() {
     for (line, file, kind, column, value) in [
-        ("validate cross", "campaign.parquet", "trajectories", "y_u", 1e200),
+        ("estimate --structure own --folds each", "campaign.parquet", "trajectories", "y_u", 1e200),
         ("estimate --vessel vessel.toml --gather", "estimates-2.parquet", "estimates", "X_u_se", -1e300),
         (
             "validate --vessel vessel.toml --campaign campaign.toml --val",
@@ -108,7 +108,7 @@ fn magnitudes_that_no_ship_has_are_put_down_to_the_table() {
 /// Squared errors of a model that a prior keeps near divergence overflow; the output was blamed for them.
 #[test]
 fn errors_beyond_numbers_are_no_criticism() {
-    let line = "estimate pool --vessel vessel.toml --trajectories campaign.parquet";
+    let line = "estimate --structure own --vessel vessel.toml --trajectories campaign.parquet";
     let (ground, stage) = all().into_iter().find(|(_, stage)| stage.line.starts_with(line)).unwrap();
     let place = Place::on(ground);
     for words in ["--runs 1 --prior 1e-9", "--part-s 1"] {

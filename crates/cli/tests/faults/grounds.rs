@@ -125,15 +125,15 @@ static PAPER: [Stage; 19] = [
         &["vessel.toml", "dictionary.toml", "design-2.json", "campaign-2.toml"],
     ),
     stage(
-        "estimate pool --vessel vessel.toml --trajectories campaign.parquet --runs random/0,random/1 --bootstrap 3",
+        "estimate --structure own --vessel vessel.toml --trajectories campaign.parquet --runs random/0,random/1 --bootstrap 3",
         "pooled.parquet",
         SEED,
         &["vessel.toml", "campaign.parquet"],
     ),
     stage(
-        "validate cross --vessel vessel.toml --trajectories campaign.parquet --runs random/0,random/1 --window-s 10 \
-         --estimator ls",
-        "crossval.json",
+        "estimate --structure own --folds each --vessel vessel.toml --trajectories campaign.parquet --runs random/0,random/1 \
+         --window-s 10 --estimator ls",
+        "scores.json",
         ["--window-s 10", "--window-s 20"],
         &["vessel.toml", "campaign.parquet"],
     ),
@@ -179,7 +179,7 @@ static PAPER: [Stage; 19] = [
             "validation.json",
             "estimate.json",
             "scores.parquet",
-            "crossval.json",
+            "scores.json",
         ],
     ),
 ];
@@ -257,16 +257,16 @@ static LOGS: [Stage; 9] = [
         &["moments.json", "ingest.json"],
     ),
     stage(
-        "estimate pool --vessel vessel.toml --trajectories trajectories.parquet --recordings ingest.json \
+        "estimate --structure own --vessel vessel.toml --trajectories trajectories.parquet --recordings ingest.json \
          --nominal least-squares --bootstrap 3",
         "estimates.parquet",
         SEED,
         &["trajectories.parquet", "ingest.json", "vessel.toml"],
     ),
     stage(
-        "validate cross --vessel vessel.toml --trajectories trajectories.parquet --recordings ingest.json \
+        "estimate --structure own --folds each --vessel vessel.toml --trajectories trajectories.parquet --recordings ingest.json \
          --nominal estimate.json --window-s 4 --estimator ls,iv",
-        "crossval.json",
+        "scores.json",
         ["--window-s 4", "--window-s 3"],
         &["trajectories.parquet", "ingest.json", "estimate.json"],
     ),
@@ -281,7 +281,7 @@ static LOGS: [Stage; 9] = [
         "report --study . --results .",
         "report.html",
         ["--study .", "--study . --dictionary dictionary-2.toml"],
-        &["ingest.json", "trust.json", "estimate.json", "crossval.json", "validation.json", "reference.toml"],
+        &["ingest.json", "estimate.json", "validation.json", "reference.toml"],
     ),
 ];
 

@@ -298,14 +298,16 @@ fn no_estimate_is_made_of_a_doubtful_recording_unless_asked() {
         std::fs::create_dir_all(log.path().join("out")).unwrap();
         stage(log.path(), &[stage_name, &usual, more].concat())
     };
-    for estimate in [&["estimate"][..], &["estimate", "pool"], &["estimate", "search"]] {
+    for estimate in
+        [&["estimate", "--fit", "each"][..], &["estimate"], &["estimate", "--structure", "library"]]
+    {
         let (code, said) = asked(estimate, &[]);
         assert_eq!(code, Some(3), "{estimate:?}: {said}");
         for piece in ["t.parquet: recording `a`", "--allow=doubtful"] {
             assert!(said.contains(piece), "{estimate:?}: {said}");
         }
     }
-    let pool = |more: &[&str]| asked(&["estimate", "pool"], &[&["--estimator", "ls"], more].concat());
+    let pool = |more: &[&str]| asked(&["estimate"], &[&["--estimator", "ls"], more].concat());
     let (code, said) = pool(&["--allow=doubtful"]);
     assert!(code == Some(0) || code == Some(4), "{said}");
     let (code, said) = pool(&["--recordings", "t-ingest.json", "--leave-out", "a"]);

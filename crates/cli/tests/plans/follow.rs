@@ -403,7 +403,7 @@ fn the_model_identified_so_far_takes_the_vessels_place() {
         let few = if stage == CAMPAIGN { " --set campaign.realizations=2" } else { "" };
         run(&folder, &format!("{stage}{few}")).succeeds();
     }
-    let pool = "estimate pool --vessel vessel.toml --trajectories campaign.parquet --out estimates.parquet";
+    let pool = "estimate --structure own --vessel vessel.toml --trajectories campaign.parquet --out estimates.parquet";
     run(&folder, pool).succeeds();
     let line = FOLLOW.replace("--vessel vessel.toml", "--model model.json --allow=beyond-range");
     run(&folder, &format!("{line} --set plan.safety.standard_errors=2")).succeeds();

@@ -60,12 +60,12 @@ fn a_model_carries_what_was_fixed_tied_and_at_a_bound_and_the_next_estimate_star
         (&json!(0.0), &json!(true), &json!([0.0, null]))
     );
     assert!(bound["standard_error"].is_null());
-    let trust = json(&folder, "trust.json");
+    let trust = json(&folder, "estimate.json");
     let told = trust["data"]["constrained"].as_array().unwrap();
     assert_eq!(told.iter().map(|p| p["name"].as_str().unwrap()).collect::<Vec<_>>(), ["X_uu", "Y_ur"]);
     assert_eq!((&told[1]["estimate"], &told[1]["standard_error"]), (&tied["value"], &tied["standard_error"]));
-    assert!(trust["data"]["statements"].to_string().contains("yaw: held at a bound"), "{trust}");
-    assert_eq!(json(&folder, "estimate.json")["data"]["constrained"], trust["data"]["constrained"]);
+    assert!(trust["data"]["trust"]["statements"].to_string().contains("yaw: held at a bound"), "{trust}");
+    assert_eq!(trust["data"]["trust"]["constrained"], trust["data"]["constrained"]);
     // From the model on: the same structure, the same constraints.
     std::fs::create_dir(folder.path().join("again")).unwrap();
     let again =
@@ -102,7 +102,7 @@ fn runs_one_by_one_and_cross_validation_keep_to_the_constraints() {
         assert!(parameters.iter().all(|p| p["name"] == "N_uv" || p.get("at_bound").is_none()));
     }
     assert_eq!(estimate["data"]["constrained"][0]["estimate"], -0.01);
-    run(&folder, &format!("{CROSS} --allow=mixed --out crossval.json")).succeeds();
+    run(&folder, &format!("{CROSS} --allow=mixed --out scores.json")).succeeds();
 }
 
 #[test]
@@ -176,13 +176,13 @@ fn constraints_that_cannot_be_are_refused() {
     refused(&folder, 3, &format!("{line} --prior 0.1"), &["`N_uv`", "`bounds` beside a prior"]);
 }
 
-const SEARCHED: &str = "estimate search --vessel vessel.toml --trajectories campaign.parquet --fitted-window-s 20 \
-     --window-s 25 --folds 3 --terms terms.toml --runs random/0,random/1,optimized/0 --allow=mixed --out search.json";
+const SEARCHED: &str = "estimate --structure library --vessel vessel.toml --trajectories campaign.parquet --fitted-window-s 20 \
+     --window-s 25 --folds 3 --terms terms.toml --runs random/0,random/1,optimized/0 --allow=mixed --out estimate.json";
 const TERMS: &str = "surge = [\"u |u|\", \"1\"]\nsway = [\"v |v|\", \"u r\"]\nyaw = [\"r |r|\"]\n";
 
 /// Mean fit of the base structure over the recordings that were left out.
 fn of_base(folder: &TempDir) -> f64 {
-    let base = json(folder, "search.json")["data"]["nested"]["base"].clone();
+    let base = json(folder, "estimate.json")["data"]["search"]["nested"]["base"].clone();
     ["fit_u", "fit_v", "fit_r"].map(|fit| base[fit].as_f64().unwrap()).iter().sum::<f64>() / 3.0
 }
 
@@ -191,8 +191,8 @@ fn a_search_keeps_what_is_fixed_tied_and_bounded_to_the_bit() {
     let folder = with(&["campaign.parquet"]);
     put(&folder, "terms.toml", TERMS);
     written(&folder, &CONSTRAINED, CONSTANT);
-    for flags in ["", " --compact"] {
-        let said = run(&folder, &format!("{SEARCHED}{flags}")).succeeds();
+    for structure in ["library", "few"] {
+        let said = run(&folder, &SEARCHED.replace("library", structure)).succeeds();
         assert!(said.stdout.contains("held at a bound: `N_uv`"), "{said}");
         let model = json(&folder, "model.json");
         let [fixed, to, tied, bound] = ["X_uu", "Y_v", "Y_ur", "N_uv"].map(|name| parameter(&model, name));
@@ -233,7 +233,7 @@ fn law_bounds_that_hold_nothing_change_nothing() {
     let values = |bounds: &str| {
         written(&folder, &[("N_uv", &format!("value = -0.03\nnominal = 0.0{bounds}"))], "");
         run(&folder, SEARCHED).succeeds();
-        let data = json(&folder, "search.json")["data"].clone();
+        let data = json(&folder, "estimate.json")["data"]["search"].clone();
         (data["terms"].clone(), data["candidates"].clone(), data["nested"].clone())
     };
     let free = values("");

@@ -4,15 +4,15 @@ use crate::CROSS;
 use crate::support::*;
 
 fn estimators(folder: &tempfile::TempDir) -> Vec<Value> {
-    json(folder, "crossval.json")["data"]["estimators"].as_array().unwrap().clone()
+    json(folder, "scores.json")["data"]["left_out"]["estimators"].as_array().unwrap().clone()
 }
 
 #[test]
 fn every_run_is_left_out_once_and_windows_are_side_by_side() {
     let folder = with(&["campaign.parquet"]);
-    run(&folder, &format!("{CROSS} --out crossval.json")).succeeds();
-    let document = json(&folder, "crossval.json");
-    let data = &document["data"];
+    run(&folder, &format!("{CROSS} --out scores.json")).succeeds();
+    let document = json(&folder, "scores.json");
+    let data = &document["data"]["left_out"];
     assert_eq!((&data["folds"], &data["windows"], &data["samples"]), (&4.into(), &20.into(), &4000.into()));
     assert_eq!(data["differences"].as_array().unwrap().len(), 3);
     // Four recordings are too few for an interval.
@@ -34,17 +34,18 @@ fn every_run_is_left_out_once_and_windows_are_side_by_side() {
 #[test]
 fn folds_are_dealt_in_turns() {
     let folder = with(&["campaign.parquet"]);
-    run(&folder, &format!("{CROSS} --folds 2 --estimator ls --out crossval.json")).succeeds();
-    assert_eq!(json(&folder, "crossval.json")["data"]["folds"], 2);
+    run(&folder, &format!("{} --estimator ls --out scores.json", CROSS.replace("each", "2"))).succeeds();
+    assert_eq!(json(&folder, "scores.json")["data"]["left_out"]["folds"], 2);
     assert_eq!(estimators(&folder)[0]["sources"].as_array().unwrap().len(), 4);
 }
 
 #[test]
 fn an_estimator_that_cannot_be_simulated_is_told_and_not_recommended() {
     let folder = with(&["dictionary.parquet"]);
-    let line = "validate cross --vessel vessel.toml --trajectories dictionary.parquet --runs 0,1,2 --estimator iv --out c.json";
+    let line = "estimate --structure own --folds each --vessel vessel.toml --trajectories dictionary.parquet --runs 0,1,2 \
+                --estimator ls,iv --out scores.json";
     let said = run(&folder, line).succeeds();
-    let data = json(&folder, "c.json")["data"].clone();
+    let data = json(&folder, "scores.json")["data"]["left_out"].clone();
     assert_eq!(
         (&data["recommended"], &data["estimators"][0]["status"]),
         (&Value::Null, &"not identifiable".into())
@@ -55,8 +56,7 @@ fn an_estimator_that_cannot_be_simulated_is_told_and_not_recommended() {
 #[test]
 fn the_report_of_pooled_runs_shows_them_and_what_is_missing() {
     let folder = with(&["campaign.parquet"]);
-    run(&folder, &format!("{} --bootstrap 9 --out estimates.parquet", crate::POOL)).succeeds();
-    run(&folder, &format!("{CROSS} --estimator ls,iv --out crossval.json")).succeeds();
+    run(&folder, &format!("{CROSS} --estimator iv,ls --bootstrap 9 --out estimates.parquet")).succeeds();
     run(&folder, REPORT).succeeds();
     let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
     for piece in

@@ -4,7 +4,7 @@ use crate::support::*;
 use crate::{POOL, SELECTION};
 
 fn degrees(folder: &tempfile::TempDir) -> Vec<Value> {
-    json(folder, "trust.json")["data"]["degrees"].as_array().unwrap().clone()
+    json(folder, "estimate.json")["data"]["trust"]["degrees"].as_array().unwrap().clone()
 }
 
 /// Name, estimate, standard error of every parameter.
@@ -29,7 +29,7 @@ fn one_estimate_comes_from_all_runs_and_lies_near_the_truth() {
     assert_eq!(table.blocks[0].columns[3].text_at(0), Some("identified"));
     let summary = json(&folder, "estimate.json");
     let truth = summary["data"]["designs"][0]["parameters"].as_array().unwrap().clone();
-    assert!(summary["data"]["trust"].is_array());
+    assert_eq!(summary["data"]["structure"]["chosen"], "own");
     for ((name, estimate, error), truth) in parameters(&folder).iter().zip(&truth) {
         assert_eq!(truth["name"], name.as_str());
         assert_eq!(truth["mean"], *estimate);
@@ -37,10 +37,10 @@ fn one_estimate_comes_from_all_runs_and_lies_near_the_truth() {
         let off = (estimate - truth).abs();
         assert!(off < 5.0 * error, "{name}: {off} against {error}");
     }
-    let trust = json(&folder, "trust.json");
-    assert_eq!(trust["data"]["runs"].as_array().unwrap().len(), 3 * RUNS as usize);
-    assert_eq!(trust["data"]["samples"], 3 * RUNS * 1000);
-    assert!(trust["data"]["degrees"][0]["parameters"][0]["bootstrap_std"].as_f64().unwrap() > 0.0);
+    let trust = &summary["data"]["trust"];
+    assert_eq!(trust["runs"].as_array().unwrap().len(), 3 * RUNS as usize);
+    assert_eq!(trust["samples"], 3 * RUNS * 1000);
+    assert!(trust["degrees"][0]["parameters"][0]["bootstrap_std"].as_f64().unwrap() > 0.0);
 }
 
 #[test]
@@ -59,8 +59,8 @@ fn law_leaving_out_is_taking_the_others() {
 fn a_previous_estimate_is_a_nominal_model_and_a_strong_prior_holds_to_it() {
     let folder = with(&["campaign.parquet"]);
     run(&folder, &format!("{POOL} --runs random/0,random/1 --out estimates.parquet")).succeeds();
-    std::fs::rename(folder.path().join("estimate.json"), folder.path().join("first.json")).unwrap();
     let first = parameters(&folder);
+    std::fs::rename(folder.path().join("estimate.json"), folder.path().join("first.json")).unwrap();
     let pulled = format!("{POOL} --runs random/5 --nominal first.json --prior 1e6 --out estimates.parquet");
     run(&folder, &pulled).succeeds();
     for ((_, a, _), (name, b, _)) in first.iter().zip(parameters(&folder)) {
@@ -77,13 +77,13 @@ fn results_do_not_depend_on_threads() {
         format!(
             "{POOL} --runs random/0,random/1 --estimator output-error --nominal least-squares --bootstrap 20 --out estimates.parquet"
         ),
-        format!("{} --estimator ls,auto --out crossval.json", crate::CROSS),
+        format!("{} --estimator ls,auto --out scores.json", crate::CROSS),
         format!("{} --out scores.parquet", crate::SELECTION),
     ] {
         let made = |threads: u32| {
             run(&folder, &format!("{line} --threads {threads}")).succeeds();
             let files =
-                ["estimates.parquet", "trust.json", "crossval.json", "scores.parquet", "validation.json"];
+                ["estimates.parquet", "estimate.json", "scores.json", "scores.parquet", "validation.json"];
             files.map(|name| std::fs::read(folder.path().join(name)).ok())
         };
         assert!(made(1) == made(3), "{line}");
@@ -94,12 +94,9 @@ fn results_do_not_depend_on_threads() {
 fn law_resamples_in_shards_give_the_bytes_of_the_whole() {
     let folder = with(&["campaign.parquet"]);
     let few = "--runs random/0,random/1 --part-s 25 --bootstrap 12 --seed 3";
-    for (flags, shards) in [("iv --add-terms 1", 3), ("output-error --nominal least-squares", 2)] {
+    for (flags, shards) in [("iv", 3), ("output-error --nominal least-squares", 2)] {
         let line = format!("{POOL} {few} --estimator {flags}");
-        let all = || {
-            ["estimates.parquet", "estimate.json", "trust.json", "model.json"]
-                .map(|name| bytes(&folder, name))
-        };
+        let all = || ["estimates.parquet", "estimate.json", "model.json"].map(|name| bytes(&folder, name));
         run(&folder, &format!("{line} --threads 1 --out estimates.parquet")).succeeds();
         let whole = all();
         for k in 1..=shards {
@@ -153,7 +150,8 @@ fn resamples_that_are_not_those_asked_for_are_refused() {
             vec!["campaign.parquet"],
         ),
         (
-            "estimate pool --vessel vessel.toml --trajectories part-1.parquet --out x.parquet".to_owned(),
+            "estimate --structure own --vessel vessel.toml --trajectories part-1.parquet --out x.parquet"
+                .to_owned(),
             vec!["part-1.parquet", "found resamples"],
         ),
     ] {
@@ -173,7 +171,7 @@ fn runs_that_are_read_again_give_the_same_bytes() {
         let made = |memory: &str| {
             let line = format!("{POOL} --allow=mixed --estimator {flags} {memory} --out estimates.parquet");
             run(&folder, &line).succeeds();
-            ["estimates.parquet", "estimate.json", "trust.json"]
+            ["estimates.parquet", "estimate.json"]
                 .map(|name| std::fs::read(folder.path().join(name)).unwrap())
         };
         assert!(made("--threads 1") == made("--memory-mib 8 --threads 2"), "{flags}");
@@ -203,7 +201,7 @@ fn estimates_that_do_not_fit_into_memory_are_refused_before_the_work() {
 #[test]
 fn what_is_not_excited_is_not_answered_and_the_rest_is() {
     let folder = with(&["dictionary.parquet", "campaign.parquet"]);
-    let line = "estimate pool --vessel vessel.toml --trajectories dictionary.parquet --out estimates.parquet";
+    let line = "estimate --structure own --vessel vessel.toml --trajectories dictionary.parquet --out estimates.parquet";
     refused(&folder, 4, &format!("{line} --runs 0,1"), &["`X_vr` is not excited", "sway", "yaw", "--prior"]);
     let vessel = std::fs::read_to_string(repository().join("pipelines/paper/vessel.toml")).unwrap();
     let twice = "\n[[surge]]\nparameter = \"X_again\"\nterm = \"u |u|\"\nnominal = -0.01\n";
@@ -219,34 +217,4 @@ fn what_is_not_excited_is_not_answered_and_the_rest_is() {
     let summary = json(&folder, "estimate.json");
     let parameters = summary["data"]["designs"][0]["parameters"].as_array().unwrap();
     assert!(parameters[0]["mean"].is_null() && parameters.last().unwrap()["mean"].is_f64());
-}
-
-/// Without damping in sway the small study's model is wrong, and is rejected; the missing term is added.
-#[test]
-fn terms_that_the_model_lacks_are_added_and_delivered() {
-    let folder = with(&["campaign.parquet"]);
-    let preset = include_str!("../../../ship/presets/ljungberg-model-ship.toml");
-    let poorer: Vec<&str> = preset.split("\n\n").filter(|block| !block.contains("\"Y_v\"")).collect();
-    std::fs::write(folder.path().join("poorer.toml"), poorer.join("\n\n")).unwrap();
-    let line = format!("{POOL} --runs random/6,random/7,random/8 --estimator output-error --allow=mixed")
-        .replace("vessel.toml", "poorer.toml");
-    run(&folder, &format!("{line} --out estimates.parquet")).succeeds();
-    let before = json(&folder, "model.json");
-    assert_eq!(before["data"]["rejected"], true, "{}", before["data"]["statements"]);
-    assert!(json(&folder, "trust.json")["data"]["added"].is_null());
-    run(&folder, &format!("{line} --add-terms 3 --out estimates.parquet")).succeeds();
-    let added = json(&folder, "trust.json")["data"]["added"].as_array().unwrap().clone();
-    assert!((1..=3).contains(&added.len()) && added.iter().any(|a| a["degree"] == "sway"), "{added:?}");
-    let model = json(&folder, "model.json");
-    let named = |document: &Value| {
-        let degrees = document["data"]["degrees"].as_array().unwrap().clone();
-        degrees.iter().map(|d| d["parameters"].as_array().unwrap().len()).sum::<usize>()
-    };
-    assert_eq!(named(&model), named(&before) + added.len());
-    let first = model["data"]["statements"][0].as_str().unwrap().to_owned();
-    assert!(first.contains(" added in ") && first.contains(" without it): "), "{first}");
-    let simulate = "simulate dictionary --model model.json --dictionary dictionary.toml --allow=beyond-range --out again.parquet --allow=mixed";
-    run(&folder, simulate).succeeds();
-    run(&folder, &format!("{line} --add-terms 51 --out estimates.parquet"))
-        .refuses(2, &["--add-terms", "51"]);
 }

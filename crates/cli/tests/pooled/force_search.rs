@@ -1,4 +1,4 @@
-//! `estimate search` of a ship with forces: forces that she lacks, found and judged by recordings left out, and refusals.
+//! `estimate --structure library` of a ship with forces: forces that she lacks, found and judged by recordings left out, and refusals.
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -7,7 +7,7 @@ use crate::support::*;
 
 const DICTIONARY: &str =
     "simulate dictionary --vessel vessel.toml --dictionary dictionary.toml --out d.parquet";
-const SEARCH: &str = "estimate search --vessel vessel.toml --trajectories d.parquet --allow=mixed --folds 4 \
+const SEARCH: &str = "estimate --structure library --vessel vessel.toml --trajectories d.parquet --allow=mixed --folds 4 \
      --fitted-window-s 40 --window-s 60";
 
 /// The tanker KVLCC2 at 1 Hz.
@@ -43,7 +43,7 @@ fn with_another() -> String {
 }
 
 fn searched(folder: &TempDir) -> Value {
-    json(folder, "search.json")["data"].clone()
+    json(folder, "estimate.json")["data"]["search"].clone()
 }
 
 fn numbers(folder: &TempDir) -> Vec<String> {
@@ -59,7 +59,7 @@ fn mean(errors: &Value) -> f64 {
 #[test]
 fn law_a_force_that_the_ship_lacks_is_found_and_followed_better_on_recordings_left_out() {
     let folder = zigzags_of(&with_another());
-    let said = run(&folder, &format!("{SEARCH} --add-terms 1 --out search.json")).succeeds();
+    let said = run(&folder, &format!("{SEARCH} --out estimate.json")).succeeds();
     let found = searched(&folder);
     let (forces, nested) = (&found["forces"], &found["nested"]);
     let first = &forces["found"][0];
@@ -92,7 +92,7 @@ fn law_a_force_that_the_ship_lacks_is_found_and_followed_better_on_recordings_le
 fn law_a_right_ship_is_delivered_as_she_was_by_any_number_of_threads() {
     let folder = zigzags_of(&tanker());
     put(&folder, "terms.toml", "sway = [\"v^3 / U\", \"v |v|\"]\nyaw = [\"u v delta\", \"r |r|\"]\n");
-    let line = format!("{SEARCH} --terms terms.toml --out search.json");
+    let line = format!("{SEARCH} --terms terms.toml --out estimate.json");
     let said = run(&folder, &line).succeeds();
     let found = searched(&folder);
     assert_eq!(found["forces"]["delivered"], false);
@@ -101,7 +101,7 @@ fn law_a_right_ship_is_delivered_as_she_was_by_any_number_of_threads() {
     assert_eq!(found["nested"]["margin"]["interval"], serde_json::json!([0.0, 0.0]));
     assert!(said.stdout.contains("no force that the ship lacks was found; delivered: the ship as she was"));
     assert!(numbers(&folder).iter().all(|own| !own.contains("delta")), "{:?}", numbers(&folder));
-    let read = || ["search.json", "model.json"].map(|name| bytes(&folder, name));
+    let read = || ["estimate.json", "model.json"].map(|name| bytes(&folder, name));
     let first = read();
     run(&folder, &format!("{line} --threads 1")).succeeds();
     assert!(first == read());
@@ -110,12 +110,10 @@ fn law_a_right_ship_is_delivered_as_she_was_by_any_number_of_threads() {
 #[test]
 fn what_a_search_for_forces_cannot_take_is_refused_in_one_line() {
     let folder = zigzags_of(&tanker());
-    let line = |flags: &str| format!("{SEARCH} {flags} --out search.json");
-    for flags in ["--compact", "--average 3", "--bootstrap 10"] {
-        let flag = flags.split(' ').next().unwrap();
-        refused(&folder, 2, &line(flags), &[flag, "a ship with forces", "terms per sample", "leave it out"]);
-    }
-    refused(&folder, 2, &line("--add-terms 0"), &["--add-terms"]);
+    let line = |flags: &str| format!("{SEARCH} {flags} --out estimate.json");
+    refused(&folder, 2, &line("--bootstrap 10"), &["--bootstrap", "structure `library`", "leave it out"]);
+    let few = line("").replace("library", "few");
+    refused(&folder, 2, &few, &["--structure", "`few` of a ship with forces", "own, library or average"]);
     let few = line("--runs 0,1,2");
     refused(&folder, 3, &few, &["d.parquet: recordings", "3", "at least as many as folds, 4"]);
     let few = line("--runs 0,1,2,3").replace("--folds 4", "--folds 3");
@@ -127,10 +125,4 @@ fn what_a_search_for_forces_cannot_take_is_refused_in_one_line() {
     refused(&folder, 3, &listed, &["terms.toml: `yaw`: term `u w`", "`w`"]);
     put(&folder, "terms.toml", "sway = [\"v^3 / U\"]\n");
     refused(&folder, 3, &listed, &["terms.toml", "no term that the ship lacks", "one at least"]);
-    // Terms per sample have none of these.
-    let terms = "name = \"t\"\nsample_rate_hz = 1.0\n[[input]]\nname = \"delta\"\nunit = \"rad\"\n[[input]]\nname = \"n\"\n\
-        unit = \"1/s\"\n[[surge]]\nparameter = \"a\"\nterm = \"u\"\nnominal = -0.1\n[[sway]]\nparameter = \"b\"\nterm = \"v\"\n\
-        nominal = -0.1\n[[yaw]]\nparameter = \"c\"\nterm = \"r\"\nnominal = -0.1\n";
-    put(&folder, "vessel.toml", terms);
-    refused(&folder, 2, &line("--add-terms 2"), &["--add-terms", "terms per sample", "one with forces"]);
 }

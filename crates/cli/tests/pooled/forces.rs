@@ -7,9 +7,9 @@ use crate::support::*;
 
 const DICTIONARY: &str =
     "simulate dictionary --vessel vessel.toml --dictionary dictionary.toml --out d.parquet";
-const LOGGED: &str = "estimate pool --vessel vessel.toml --trajectories trajectories.parquet";
+const LOGGED: &str = "estimate --structure own --vessel vessel.toml --trajectories trajectories.parquet";
 /// The runs follow another guess of the ship.
-const POOL: &str = "estimate pool --vessel vessel.toml --trajectories d.parquet --allow=mixed";
+const POOL: &str = "estimate --structure own --vessel vessel.toml --trajectories d.parquet --allow=mixed";
 
 /// The tanker KVLCC2 at 2 Hz, and her zig-zags.
 fn trial() -> TempDir {
@@ -74,7 +74,7 @@ fn exported(folder: &TempDir, sway: &Value) {
 fn a_fit_of_forces_is_compared_simulated_and_judged_in_place_of_vessel_toml() {
     let folder = trial();
     put(&folder, "vessel.toml", GUESS);
-    let said = run(&folder, &format!("{POOL} --prior 0.01 --out model.json")).succeeds();
+    let said = run(&folder, &format!("{POOL} --prior 0.01 --out estimate.json")).succeeds();
     assert!(said.stdout.contains("output-error from "), "{said}");
     let own = parameters(&folder, "model.json");
     assert_eq!(own.len(), 26);
@@ -112,17 +112,17 @@ fn a_fit_of_forces_is_compared_simulated_and_judged_in_place_of_vessel_toml() {
     exported(&folder, sway);
     // The same files again, and with one thread, are the same bytes.
     let first = bytes(&folder, "model.json");
-    run(&folder, &format!("{POOL} --prior 0.01 --threads 1 --out model.json")).succeeds();
+    run(&folder, &format!("{POOL} --prior 0.01 --threads 1 --out estimate.json")).succeeds();
     assert_eq!(first, bytes(&folder, "model.json"));
 }
 
 #[test]
 fn a_former_fit_and_that_of_a_sister_are_priors() {
     let folder = trial();
-    run(&folder, &format!("{POOL} --out former.json")).succeeds();
+    run(&folder, &format!("{POOL} --out estimate-former.json")).succeeds();
     put(&folder, "vessel.toml", GUESS);
-    run(&folder, &format!("{POOL} --prior former.json --out model.json")).succeeds();
-    let (former, own) = (parameters(&folder, "former.json"), parameters(&folder, "model.json"));
+    run(&folder, &format!("{POOL} --prior model-former.json --out estimate.json")).succeeds();
+    let (former, own) = (parameters(&folder, "model-former.json"), parameters(&folder, "model.json"));
     for (former, own) in former.iter().zip(&own) {
         assert_eq!(former["value"], own["prior"]);
     }
@@ -136,8 +136,8 @@ fn a_former_fit_and_that_of_a_sister_are_priors() {
     put(&folder, "vessel.toml", &sister.replace("sample_rate_hz = 10.0", "sample_rate_hz = 2.0"));
     edit(&folder, "vessel.toml", "mass_kg = 3270.0", "mass_kg = 408.0");
     edit(&folder, "vessel.toml", "gyration_m = 1.75", "gyration_m = 0.875");
-    run(&folder, &format!("{POOL} --prior former.json --out sister.json")).succeeds();
-    let found = parameters(&folder, "sister.json");
+    run(&folder, &format!("{POOL} --prior model-former.json --out estimate-sister.json")).succeeds();
+    let found = parameters(&folder, "model-sister.json");
     for (former, own) in former.iter().zip(&found) {
         let [former, own] = [&former["value"], &own["prior"]].map(|own| own.as_f64().unwrap());
         assert!((former - own).abs() <= 1e-12 * former.abs(), "{former} {own}");
@@ -148,21 +148,20 @@ fn a_former_fit_and_that_of_a_sister_are_priors() {
 fn fits_of_forces_that_cannot_be_are_refused_in_one_line() {
     let folder = trial();
     for estimator in ["ls", "iv", "auto", "prediction-error"] {
-        let line = format!("{POOL} --estimator {estimator} --out model.json");
+        let line = format!("{POOL} --estimator {estimator} --out estimate.json");
         let computes = format!("`{estimator}` computes");
         refused(&folder, 3, &line, &["vessel.toml", "`forces`, which have no terms per sample", &computes]);
     }
     for (flags, words) in [
         ("--nominal least-squares", ["--nominal", "which has no instruments"]),
         ("--bootstrap 10", ["--bootstrap", "terms per sample"]),
-        ("--add-terms 2 --prior former.json", ["--add-terms beside a former fit", "terms per sample"]),
-        ("--window-s 0.1", ["--window-s", "at least a sample"]),
+        ("--fitted-window-s 0.1", ["--fitted-window-s", "at least a sample"]),
         ("--prior=-1", ["--prior", "a number from 0"]),
     ] {
-        refused(&folder, 2, &format!("{POOL} {flags} --out model.json"), &words);
+        refused(&folder, 2, &format!("{POOL} {flags} --out estimate.json"), &words);
     }
     refused(&folder, 2, &format!("{POOL} --out model.parquet"), &["ends in .json", "write --out model.json"]);
-    run(&folder, &format!("{POOL} --out former.json")).succeeds();
+    run(&folder, &format!("{POOL} --out estimate-former.json")).succeeds();
     let text = std::fs::read_to_string(repository().join("crates/ship/presets/kvlcc2-l7.toml")).unwrap();
     let text = text.replace("sample_rate_hz = 10.0", "sample_rate_hz = 2.0");
     put(
@@ -170,25 +169,25 @@ fn fits_of_forces_that_cannot_be_are_refused_in_one_line() {
         "vessel.toml",
         &text.replace("term = \"v^3 / U\", prime = -1.607", "term = \"v |v|\", prime = -1.607"),
     );
-    let line = format!("{POOL} --prior former.json --out model.json");
+    let line = format!("{POOL} --prior model-former.json --out estimate.json");
     refused(
         &folder,
         3,
         &line,
-        &["former.json", "`Y_vvv` v^3 / U in sway", "`Y_vvv` v |v| in sway, as this vessel has"],
+        &["model-former.json", "`Y_vvv` v^3 / U in sway", "`Y_vvv` v |v| in sway, as this vessel has"],
     );
     put(
         &folder,
         "vessel.toml",
         &text.replace("name = \"n\"", "name = \"shaft\"").replace("input = \"n\"", "input = \"shaft\""),
     );
-    refused(&folder, 3, &format!("{POOL} --out model.json"), &["d.parquet", "shaft"]);
+    refused(&folder, 3, &format!("{POOL} --out estimate.json"), &["d.parquet", "shaft"]);
     let fixed: String = text.lines().map(known).collect();
     put(&folder, "vessel.toml", &fixed);
     refused(
         &folder,
         3,
-        &format!("{POOL} --out model.json"),
+        &format!("{POOL} --out estimate.json"),
         &["vessel.toml", "no number of the model is free"],
     );
     let terms = "name = \"t\"\nsample_rate_hz = 2.0\n[[input]]\nname = \"delta\"\nunit = \"rad\"\n[[input]]\nname = \"n\"\n\
@@ -198,13 +197,13 @@ fn fits_of_forces_that_cannot_be_are_refused_in_one_line() {
     refused(
         &folder,
         2,
-        &format!("{POOL} --window-s 50 --out estimates.parquet"),
-        &["--window-s", "terms per sample"],
+        &format!("{POOL} --fitted-window-s 50 --out estimates.parquet"),
+        &["--fitted-window-s", "terms per sample"],
     );
     refused(
         &folder,
         2,
-        &format!("{POOL} --prior former.json --out estimates.parquet"),
+        &format!("{POOL} --prior model-former.json --out estimates.parquet"),
         &["--prior", "terms per sample"],
     );
 }
@@ -260,8 +259,8 @@ fn a_window_that_depends_on_its_start_beyond_all_numbers_is_named_with_its_recor
     // Straight ahead she stays where she is, to all digits, and a start off it grows to more than any number.
     put(&folder, "vessel.toml", &of_yaw(0.3));
     let words = ["d.parquet", "in `1`, the state at 0 s", "take shorter windows", "--window-s"];
-    refused(&folder, 4, &format!("{POOL} --window-s 600 --out model.json"), &words);
-    run(&folder, &format!("{POOL} --window-s 100 --out model.json")).succeeds();
+    refused(&folder, 4, &format!("{POOL} --window-s 600 --out estimate.json"), &words);
+    run(&folder, &format!("{POOL} --window-s 100 --out estimate.json")).succeeds();
 }
 
 /// A line of the preset with its numbers known.
@@ -311,7 +310,7 @@ fn recordings_left_out_of_the_esso_osaka_are_followed_by_forces() {
     let test = "random_06-Aug-2020_16_24_25_4,random_31-Jul-2020_14_52_18,turn_14-Oct-2020_14_39_54,\
         turn_14-Sep-2020_13_51_45,zigzag_31-Jul-2020_13_14_21,zigzag_31-Jul-2020_13_50_28";
     let flags = "--recordings ingest.json";
-    run(&folder, &format!("{LOGGED} {flags} --leave-out {test} --out model.json")).succeeds();
+    run(&folder, &format!("{LOGGED} {flags} --leave-out {test} --out estimate.json")).succeeds();
     run(
         &folder,
         &format!("validate --model model.json --trajectories trajectories.parquet {flags} --runs {test} --window-s 100 --out validation.json"),
@@ -330,7 +329,8 @@ fn recordings_left_out_of_the_kvlcc2_are_followed_by_forces() {
     let Some(folder) = logged(&vessel, &ingest, "kvlcc2_hsva") else { return };
     let test = "kvlcc2_hsva_Z_10_05,kvlcc2_hsva_Z_20_10_S,kvlcc2_hsva_Z_35_05";
     let flags = "--recordings ingest.json";
-    run(&folder, &format!("{LOGGED} {flags} --leave-out {test} --window-s 150 --out model.json")).succeeds();
+    run(&folder, &format!("{LOGGED} {flags} --leave-out {test} --window-s 150 --out estimate.json"))
+        .succeeds();
     run(
         &folder,
         &format!("validate --model model.json --trajectories trajectories.parquet {flags} --runs {test} --out validation.json"),
@@ -365,7 +365,7 @@ fn exchanged_thrusters_are_named_and_a_late_rudder_is_told_with_its_time() {
     put(&folder, "vessel.toml", &otter());
     put(&folder, "dictionary.toml", TURNS);
     run(&folder, DICTIONARY).succeeds();
-    let line = format!("{POOL} --window-s 15 --out model.json");
+    let line = format!("{POOL} --window-s 15 --out estimate.json");
     let swapped = otter().replace("\"n1\"\nx_m", "\"n\"\nx_m").replace("\"n2\"\nx_m", "\"n1\"\nx_m");
     put(&folder, "vessel.toml", &swapped.replace("\"n\"\nx_m", "\"n2\"\nx_m"));
     let said = run(&folder, &line).succeeds();
@@ -383,7 +383,7 @@ fn exchanged_thrusters_are_named_and_a_late_rudder_is_told_with_its_time() {
     // inputs are linear between samples: held ones act half a sample late.
     let folder = long_trial();
     put(&folder, "vessel.toml", GUESS);
-    run(&folder, &format!("{POOL} --prior 0.01 --out model.json")).succeeds();
+    run(&folder, &format!("{POOL} --prior 0.01 --out estimate.json")).succeeds();
     let late = json(&folder, "model.json")["data"]["forces"]["criticism"]["late"][0].clone();
     assert!(
         late["late_s"].as_f64().unwrap().abs() < 0.01 && late["p_value"].as_f64().unwrap() > 0.05,
@@ -391,7 +391,7 @@ fn exchanged_thrusters_are_named_and_a_late_rudder_is_told_with_its_time() {
     );
     let table = folder.path().join("d.parquet");
     craft::read(&table, "trajectories").without(&["u", "v", "r"]).write(&table);
-    let said = run(&folder, &format!("{POOL} --prior 0.01 --out model.json")).succeeds();
+    let said = run(&folder, &format!("{POOL} --prior 0.01 --out estimate.json")).succeeds();
     let found = json(&folder, "model.json");
     let late = &found["data"]["forces"]["criticism"]["late"][0];
     let off = late["late_s"].as_f64().unwrap() - 0.25;
@@ -407,28 +407,6 @@ fn exchanged_thrusters_are_named_and_a_late_rudder_is_told_with_its_time() {
     assert!(page.contains("What is wrong with the model") && page.contains("Fits best as"), "{}", page.len());
 }
 
-#[test]
-fn a_force_that_recordings_left_out_confirm_is_added() {
-    let folder = long_trial();
-    let text =
-        file("crates/ship/presets/kvlcc2-l7.toml").replace("sample_rate_hz = 10.0", "sample_rate_hz = 2.0");
-    let more = "yaw = [\n  { parameter = \"N_more\", term = \"u v delta\", prime = 0.3, fixed = true },";
-    put(&folder, "vessel.toml", &text.replace("yaw = [", more));
-    run(&folder, DICTIONARY).succeeds();
-    put(&folder, "vessel.toml", &text);
-    let said = run(&folder, &format!("{POOL} --window-s 40 --add-terms 1 --out model.json")).succeeds();
-    let found = json(&folder, "model.json");
-    let tried = &found["data"]["forces"]["tried"][0];
-    assert!(tried["degree"] == "yaw" && tried["added"] == true, "{tried}\n{said}");
-    let own = parameters(&folder, "model.json");
-    let parameter = own.iter().find(|own| own["name"] == tried["parameter"]).unwrap();
-    assert!(parameter["prior_deviation"].as_f64().unwrap() > 0.0 && parameter["value"] != 0.0, "{parameter}");
-    assert!(said.stdout.contains("cost of recordings left out −"), "{said}");
-    // The ship with it stands for vessel.toml.
-    run(&folder, "simulate dictionary --vessel model.json --dictionary dictionary.toml --out again.parquet")
-        .succeeds();
-}
-
 /// Published values of KVLCC2, which the simulated runs follow.
 const CAPTIVE: &str = "source = \"Yasukawa and Yoshimura 2015\"\n[derivatives]\nY_v = -0.315\nY_r = 0.083\nY_vvv = -1.607\n\
     Y_vvr = 0.379\nY_vrr = -0.391\nY_rrr = 0.008\nN_v = -0.137\nN_r = -0.049\nN_vvv = -0.03\nN_vvr = -0.294\nN_vrr = 0.055\n\
@@ -439,7 +417,7 @@ fn captive_values_stand_beside_estimates_and_sums_are_of_what_was_sailed() {
     let folder = trial();
     put(&folder, "vessel.toml", GUESS);
     put(&folder, "reference.toml", CAPTIVE);
-    let line = format!("{POOL} --prior 0.01 --reference reference.toml --out model.json");
+    let line = format!("{POOL} --prior 0.01 --reference reference.toml --out estimate.json");
     let said = run(&folder, &line).succeeds();
     assert!(
         said.stdout.contains("sums along v = -0.") && said.stdout.contains("of 13 captive values"),
@@ -488,11 +466,11 @@ fn captive_values_stand_beside_estimates_and_sums_are_of_what_was_sailed() {
         );
     }
     // They change no estimate.
-    run(&folder, &format!("{POOL} --prior 0.01 --out alone.json")).succeeds();
-    let alone = parameters(&folder, "alone.json");
+    run(&folder, &format!("{POOL} --prior 0.01 --out estimate-alone.json")).succeeds();
+    let alone = parameters(&folder, "model-alone.json");
     assert!(alone.iter().zip(all).all(|(alone, own)| alone["value"] == own["value"]));
     put(&folder, "wrong.toml", "source = \"S\"\n[derivatives]\nY_vw = 1.0\n");
-    let line = format!("{POOL} --reference wrong.toml --out model.json");
+    let line = format!("{POOL} --reference wrong.toml --out estimate.json");
     refused(&folder, 3, &line, &["wrong.toml: `derivatives.Y_vw`", "did you mean"]);
 }
 
@@ -511,10 +489,11 @@ const TERMS: &str = "name = \"terms\"\nsample_rate_hz = 2.0\n\
 fn several_models_are_compared_with_the_first() {
     let folder = trial();
     put(&folder, "vessel.toml", GUESS);
-    run(&folder, &format!("{POOL} --out model.json")).succeeds();
+    run(&folder, &format!("{POOL} --out estimate.json")).succeeds();
     put(&folder, "terms.toml", TERMS);
     std::fs::create_dir(folder.path().join("terms")).unwrap();
-    let terms = "estimate pool --vessel terms.toml --trajectories d.parquet --allow=mixed --estimator ls";
+    let terms =
+        "estimate --structure own --vessel terms.toml --trajectories d.parquet --allow=mixed --estimator ls";
     run(&folder, &format!("{terms} --out terms/")).succeeds();
     let line = "validate --trajectories d.parquet --allow=mixed --window-s 50 --model";
     let tried = |models: &str| {
@@ -550,9 +529,9 @@ fn several_models_are_compared_with_the_first() {
 fn recordings_are_left_out_of_fits_of_forces() {
     let folder = trial();
     put(&folder, "vessel.toml", GUESS);
-    let line = "validate cross --vessel vessel.toml --trajectories d.parquet --allow=mixed --window-s 50";
-    run(&folder, &format!("{line} --prior 0.01 --folds 2 --out crossval.json")).succeeds();
-    let found = json(&folder, "crossval.json")["data"].clone();
+    let line = "estimate --structure own --vessel vessel.toml --trajectories d.parquet --allow=mixed --window-s 50 --folds 2";
+    run(&folder, &format!("{line} --prior 0.01 --out scores.json")).succeeds();
+    let found = json(&folder, "scores.json")["data"]["left_out"].clone();
     assert_eq!((&found["forces"], &found["prior"], &found["folds"]), (&true.into(), &0.01.into(), &2.into()));
     let own = &found["estimators"][0];
     assert_eq!((&own["name"], &own["status"]), (&"output-error".into(), &"scored".into()));
@@ -560,7 +539,7 @@ fn recordings_are_left_out_of_fits_of_forces() {
     assert!(own["errors"]["fit_r"].as_f64().unwrap() > 90.0, "{own}");
     // A fold is the fit without its runs.
     let fold = "--runs 1,3 --out validation.json";
-    run(&folder, &format!("{POOL} --prior 0.01 --leave-out 1,3 --out model.json")).succeeds();
+    run(&folder, &format!("{POOL} --prior 0.01 --leave-out 1,3 --out estimate.json")).succeeds();
     let compare = "validate --model model.json --trajectories d.parquet --allow=mixed --window-s 50";
     run(&folder, &format!("{compare} {fold}")).succeeds();
     let alone = json(&folder, "validation.json")["data"]["recordings"]["models"][0]["recordings"].clone();

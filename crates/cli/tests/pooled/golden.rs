@@ -10,15 +10,15 @@ use crate::{CROSS, POOL, SELECTION, picking};
 
 /// What it is called, in which document, and its JSON pointer.
 const NUMBERS: [(&str, &str, &str); 12] = [
-    ("X_u", "trust.json", "/data/degrees/0/parameters/0/estimate"),
-    ("X_u standard error", "trust.json", "/data/degrees/0/parameters/0/standard_error"),
-    ("X_u bootstrap", "trust.json", "/data/degrees/0/parameters/0/bootstrap_std"),
-    ("X_u partial R2", "trust.json", "/data/degrees/0/parameters/0/instrument_strength"),
-    ("yaw condition index", "trust.json", "/data/degrees/2/condition_index"),
-    ("yaw whiteness", "trust.json", "/data/degrees/2/whiteness/statistic"),
-    ("ls fit u", "crossval.json", "/data/estimators/0/errors/fit_u"),
-    ("iv fit v", "crossval.json", "/data/estimators/1/errors/fit_v"),
-    ("iv error norm", "crossval.json", "/data/estimators/1/error_norm"),
+    ("X_u", "estimate.json", "/data/trust/degrees/0/parameters/0/estimate"),
+    ("X_u standard error", "estimate.json", "/data/trust/degrees/0/parameters/0/standard_error"),
+    ("X_u bootstrap", "estimate.json", "/data/trust/degrees/0/parameters/0/bootstrap_std"),
+    ("X_u partial R2", "estimate.json", "/data/trust/degrees/0/parameters/0/instrument_strength"),
+    ("yaw condition index", "estimate.json", "/data/trust/degrees/2/condition_index"),
+    ("yaw whiteness", "estimate.json", "/data/trust/degrees/2/whiteness/statistic"),
+    ("ls fit u", "scores.json", "/data/left_out/estimators/0/errors/fit_u"),
+    ("iv fit v", "scores.json", "/data/left_out/estimators/1/errors/fit_v"),
+    ("iv error norm", "scores.json", "/data/left_out/estimators/1/error_norm"),
     (
         "optimized error norm, median",
         "validation.json",
@@ -39,7 +39,7 @@ fn numbers() -> Map<String, Value> {
     let runs: Vec<String> = ["optimized", "random"].into_iter().flat_map(numbered).collect();
     let runs = format!("--runs {}", runs.join(","));
     run(&folder, &format!("{POOL} {runs} --bootstrap 20 --out estimates.parquet")).succeeds();
-    run(&folder, &format!("{CROSS} --estimator ls,iv --out crossval.json")).succeeds();
+    run(&folder, &format!("{CROSS} --estimator ls,iv --out scores.json")).succeeds();
     run(&folder, &format!("{SELECTION} {runs} --estimator ls --out scores.parquet")).succeeds();
     let pointed = |(name, file, pointer): (&str, &str, &str)| {
         let found = json(&folder, file);

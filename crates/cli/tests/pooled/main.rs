@@ -25,9 +25,9 @@ use tempfile::TempDir;
 use support::*;
 
 /// Pools the runs of the small study; add flags and an output.
-pub const POOL: &str = "estimate pool --vessel vessel.toml --trajectories campaign.parquet";
+pub const POOL: &str = "estimate --structure own --vessel vessel.toml --trajectories campaign.parquet";
 /// Cross-validation over a few of its runs.
-pub const CROSS: &str = "validate cross --vessel vessel.toml --trajectories campaign.parquet \
+pub const CROSS: &str = "estimate --structure own --folds each --vessel vessel.toml --trajectories campaign.parquet \
      --runs random/0,random/1,optimized/2,optimized/3 --window-s 25";
 /// A selection study on its segments, which are named by maneuver.
 pub const SELECTION: &str = "validate --vessel vessel.toml --trajectories campaign.parquet --design picks.json --realizations 40 --allow=mixed";

@@ -6,7 +6,7 @@ use crate::search::unsealed;
 use crate::support::*;
 use crate::{CROSS, POOL};
 
-const MODEL: &str = "estimate pool --vessel vessel.toml --trajectories campaign.parquet \
+const MODEL: &str = "estimate --structure own --vessel vessel.toml --trajectories campaign.parquet \
      --runs random/1,optimized/2,optimized/3 --out estimates.parquet";
 const COMPARE: &str = "validate --model model.json --trajectories campaign.parquet --runs random/0 --window-s 25 \
      --out validation.json";
@@ -27,12 +27,12 @@ fn with_values(folder: &tempfile::TempDir, change: impl Fn(&str, f64) -> f64) {
 #[test]
 fn law_the_delivered_model_has_the_fit_that_cross_validation_tells_of_the_same_split() {
     let folder = with(&["campaign.parquet"]);
-    run(&folder, &format!("{CROSS} --out crossval.json")).succeeds();
-    let crossval = json(&folder, "crossval.json");
+    run(&folder, &format!("{CROSS} --out scores.json")).succeeds();
+    let crossval = json(&folder, "scores.json");
     for estimator in ["ls", "iv", "output-error"] {
         run(&folder, &format!("{MODEL} --estimator {estimator}")).succeeds();
         run(&folder, COMPARE).succeeds();
-        let all = crossval["data"]["estimators"].as_array().unwrap();
+        let all = crossval["data"]["left_out"]["estimators"].as_array().unwrap();
         let own = all.iter().find(|e| e["name"] == estimator).unwrap();
         let left_out = own["sources"].as_array().unwrap().iter().find(|s| s["source"] == "random/0").unwrap();
         let compared = json(&folder, "validation.json")["data"]["recordings"].clone();
@@ -213,7 +213,7 @@ fn a_model_of_an_earlier_estimate_does_not_stay_beside_one_without() {
     let folder = with(&["campaign.parquet", "dictionary.parquet"]);
     run(&folder, MODEL).succeeds();
     assert!(folder.path().join("model.json").exists());
-    let line = "estimate pool --vessel vessel.toml --trajectories dictionary.parquet --runs 0,1,2 --out estimates.parquet";
+    let line = "estimate --structure own --vessel vessel.toml --trajectories dictionary.parquet --runs 0,1,2 --out estimates.parquet";
     run(&folder, line).succeeds();
     assert!(!folder.path().join("model.json").exists());
 }
@@ -230,15 +230,14 @@ fn logs_of_another_structure_say_which_channel_is_missing() {
     for stage in [
         "moments --model model.json --trajectories campaign.parquet --out moments.json",
         "estimate --model model.json --trajectories campaign.parquet --out e.parquet",
-        "estimate pool --model model.json --trajectories campaign.parquet --out e.parquet",
-        "validate cross --model model.json --trajectories campaign.parquet --out c.json",
+        "estimate --structure own --model model.json --trajectories campaign.parquet --out e.parquet",
+        "estimate --folds each --fit together --model model.json --trajectories campaign.parquet --out c.json",
     ] {
         refused(&folder, 3, stage, &["campaign.parquet", "rudder"]);
     }
     // One of another ship.
     put(&folder, "other.toml", include_str!("../../../../pipelines/kvlcc2/vessel.toml"));
-    let line =
-        "estimate pool --model other.toml --trajectories campaign.parquet --out e.parquet --allow=mixed";
+    let line = "estimate --structure own --model other.toml --trajectories campaign.parquet --out e.parquet --allow=mixed";
     refused(&folder, 3, line, &["campaign.parquet", "column"]);
     // One of another unit.
     put(
@@ -252,7 +251,7 @@ fn logs_of_another_structure_say_which_channel_is_missing() {
 #[test]
 fn the_page_shows_what_is_left_of_errors_tracks_and_the_delivered_model() {
     let folder = with(&["campaign.parquet"]);
-    run(&folder, &format!("{CROSS} --estimator ls,iv --out crossval.json")).succeeds();
+    run(&folder, &format!("{CROSS} --estimator ls,iv --out scores.json")).succeeds();
     run(&folder, &format!("{MODEL} --estimator iv")).succeeds();
     run(&folder, COMPARE).succeeds();
     let data = json(&folder, "validation.json")["data"]["recordings"].clone();
@@ -326,7 +325,7 @@ fn law_estimates_that_correlate_and_are_badly_known_are_told_and_no_others() {
         (entries[i * n + j] / (error(*i) * error(*j))).abs() >= 0.95 && unknown(*i) && unknown(*j)
     };
     let expected = pairs.filter(alike).count();
-    let statements = json(&folder, "trust.json")["data"]["statements"].clone();
+    let statements = json(&folder, "estimate.json")["data"]["trust"]["statements"].clone();
     let told = |s: &&Value| s.as_str().is_some_and(|s| s.contains("be told apart: correlation"));
     let told = statements.as_array().unwrap().iter().filter(told).count();
     assert!(expected > 0 && told == expected.min(4), "{expected} {told} {statements}");

@@ -37,8 +37,8 @@ fn ingested(study: &str, data: &str) -> Option<TempDir> {
 const LOGGED: &str = "--vessel vessel.toml --trajectories trajectories.parquet";
 
 fn fits(folder: &TempDir, name: &str) -> [f64; 3] {
-    let document = json(folder, "crossval.json");
-    let all = document["data"]["estimators"].as_array().unwrap();
+    let document = json(folder, "scores.json");
+    let all = document["data"]["left_out"]["estimators"].as_array().unwrap();
     let own = all.iter().find(|e| e["name"] == name).unwrap();
     ["fit_u", "fit_v", "fit_r"].map(|fit| own["errors"][fit].as_f64().unwrap())
 }
@@ -52,11 +52,11 @@ fn at_least(found: [f64; 3], bounds: [f64; 3]) {
 fn recordings_left_out_of_the_esso_osaka_are_followed_better_than_the_baseline() {
     let Some(folder) = ingested("esso-osaka", "esso_osaka") else { return };
     let line = format!(
-        "validate cross {LOGGED} --recordings ingest.json --nominal least-squares --window-s 100 \
-         --estimator ls,iv,output-error --out crossval.json"
+        "estimate --structure own --folds each {LOGGED} --window-s 100 \
+         --estimator ls,iv,output-error --out scores.json"
     );
     let said = run(&folder, &line).succeeds();
-    let data = json(&folder, "crossval.json")["data"].clone();
+    let data = json(&folder, "scores.json")["data"]["left_out"].clone();
     assert_eq!((&data["folds"], &data["candidates"][0]), (&23.into(), &"output-error".into()));
     // The difference between the estimators is within chance: 23 recordings cannot distinguish them.
     assert_eq!((&data["recommended"], data["candidates"].as_array().unwrap().len()), (&Value::Null, 3));
@@ -123,10 +123,10 @@ fn surge_of_the_kvlcc2_is_not_identifiable_by_instruments() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
     for flags in ["", "--part-s 100", "--part-s 30"] {
         let line = format!(
-            "estimate pool {LOGGED} --recordings ingest.json --estimator iv --nominal least-squares {flags}"
+            "estimate --structure own {LOGGED} --recordings ingest.json --estimator iv --nominal least-squares {flags}"
         );
         run(&folder, &format!("{line} --out estimates.parquet")).succeeds();
-        let degrees = json(&folder, "trust.json")["data"]["degrees"].clone();
+        let degrees = json(&folder, "estimate.json")["data"]["trust"]["degrees"].clone();
         let status: Vec<&Value> = degrees.as_array().unwrap().iter().map(|d| &d["status"]).collect();
         assert_eq!(status, ["not identifiable", "identified", "identified"], "{flags}");
         let reason = degrees[0]["reason"].as_str().unwrap();
@@ -146,29 +146,39 @@ fn surge_of_the_kvlcc2_is_not_identifiable_by_instruments() {
 fn where_nobody_asks_for_an_estimator_logs_without_a_known_noise_get_the_one_that_predicts_best() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
     let few = ["05_01", "10_01", "15_01", "20_05"].map(|name| format!("kvlcc2_hsva_Z_{name}")).join(",");
-    let line =
-        format!("estimate pool {LOGGED} --recordings ingest.json --runs {few} --nominal least-squares");
+    let line = format!(
+        "estimate --structure own {LOGGED} --recordings ingest.json --runs {few} --nominal least-squares"
+    );
     let said = run(&folder, &format!("{line} --out estimates.parquet")).succeeds();
     assert!(said.stdout.contains("output-error from"), "{said}");
-    let trust = json(&folder, "trust.json");
+    let trust = json(&folder, "estimate.json");
     assert_eq!(trust["settings"]["estimator"], "output-error", "{trust}");
-    assert!(trust["data"]["statements"].to_string().contains("no noise known here describes the errors"));
+    assert!(
+        trust["data"]["trust"]["statements"].to_string().contains("no noise known here describes the errors")
+    );
 }
 
 #[test]
 fn no_single_run_of_the_kvlcc2_is_answered_by_instruments() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
     let pieces = ["13 runs", "surge: `thrust` (hardly varies", "cannot be told from the intercept"];
-    refused(&folder, 4, &format!("estimate {LOGGED} --estimator iv --out estimates.parquet"), &pieces);
-    run(&folder, &format!("estimate {LOGGED} --estimator ls --out estimates.parquet")).succeeds();
+    refused(
+        &folder,
+        4,
+        &format!("estimate --fit each {LOGGED} --estimator iv --out estimates.parquet"),
+        &pieces,
+    );
+    run(&folder, &format!("estimate --fit each {LOGGED} --estimator ls --out estimates.parquet")).succeeds();
 }
 
 #[test]
 fn the_method_of_least_error_for_the_kvlcc2_reaches_the_baseline() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
-    let line = format!("validate cross {LOGGED} --nominal least-squares --part-s 100 --out crossval.json");
+    let line = format!(
+        "estimate --structure own --folds each {LOGGED} --estimator output-error,ls,iv,auto --part-s 100 --out scores.json"
+    );
     run(&folder, &line).succeeds();
-    let data = json(&folder, "crossval.json")["data"].clone();
+    let data = json(&folder, "scores.json")["data"]["left_out"].clone();
     assert_eq!(data["candidates"], serde_json::json!(["output-error", "ls"]));
     let auto = data["differences"].as_array().unwrap().iter().find(|d| d["estimator"] == "auto").unwrap();
     assert!(auto["interval"][0].as_f64().unwrap() > 0.0, "{auto}");
@@ -179,9 +189,10 @@ fn the_method_of_least_error_for_the_kvlcc2_reaches_the_baseline() {
 fn a_structure_found_for_the_kvlcc2_follows_runs_that_were_left_out_of_the_search() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
     // One run left out at a time.
-    let line = format!("estimate search {LOGGED} --recordings ingest.json --window-s 100 --folds 13");
-    let said = run(&folder, &format!("{line} --out search.json")).succeeds();
-    let nested = json(&folder, "search.json")["data"]["nested"].clone();
+    let line =
+        format!("estimate --structure library {LOGGED} --recordings ingest.json --window-s 100 --folds 13");
+    let said = run(&folder, &format!("{line} --out estimate.json")).succeeds();
+    let nested = json(&folder, "estimate.json")["data"]["search"]["nested"].clone();
     let fits = |of: &str| ["fit_u", "fit_v", "fit_r"].map(|fit| nested[of][fit].as_f64().unwrap());
     at_least(fits("search"), [94.0, 86.0, 88.0]);
     at_least([0, 1, 2].map(|d| fits("search")[d] - fits("base")[d]), [10.0; 3]);
@@ -193,7 +204,9 @@ fn zig_zags_of_one_degree_are_outside_the_range_of_a_model_of_wider_ones() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
     let recorded = format!("{LOGGED} --recordings ingest.json");
     let small = ["05_01", "10_01", "15_01"].map(|name| format!("kvlcc2_hsva_Z_{name}")).join(",");
-    let line = format!("estimate pool {recorded} --estimator ls --leave-out {small} --out estimates.parquet");
+    let line = format!(
+        "estimate --structure own {recorded} --estimator ls --leave-out {small} --out estimates.parquet"
+    );
     run(&folder, &line).succeeds();
     let compared = |runs: &str| {
         let line = "validate --model model.json --trajectories trajectories.parquet --recordings ingest.json";
@@ -220,10 +233,8 @@ fn zig_zags_of_one_degree_are_outside_the_range_of_a_model_of_wider_ones() {
 fn the_report_of_measured_logs_shows_what_they_tell() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
     let recorded = format!("{LOGGED} --recordings ingest.json --nominal least-squares --part-s 100");
-    run(&folder, &format!("estimate pool {recorded} --estimator iv --bootstrap 20 --out estimates.parquet"))
-        .succeeds();
-    run(&folder, &format!("validate cross {recorded} --estimator ls,iv --folds 3 --out crossval.json"))
-        .succeeds();
+    let flags = "--estimator iv,ls --bootstrap 20 --folds 3 --out estimates.parquet";
+    run(&folder, &format!("estimate --structure own {recorded} {flags}")).succeeds();
     run(&folder, REPORT).succeeds();
     let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
     for piece in [
@@ -243,7 +254,7 @@ fn the_report_of_measured_logs_shows_what_they_tell() {
 /// The next trial of a ship whose logs are published, from its model to its plan.
 fn next_trial(study: &str, data: &str) {
     let Some(folder) = ingested(study, data) else { return };
-    let pool = format!("estimate pool {LOGGED} --recordings ingest.json --estimator ls");
+    let pool = format!("estimate --structure own {LOGGED} --recordings ingest.json --estimator ls");
     run(&folder, &format!("{pool} --out estimates.parquet")).succeeds();
     for entry in std::fs::read_dir(repository().join("pipelines").join(study).join("next")).unwrap() {
         let entry = entry.unwrap();

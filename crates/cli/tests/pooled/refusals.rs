@@ -69,7 +69,7 @@ fn a_nominal_model_that_diverges_is_told_with_part_and_sample() {
     refused(&folder, 4, &format!("{POOL} --runs random/0 --allow=mixed --out estimates.parquet"), &pieces);
     run(&folder, &format!("{POOL} --runs random/0 --allow=mixed --estimator auto --out estimates.parquet"))
         .succeeds();
-    let said = json(&folder, "trust.json")["data"]["statements"][0].clone();
+    let said = json(&folder, "estimate.json")["data"]["trust"]["statements"][0].clone();
     assert!(said.as_str().unwrap().contains("diverges"), "{said}");
 }
 
@@ -92,15 +92,11 @@ fn validate_still_wants_estimates_without_a_subcommand() {
     for (gone, says) in [("compare", "`validate --model"), ("selection", "`validate --design")] {
         refused(&folder, 2, &format!("validate {gone} --out v.json"), &["it is gone", says]);
     }
-    refused(&folder, 2, "validate cross --out c.json", &["--vessel", "--trajectories"]);
+    refused(&folder, 2, "estimate --out c.json", &["--vessel", "--trajectories"]);
     let help = run(&folder, "validate --help").succeeds();
-    for piece in [
-        "cross",
-        "Estimates of simulated runs:",
-        "Models on recordings:",
-        "Picks from recordings:",
-        "--validation",
-    ] {
+    for piece in
+        ["Estimates of simulated runs:", "Models on recordings:", "Picks from recordings:", "--validation"]
+    {
         assert!(help.stdout.contains(piece), "{help}");
     }
 }

@@ -1,4 +1,4 @@
-//! `estimate search`: a structure found from runs, and refusals.
+//! `estimate --structure library`: a structure found from runs, and refusals.
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -6,7 +6,7 @@ use tempfile::TempDir;
 use crate::support::*;
 
 /// Searches with short windows, so that few runs are enough.
-const SEARCH: &str = "estimate search --vessel vessel.toml --trajectories campaign.parquet --fitted-window-s 20 \
+const SEARCH: &str = "estimate --structure library --vessel vessel.toml --trajectories campaign.parquet --fitted-window-s 20 \
      --window-s 25 --folds 3";
 const RUNS: &str = "--runs random/0,random/1,random/2,random/3,optimized/0,optimized/1";
 
@@ -46,20 +46,20 @@ fn mean(errors: &Value) -> f64 {
 #[test]
 fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_little() {
     let folder = measured("0.01");
-    let line = format!("{SEARCH} {RUNS} --out search.json");
+    let line = format!("{SEARCH} {RUNS} --out estimate.json");
     run(&folder, &line).succeeds();
-    let exact = json(&folder, "search.json")["data"]["nested"].clone();
+    let exact = json(&folder, "estimate.json")["data"]["search"]["nested"].clone();
     assert!(mean(&exact["search"]) > mean(&exact["base"]) - 1.0, "{exact}");
     // Without the quadratic term, which would replace it.
     without(&folder, &["X_u", "X_uu"]);
     let said = run(&folder, &format!("{line} --allow=mixed")).succeeds();
     let document = json(&folder, "search.json");
-    let nested = &document["data"]["nested"];
+    let nested = &document["data"]["search"]["nested"];
     // As good as with the exact structure.
     assert!(mean(&nested["search"]) > mean(&exact["search"]) - 1.0, "{nested}");
     assert!(nested["base"].is_null() || mean(&nested["base"]) < mean(&nested["search"]) - 10.0, "{nested}");
     assert!(said.stdout.contains("mean fit"), "{said}");
-    let terms = document["data"]["terms"].as_array().unwrap();
+    let terms = document["data"]["search"]["terms"].as_array().unwrap();
     let found = terms.iter().find(|t| t["degree"] == "surge" && t["term"] == "u").unwrap();
     assert!(found["base"] == false && found["value"].as_f64().unwrap() < 0.0, "{found}");
     let recordings = nested["recordings"].as_array().unwrap();
@@ -67,7 +67,7 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
     // A list of terms replaces the library.
     put(&folder, "terms.toml", "surge = [\"u\", \"u |u|\", \"1\"]\n");
     run(&folder, &format!("{line} --allow=mixed --terms terms.toml")).succeeds();
-    let listed = json(&folder, "search.json")["data"]["terms"].as_array().unwrap().len();
+    let listed = json(&folder, "estimate.json")["data"]["search"]["terms"].as_array().unwrap().len();
     let degrees = json(&folder, "model.json")["data"]["degrees"].clone();
     let written = degrees.as_array().unwrap().iter().map(|d| d["parameters"].as_array().unwrap().len());
     assert_eq!(listed, written.sum::<usize>());
@@ -114,7 +114,7 @@ fn terms_that_no_recording_tells_apart_are_fixed_and_said_and_the_next_design_do
     run(&folder, DICTIONARY).succeeds();
     put(&folder, "terms.toml", "sway = [\"|u| v\", \"u v\"]\n");
     let line = SEARCH.replace("campaign.parquet", "dictionary.parquet");
-    let said = run(&folder, &format!("{line} --terms terms.toml --out search.json")).succeeds();
+    let said = run(&folder, &format!("{line} --terms terms.toml --out estimate.json")).succeeds();
     let model = json(&folder, "model.json")["data"].clone();
     let fixed = |degree: &Value| {
         let parameters = degree["parameters"].as_array().unwrap();
@@ -153,8 +153,8 @@ fn law_the_ridge_is_chosen_on_windows_whatever_the_score_is_taken_on() {
     let folder = measured("0.01");
     let line = |flags: &str| SEARCH.replace(" --window-s 25", flags);
     let found = |flags: &str| {
-        run(&folder, &format!("{} {RUNS} --out search.json", line(flags))).succeeds();
-        json(&folder, "search.json")["data"].clone()
+        run(&folder, &format!("{} {RUNS} --out estimate.json", line(flags))).succeeds();
+        json(&folder, "estimate.json")["data"]["search"].clone()
     };
     // Windows as long as those that are fitted, and whole runs, none of which diverges.
     let (windows, whole) = (found(" --window-s 20"), found(""));
@@ -167,17 +167,18 @@ fn law_the_ridge_is_chosen_on_windows_whatever_the_score_is_taken_on() {
 fn few_terms_do_what_many_do() {
     let folder = measured("0.01");
     without(&folder, &["X_u", "X_uu"]);
-    let line = format!("{SEARCH} {RUNS} --allow=mixed --out search.json");
+    let line = format!("{SEARCH} {RUNS} --allow=mixed --out estimate.json");
     run(&folder, &line).succeeds();
-    let many = json(&folder, "search.json")["data"].clone();
-    run(&folder, &format!("{line} --compact --bootstrap 2 --threads 1")).succeeds();
-    let alone = std::fs::read(folder.path().join("search.json")).unwrap();
-    run(&folder, &format!("{line} --compact --bootstrap 2 --threads 3")).succeeds();
+    let many = json(&folder, "estimate.json")["data"]["search"].clone();
+    let few = line.replace("library", "few");
+    run(&folder, &format!("{few} --bootstrap 2 --threads 1")).succeeds();
+    let alone = std::fs::read(folder.path().join("estimate.json")).unwrap();
+    run(&folder, &format!("{few} --bootstrap 2 --threads 3")).succeeds();
     assert!(
-        alone == std::fs::read(folder.path().join("search.json")).unwrap(),
+        alone == std::fs::read(folder.path().join("estimate.json")).unwrap(),
         "other bytes with other threads"
     );
-    let few = json(&folder, "search.json")["data"].clone();
+    let few = json(&folder, "estimate.json")["data"]["search"].clone();
     let terms = |found: &Value| found["terms"].as_array().unwrap().clone();
     assert!(2 * terms(&few).len() < terms(&many).len(), "{few}");
     assert!(mean(&few["nested"]["search"]) > mean(&many["nested"]["search"]) - 1.0, "{few}");
@@ -208,7 +209,7 @@ fn few_terms_do_what_many_do() {
     assert!(chosen["excess"].as_f64().unwrap() <= chosen["standard_error"].as_f64().unwrap(), "{chosen}");
 }
 
-/// A search for three models to be averaged, among few terms so that it is fast.
+/// A search for models to be averaged, among few terms so that it is fast.
 fn averaged() -> (TempDir, String) {
     let folder = measured("0.01");
     without(&folder, &["X_u", "X_uu"]);
@@ -216,7 +217,11 @@ fn averaged() -> (TempDir, String) {
     let terms =
         "surge = [\"u\", \"u |u|\", \"v r\"]\nsway = [\"v |v|\", \"r |r|\"]\nyaw = [\"v |v|\", \"r |r|\"]\n";
     put(&folder, "terms.toml", terms);
-    (folder, format!("{SEARCH} {RUNS} --allow=mixed --terms terms.toml --out search.json"))
+    (
+        folder,
+        format!("{SEARCH} {RUNS} --allow=mixed --terms terms.toml --out estimate.json")
+            .replace("library", "average"),
+    )
 }
 
 /// Writes `data` as an average, or as the model of one.
@@ -234,13 +239,13 @@ const TRY: &str =
 fn several_models_are_found_averaged_and_tried_together() {
     let (folder, line) = averaged();
     let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
-    let files = || ["search.json", "average.json", "model.json"].map(read);
-    let said = run(&folder, &format!("{line} --average 3 --threads 1")).succeeds();
+    let files = || ["estimate.json", "model.json"].map(read);
+    let said = run(&folder, &format!("{line} --threads 1")).succeeds();
     assert!(said.stdout.contains("the average with recordings left out: fit u"), "{said}");
     let alone = files();
-    run(&folder, &format!("{line} --average 3 --threads 3")).succeeds();
+    run(&folder, &format!("{line} --threads 3")).succeeds();
     assert!(alone == files(), "other bytes with other threads");
-    let found = json(&folder, "search.json")["data"].clone();
+    let found = json(&folder, "estimate.json")["data"]["search"].clone();
     let nested = &found["nested"]["average"];
     // The single model has the exact structure among its terms, and so have the others.
     assert!(mean(&nested["errors"]) > mean(&found["nested"]["search"]) - 2.0, "{nested}");
@@ -249,16 +254,16 @@ fn several_models_are_found_averaged_and_tried_together() {
     let u = terms.iter().find(|term| term["degree"] == "surge" && term["term"] == "u").unwrap();
     let number = |value: &Value| value.as_f64().unwrap();
     assert!(u["chosen"].as_u64().unwrap() > 0 && number(&u["lowest"]) <= number(&u["mean"]), "{u}");
-    let members = json(&folder, "average.json")["data"]["members"].as_array().unwrap().clone();
+    let members = json(&folder, "model.json")["data"]["members"].as_array().unwrap().clone();
     // A channel stays what it is.
     assert_eq!(members[0]["model"]["inputs"][2]["role"], "rudder");
     // Seven tenths of six.
     let drawn: Vec<&Vec<Value>> = members.iter().map(|own| own["found_on"].as_array().unwrap()).collect();
-    assert!(drawn.len() == 3 && drawn.iter().all(|own| own.len() == 4), "{drawn:?}");
-    run(&folder, &format!("{TRY} --model average.json,model.json")).succeeds();
+    assert!(drawn.len() == 10 && drawn.iter().all(|own| own.len() == 4), "{drawn:?}");
+    run(&folder, &format!("{TRY} --model model.json,model.json")).succeeds();
     let compared = json(&folder, "validation.json")["data"]["recordings"].clone();
     assert_eq!(compared["models"][0]["name"], "average of models");
-    assert_eq!(compared["spread"]["models"], 3);
+    assert_eq!(compared["spread"]["models"], 10);
     assert!(number(&compared["bands"]["inside_u"]) >= number(&compared["spread"]["inside_u"]));
     run(&folder, &format!("{REPORT} --allow=mixed")).succeeds();
     let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
@@ -266,26 +271,31 @@ fn several_models_are_found_averaged_and_tried_together() {
         assert!(page.contains(piece), "{piece}");
     }
     // Another seed draws others.
-    run(&folder, &format!("{line} --average 3 --seed 2")).succeeds();
-    let others = json(&folder, "average.json")["data"]["members"].clone();
-    assert!((0..3).any(|i| others[i]["found_on"] != members[i]["found_on"]), "{others}");
-    // An average of an earlier search is removed by a search without one.
-    run(&folder, &line).succeeds();
-    assert!(!folder.path().join("average.json").exists());
+    run(&folder, &format!("{line} --seed 2")).succeeds();
+    let others = json(&folder, "model.json")["data"]["members"].clone();
+    assert!((0..10).any(|i| others[i]["found_on"] != members[i]["found_on"]), "{others}");
+    // A search without an average has none.
+    run(&folder, &line.replace("average", "library")).succeeds();
+    assert!(json(&folder, "model.json")["data"]["members"].is_null());
 }
 
 #[test]
 fn law_an_average_of_equal_models_is_that_model_and_others_are_refused() {
     let (folder, line) = averaged();
-    run(&folder, &format!("{line} --average 2")).succeeds();
-    let data = json(&folder, "average.json")["data"].clone();
+    run(&folder, &line).succeeds();
+    let data = json(&folder, "model.json")["data"].clone();
     let member = data["members"][1].clone();
     let with = |change: &dyn Fn(&mut Value)| {
         let mut data = data.clone();
         change(&mut data);
-        unsealed(&folder, "average.json", "changed.json", data);
+        unsealed(&folder, "model.json", "changed.json", data);
     };
-    with(&|data| data["members"] = vec![member.clone(); 5].into());
+    let equal = |count: usize| {
+        let mut member = member.clone();
+        member["weight"] = (1.0 / count as f64).into();
+        Value::from(vec![member; count])
+    };
+    with(&|data| data["members"] = equal(5));
     run(&folder, &format!("{TRY} --model changed.json")).succeeds();
     let several = json(&folder, "validation.json")["data"]["recordings"].clone();
     unsealed(&folder, "model.json", "single.json", member["model"].clone());
@@ -299,29 +309,27 @@ fn law_an_average_of_equal_models_is_that_model_and_others_are_refused() {
     refused(&folder, 3, &try_it, &["changed.json", "data.members[1]: sampling rate", "4 Hz", "8 Hz"]);
     with(&|data| data["members"][1]["model"]["recordings"][0]["source"] = "another".into());
     refused(&folder, 3, &try_it, &["data.members[1]: recordings", "another", "one search"]);
-    with(&|data| data["members"] = Vec::<Value>::new().into());
-    refused(&folder, 3, &try_it, &["data.members", "found none", "a model at least"]);
-    // It is no vessel.
-    let simulate = "simulate dictionary --model average.json --dictionary dictionary.toml --out d.parquet";
-    let told =
-        ["average.json", "average/1, several models", "model/1, a single", "`model.json` of the same search"];
-    refused(&folder, 3, simulate, &told);
+    with(&|data| data["members"][0]["weight"] = 0.9.into());
+    refused(&folder, 3, &try_it, &["`data.members[0].weight`", "0.9", "equal weights"]);
+    // As averages were written before.
+    put(&folder, "average.json", "{\"schema\": \"average/1\", \"seal\": null}");
+    let again = ["average.json", "average/1", "model/1", "made again by: seatrial estimate"];
+    refused(&folder, 3, "export --model average.json --to c --out exported/", &again);
     // Each of its models is exported.
-    run(&folder, "export --model average.json --to c --out exported/").succeeds();
+    run(&folder, "export --model model.json --to c --out exported/").succeeds();
     assert!(["model-1", "model-2"].iter().all(|name| folder.path().join("exported").join(name).is_dir()));
 }
 
 #[test]
 fn an_average_of_too_few_is_refused() {
     let folder = with(&["campaign.parquet"]);
-    let line = |flags: &str| format!("{SEARCH} {RUNS} {flags} --out search.json");
-    refused(&folder, 2, &line("--average 1"), &["--average", "1"]);
-    let few = line("--average 2").replace(",optimized/1", "");
+    let line = |flags: &str| format!("{SEARCH} {RUNS} {flags} --out estimate.json");
+    let few = line("").replace("library", "average").replace(",optimized/1", "");
     refused(
         &folder,
         3,
         &few,
-        &["campaign.parquet", "recordings", "5", "at least 6 for --average", "--folds"],
+        &["campaign.parquet", "recordings", "5", "at least 6 for `average`", "--folds"],
     );
 }
 
@@ -329,13 +337,14 @@ fn an_average_of_too_few_is_refused() {
 fn what_is_written_takes_no_place_of_what_is_read() {
     let (folder, line) = averaged();
     run(&folder, &line).succeeds();
+    let line = line.replace("average", "library");
     let model = line.replace("vessel.toml", "model.json");
     refused(&folder, 2, &model, &["--out", "model.json", "also an input"]);
     refused(
         &folder,
         2,
-        &line.replace("--out search.json", "--out terms.toml"),
-        &["terms.toml", "also an input"],
+        &line.replace("--out estimate.json", "--out model.json").replace("vessel.toml", "model.json"),
+        &["model.json", "also an input"],
     );
     run(&folder, &format!("{TRY} --model model.json")).succeeds();
     std::fs::copy(folder.path().join("campaign.parquet"), folder.path().join("compare.parquet")).unwrap();
@@ -345,7 +354,7 @@ fn what_is_written_takes_no_place_of_what_is_read() {
         "simulate dictionary --model model.json --dictionary dictionary.toml --out model.json",
         "moments --model model.json --trajectories campaign.parquet --out model.json",
         "estimate --model model.json --trajectories campaign.parquet --out estimates.parquet",
-        "estimate pool --model model.json --trajectories campaign.parquet --out estimates.parquet",
+        "estimate --structure own --model model.json --trajectories campaign.parquet --out estimates.parquet",
     ] {
         refused(&folder, 2, &format!("{stage} --allow=mixed"), &["--out", "model.json", "also an input"]);
     }
@@ -354,9 +363,9 @@ fn what_is_written_takes_no_place_of_what_is_read() {
 #[test]
 fn a_search_without_an_answer_is_refused() {
     let folder = with(&["campaign.parquet"]);
-    let few = format!("{SEARCH} --runs random/0,random/1 --out search.json");
+    let few = format!("{SEARCH} --runs random/0,random/1 --out estimate.json");
     refused(&folder, 3, &few, &["campaign.parquet", "recordings", "2", "folds, 3", "--recordings"]);
-    let line = |flags: &str| format!("{SEARCH} {RUNS} {flags} --out search.json");
+    let line = |flags: &str| format!("{SEARCH} {RUNS} {flags} --out estimate.json");
     let short = line("").replace("--fitted-window-s 20", "--fitted-window-s 0.01");
     refused(&folder, 2, &short, &["--fitted-window-s", "0.01"]);
     let long = line("").replace("--window-s 25", "--window-s 2500");
@@ -366,7 +375,7 @@ fn a_search_without_an_answer_is_refused() {
 #[test]
 fn a_channel_that_cannot_be_what_it_says_is_refused() {
     let folder = with(&["campaign.parquet"]);
-    let line = format!("{SEARCH} {RUNS} --allow=mixed --out search.json");
+    let line = format!("{SEARCH} {RUNS} --allow=mixed --out estimate.json");
     for (roles, told) in [
         (&["ruder"][..], &["`ruder`", "`rudder`"][..]),
         (&["port"], &["input `tau1`, `role`", "`port` without", "as many `port` as `starboard`", "line "]),
@@ -390,7 +399,7 @@ fn a_search_whose_best_model_is_no_better_than_the_mean_is_no_answer() {
     refused(
         &folder,
         4,
-        &format!("{line} {RUNS} --out search.json"),
+        &format!("{line} {RUNS} --out estimate.json"),
         &["no better than the mean", "campaign"],
     );
 }
@@ -416,10 +425,10 @@ fn a_fold_that_diverges_is_rejected_and_counted_never_a_number() {
     let line = SEARCH.replace("campaign.parquet", "dictionary.parquet");
     let pieces =
         ["dictionary.parquet", "candidates diverge in some fold, left out in it: `5`", "--fitted-window-s"];
-    refused(&folder, 4, &format!("{line} --out search.json"), &pieces);
-    assert!(!folder.path().join("search.json").exists() && !folder.path().join("model.json").exists());
+    refused(&folder, 4, &format!("{line} --out estimate.json"), &pieces);
+    assert!(!folder.path().join("estimate.json").exists() && !folder.path().join("model.json").exists());
     // Without it nothing is rejected.
-    run(&folder, &format!("{line} --leave-out 5 --out search.json")).succeeds();
-    let data = json(&folder, "search.json")["data"].clone();
+    run(&folder, &format!("{line} --leave-out 5 --out estimate.json")).succeeds();
+    let data = json(&folder, "estimate.json")["data"]["search"].clone();
     assert!(data["candidates"].as_array().unwrap().iter().all(|c| c["rejected"] == 0), "{data}");
 }

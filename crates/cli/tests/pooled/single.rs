@@ -26,7 +26,7 @@ fn near(a: &[f64], b: &[f64], what: &str) {
 fn law_least_squares_of_one_run_delivers_the_model_that_pooling_it_alone_does() {
     let folder = with(&["campaign.parquet"]);
     run(&folder, &format!("{ONE} --estimator ls")).succeeds();
-    let pool = "estimate pool --vessel vessel.toml --trajectories campaign.parquet --runs optimized/3 --out pooled.parquet";
+    let pool = "estimate --structure own --vessel vessel.toml --trajectories campaign.parquet --runs optimized/3 --out pooled.parquet";
     run(&folder, &format!("{pool} --estimator ls")).succeeds();
     let [own, pooled] = ["one-model.json", "pooled-model.json"].map(|name| json(&folder, name));
     near(&numbers(&own, "value"), &numbers(&pooled, "value"), "value");
@@ -111,7 +111,7 @@ fn a_model_that_others_wrote_stays_and_one_that_is_read_is_not_replaced() {
     run(&folder, ESTIMATE).succeeds();
     assert_eq!(bytes(&folder, "model.json"), b"mine");
     run(&folder, &format!("{ESTIMATE} --runs optimized/3")).succeeds();
-    for stage in ["estimate", "estimate pool"] {
+    for stage in ["estimate", "estimate --structure own"] {
         let line =
             format!("{stage} --model model.json --trajectories campaign.parquet --out estimates.parquet");
         refused(&folder, 2, &line, &["--out", "model.json", "also an input"]);

@@ -89,14 +89,15 @@ fn ingested(logs: &[Log]) -> TempDir {
 }
 
 /// Every run by itself.
-const EACH: &str = "estimate --vessel vessel.toml --trajectories logs.parquet --out estimates.parquet";
+const EACH: &str =
+    "estimate --fit each --vessel vessel.toml --trajectories logs.parquet --out estimates.parquet";
 /// All runs together.
-const ALL: &str = "estimate pool --vessel vessel.toml --trajectories logs.parquet --estimator prediction-error --out estimates.parquet";
+const ALL: &str = "estimate --structure own --vessel vessel.toml --trajectories logs.parquet --estimator prediction-error --out estimates.parquet";
 
 /// The statements about the pooled model.
 fn statements(folder: &TempDir) -> String {
     run(folder, ALL).succeeds();
-    json(folder, "trust.json")["data"]["statements"].to_string()
+    json(folder, "estimate.json")["data"]["trust"]["statements"].to_string()
 }
 
 #[test]
@@ -158,7 +159,7 @@ fn waves_that_no_noise_known_here_describes_get_no_verdict_and_no_standard_error
     let said = statements(&folder);
     assert!(said.contains("no verdict on the model: its errors oscillate"), "{said}");
     assert!(said.contains("no standard errors are given; choose a calm day"), "{said}");
-    let trust = &json(&folder, "trust.json")["data"];
+    let trust = &json(&folder, "estimate.json")["data"]["trust"];
     let own = trust["degrees"].as_array().unwrap().iter().flat_map(|d| d["parameters"].as_array().unwrap());
     assert!(
         own.clone().count() > 0
@@ -180,7 +181,7 @@ fn a_recording_of_another_ship_is_named_and_two_ships_pooled_give_no_model_to_tr
     let folder = of_ships(&[1.0, 1.0, 1.3, 1.0]);
     let one = statements(&folder);
     assert!(one.contains("model rejected") && one.contains("recording `2` contradicts the others"), "{one}");
-    let criticism = json(&folder, "trust.json")["data"]["criticism"].clone();
+    let criticism = json(&folder, "estimate.json")["data"]["trust"]["criticism"].clone();
     let apart = criticism["apart"].as_array().unwrap();
     assert!(apart.len() == 1 && apart[0]["recording"] == "2", "{criticism}");
     let two = statements(&of_ships(&[1.0, 1.3, 1.0, 1.3]));
@@ -205,8 +206,9 @@ fn a_rudder_that_counts_to_the_other_side_is_named_by_the_signs_of_its_parameter
         let own = "channel = \"delta\", unit = \"rad\"";
         put(&folder, "own.toml", &config.replace(own, &format!("{own}{sign}")));
         run(&folder, "ingest --config own.toml --vessel vessel.toml --out t.parquet").succeeds();
-        let ran = run(&folder, &format!("estimate pool {made} --out estimates.parquet")).succeeds();
-        (ran.stdout, json(&folder, "trust.json")["data"]["statements"].to_string())
+        let ran =
+            run(&folder, &format!("estimate --structure own {made} --out estimates.parquet")).succeeds();
+        (ran.stdout, json(&folder, "estimate.json")["data"]["trust"]["statements"].to_string())
     };
     let (line, said) = pooled("");
     for piece in
@@ -214,7 +216,7 @@ fn a_rudder_that_counts_to_the_other_side_is_named_by_the_signs_of_its_parameter
     {
         assert!(said.contains(piece) && line.contains(piece), "{line}{said}");
     }
-    let search = format!("estimate search {made} --folds 3 --out search.json");
+    let search = format!("estimate --structure library {made} --folds 3 --out estimate.json");
     let (turned, searched) = ("another sign than the nominal value", run(&folder, &search).succeeds().stdout);
     assert!(searched.contains(turned), "{searched}");
     let (line, said) = pooled(", sign = -1");
@@ -224,6 +226,7 @@ fn a_rudder_that_counts_to_the_other_side_is_named_by_the_signs_of_its_parameter
     // No maneuver alone tells of a thrust that never changes.
     edit(&folder, "vessel.toml", "nominal = 0.02958", "fixed = true");
     run(&folder, "ingest --config ingest.toml --vessel vessel.toml --out t.parquet").succeeds();
-    let single = run(&folder, &format!("estimate {made} --estimator ls --out single.parquet")).succeeds();
+    let single =
+        run(&folder, &format!("estimate --fit each {made} --estimator ls --out single.parquet")).succeeds();
     assert!(single.stdout.contains(turned), "{single}");
 }

@@ -27,11 +27,11 @@ fn every_number_has_a_unit_and_every_unit_a_number() {
     let folder = picking();
     run(&folder, &format!("{POOL} --runs random/0,random/1 --bootstrap 9 --out estimates.parquet"))
         .succeeds();
-    run(&folder, &format!("{CROSS} --estimator ls,iv --out crossval.json")).succeeds();
+    run(&folder, &format!("{CROSS} --estimator ls,iv --out scores.json")).succeeds();
     fs::copy(repository().join("pipelines/model-ship/reference.toml"), folder.path().join("reference.toml"))
         .unwrap();
     run(&folder, &format!("{SELECTION} --reference reference.toml --out scores.parquet")).succeeds();
-    for name in ["trust.json", "crossval.json", "validation.json"] {
+    for name in ["estimate.json", "scores.json", "validation.json"] {
         let document = json(&folder, name);
         let mut found = BTreeSet::new();
         numbers(&document["data"], "", &["counts", "available"], &mut found);

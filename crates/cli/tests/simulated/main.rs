@@ -27,7 +27,7 @@ pub const STAGES: [&str; 7] = [
     INGEST,
     "moments --vessel vessel.toml --trajectories trajectories.parquet --nominal least-squares --out moments.json",
     "design --moments moments.json --segments 4 --segment-samples 75 --available ingest.json --out design.json",
-    "estimate pool --vessel vessel.toml --trajectories trajectories.parquet --nominal least-squares --bootstrap 20 \
+    "estimate --structure own --vessel vessel.toml --trajectories trajectories.parquet --nominal least-squares --bootstrap 20 \
      --out estimates.parquet",
     "validate --vessel vessel.toml --trajectories trajectories.parquet \
      --design design.json --reference reference.toml --estimator iv --realizations 16 --out scores.parquet",

@@ -214,14 +214,14 @@ fn logs_of_a_ship_with_forces_come_to_their_page_by_two_commands() {
     let settings = String::from_utf8(bytes(&folder, "mine/study.toml")).unwrap();
     let short = settings.lines().filter(|line| !line.starts_with("fitted_window_s"));
     put(&folder, "mine/study.toml", &short.collect::<Vec<_>>().join("\n"));
-    run(&folder, "run mine --out out --quiet --set study.search.window_s=10 --set study.test=[]").succeeds();
+    run(&folder, "run mine --out out --quiet --set study.estimate.window_s=10 --set study.test=[]")
+        .succeeds();
     let model = json(&folder, "out/measured/model.json");
     assert_eq!(model["data"]["estimator"], "output-error");
     let page = String::from_utf8(bytes(&folder, "out/measured/report.html")).unwrap();
     assert!(page.contains("<svg") && page.contains("The delivered model"), "{page}");
     // The search diverges where it never saw her stop: it is named, and the forces are delivered.
-    let (average, found) = ("out/measured/average.json", "out/measured/search.json");
-    let searched = json(&folder, found)["data"].clone();
+    let searched = json(&folder, "out/measured/estimate.json")["data"]["search"].clone();
     assert_eq!(searched["beside"]["delivered"], "forces", "{}", searched["statements"]);
     let said = searched["statements"][1].as_str().unwrap();
     assert!(
@@ -240,7 +240,8 @@ fn logs_of_a_ship_with_forces_come_to_their_page_by_two_commands() {
         assert!(own["standard_error"].as_f64().is_none_or(|before| after < before), "{own} after {after}");
     }
     // The only model of an average stands for a vessel.
-    run(&folder, &format!("export --model {average} --to python --out alone/")).succeeds();
+    assert!(model["data"]["members"].is_null());
+    run(&folder, "export --model out/measured/model.json --to python --out alone/").succeeds();
 }
 
 #[test]
@@ -270,8 +271,9 @@ fn five_logs_and_a_wind_without_direction_give_the_core_of_a_ship_without_forces
     assert!(ran.stdout.contains("5 logs") && ran.stdout.contains(said), "{ran}");
     let ingest = String::from_utf8(bytes(&folder, "mine/ingest.toml")).unwrap();
     assert!(ingest.contains("not used: no direction of the wind is logged"), "{ingest}");
-    let ran = run(&folder, "run mine --out out --quiet --set study.pool.bootstrap=20 --set study.test=[]")
-        .succeeds();
+    let ran =
+        run(&folder, "run mine --out out --quiet --set study.estimate.bootstrap=20 --set study.test=[]")
+            .succeeds();
     let model = json(&folder, "out/measured/model.json")["data"].clone();
     assert_eq!(model["estimator"], "prediction-error");
     let terms = |d: usize| -> Vec<String> {
@@ -279,7 +281,7 @@ fn five_logs_and_a_wind_without_direction_give_the_core_of_a_ship_without_forces
         all.iter().map(|own| own["term"].as_str().unwrap().to_owned()).collect()
     };
     assert_eq!([terms(1), terms(2)].concat(), ["v", "u r", "r", "u^2 delta"]);
-    assert!(!folder.path().join("out/measured/search.json").exists());
+    assert_eq!(json(&folder, "out/measured/estimate.json")["data"]["structure"]["chosen"], "core");
     // What they taught counts for the next trial. The model of five logs cannot hold the plan's speeds: that is said.
     let next = json(&folder, "out/measured/next/design.json")["data"].clone();
     assert!(next["prior"]["shares"].is_object() && next["sequence"]["foretold"].is_object(), "{next}");
@@ -317,11 +319,11 @@ fn names_of_recordings_may_have_commas() {
     run(&folder, INGEST).succeeds();
     let pool = |flags: &[&str]| {
         let mut command = std::process::Command::new(SEATRIAL);
-        let line = "estimate pool --vessel mine/vessel.toml --trajectories out/measured/trajectories.parquet --recordings \
+        let line = "estimate --structure own --vessel mine/vessel.toml --trajectories out/measured/trajectories.parquet --recordings \
                     out/measured/ingest.json --estimator ls --quiet --out estimates.parquet";
         let ended = command.args(line.split_whitespace()).args(flags).current_dir(&folder).output().unwrap();
         assert!(ended.status.success(), "{flags:?}: {}", String::from_utf8_lossy(&ended.stderr));
-        let sources = json(&folder, "trust.json")["data"]["runs"].as_array().unwrap().clone();
+        let sources = json(&folder, "estimate.json")["data"]["trust"]["runs"].as_array().unwrap().clone();
         sources.iter().map(|own| own["source"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
     };
     assert_eq!(pool(&["--runs", "zig,zag, again"]), ["zig,zag, again"]);

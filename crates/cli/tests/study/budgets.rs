@@ -65,7 +65,7 @@ fn the_memory_that_the_system_leaves_is_known() {
 #[test]
 fn trajectories_that_do_not_fit_into_memory_are_refused() {
     let folder = with(&["campaign.parquet"]);
-    for stage in ["estimate", "estimate pool"] {
+    for stage in ["estimate", "estimate --structure own"] {
         let line = format!(
             "{stage} --vessel vessel.toml --trajectories campaign.parquet --out e.parquet --memory-mib 1"
         );

@@ -18,8 +18,8 @@ fn all(command: &Command, before: &str) -> Vec<(String, Command)> {
 fn every_help_has_an_example_that_parses_and_the_exit_codes() {
     let folder = tempfile::tempdir().unwrap();
     let commands = all(&cli::umbrella::command(), "");
-    assert!(commands.iter().any(|(line, _)| line == "design update"));
-    assert!(commands.iter().any(|(line, _)| line == "estimate pool"));
+    assert!(commands.iter().any(|(line, _)| line == "simulate plan"));
+    assert!(commands.iter().any(|(line, _)| line == "estimate"));
     for (line, _) in &commands {
         let ran = run(&folder, &format!("{line} --help")).succeeds();
         assert!(ran.stderr.is_empty() && ran.stdout.contains("Exit codes: 0 written, 1 failed"), "{ran}");
@@ -63,7 +63,7 @@ fn common_flags_may_stand_before_a_subcommand() {
     let ran = run(&folder, &line).succeeds();
     let said: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
     assert_eq!((said["out"].as_str(), ran.stderr.as_str()), (Some("dictionary.parquet"), ""), "{ran}");
-    for line in ["design --quiet update", "validate --quiet cross", "estimate --quiet pool"] {
+    for line in ["design --quiet", "validate --quiet merit"] {
         refused(&folder, 2, line, &["required arguments", "--"]);
     }
     let one = run(&folder, &format!("--seed 7 {DESIGN}")).succeeds();
@@ -73,13 +73,14 @@ fn common_flags_may_stand_before_a_subcommand() {
 
 #[test]
 fn a_flag_of_the_stage_before_its_subcommand_is_refused() {
-    let folder = with(&["moments.json", "campaign.parquet"]);
-    let pool = "pool --vessel vessel.toml --trajectories campaign.parquet --out x.parquet";
+    let folder = with(&["moments.json"]);
+    let refine =
+        "refine --vessel v.toml --dictionary d.toml --design design.json --campaign c.toml --out refined/";
     refused(
         &folder,
         2,
-        &format!("estimate --estimator ls {pool}"),
-        &["--estimator", "before `pool`", "estimate pool --estimator"],
+        &format!("design --criterion d {refine}"),
+        &["--criterion", "before `refine`", "design refine --criterion"],
     );
 }
 

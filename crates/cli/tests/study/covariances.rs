@@ -1,4 +1,4 @@
-//! `estimate --covariance`: the covariances of every run's parameters, in a table beside the estimates.
+//! `estimate --keep covariance`: the covariances of every run's parameters, in a table beside the estimates.
 
 use files::{Provenance, TableReader};
 use ship::model::Vessel;
@@ -47,7 +47,7 @@ fn law_covariances_have_the_squares_of_standard_errors_on_their_diagonal() {
         "--estimator output-error --unknown-current earth --campaign campaign.toml",
     ] {
         let folder = with(&["campaign.parquet"]);
-        run(&folder, &format!("{ESTIMATE} {flags} --covariance")).succeeds();
+        run(&folder, &format!("{ESTIMATE} {flags} --keep covariance")).succeeds();
         let rows = tables(&folder);
         for (estimate, own) in &rows {
             assert_eq!((&estimate.design, estimate.run), (&own.design, own.run));
@@ -64,7 +64,7 @@ fn law_covariances_have_the_squares_of_standard_errors_on_their_diagonal() {
 #[test]
 fn law_estimates_of_many_runs_correlate_as_their_covariances_say() {
     let folder = with(&["campaign.parquet"]);
-    run(&folder, &format!("{ESTIMATE} --covariance")).succeeds();
+    run(&folder, &format!("{ESTIMATE} --keep covariance")).succeeds();
     let rows = tables(&folder);
     let names: Vec<String> = vessel(&folder).model.parameter_names().map(str::to_owned).collect();
     let place = |name: &str| names.iter().position(|own| own == name).unwrap();
@@ -88,7 +88,7 @@ fn law_estimates_of_many_runs_correlate_as_their_covariances_say() {
 #[test]
 fn law_found_noise_gives_a_covariance_that_fits_the_errors_or_none() {
     let folder = with(&["campaign.parquet"]);
-    run(&folder, &format!("{ESTIMATE} --estimator prediction-error --covariance")).succeeds();
+    run(&folder, &format!("{ESTIMATE} --estimator prediction-error --keep covariance")).succeeds();
     let rows = tables(&folder);
     for (estimate, own) in &rows {
         if let (Some((_, errors)), Some(covariance)) = (&estimate.estimate, &own.covariance) {
@@ -101,14 +101,14 @@ fn law_found_noise_gives_a_covariance_that_fits_the_errors_or_none() {
 fn covariances_belong_to_the_set_and_go_with_the_next_estimate() {
     let folder = with(&["campaign.parquet"]);
     let has = || folder.path().join(covariances::FILE).exists();
-    run(&folder, &format!("{ESTIMATE} --covariance")).succeeds();
+    run(&folder, &format!("{ESTIMATE} --keep covariance")).succeeds();
     assert!(has() && json(&folder, "estimate.json")["members"].get(covariances::FILE).is_some());
     let before = bytes(&folder, covariances::FILE);
-    run(&folder, &format!("{ESTIMATE} --covariance --threads 1")).succeeds();
+    run(&folder, &format!("{ESTIMATE} --keep covariance --threads 1")).succeeds();
     assert_eq!(bytes(&folder, covariances::FILE), before);
     let estimates = bytes(&folder, "estimates.parquet");
     run(&folder, ESTIMATE).succeeds();
     assert!(!has());
     assert_eq!(bytes(&folder, "estimates.parquet"), estimates);
-    refused(&folder, 2, &format!("{ESTIMATE} --covariance --shard 1/2"), &["--covariance", "--shard"]);
+    refused(&folder, 2, &format!("{ESTIMATE} --keep covariance --shard 1/2"), &["--keep", "--shard"]);
 }

@@ -303,7 +303,7 @@ fn an_estimator_that_is_gone_is_refused_with_what_does_its_work() {
     let folder = compared();
     for line in [
         "estimate --vessel vessel.toml --trajectories campaign.parquet --estimator refined-iv --out e.parquet",
-        "estimate pool --vessel vessel.toml --trajectories campaign.parquet --estimator refined-iv --out e.parquet",
+        "estimate --structure own --vessel vessel.toml --trajectories campaign.parquet --estimator refined-iv --out e.parquet",
         "monte-carlo --vessel vessel.toml --estimator iv,refined-iv --out validation.json",
     ] {
         refused(

@@ -337,7 +337,7 @@ fn names_that_are_no_identifiers_are_told() {
 #[test]
 fn an_estimated_model_brings_its_errors_and_its_range() {
     let folder = with(&["campaign.parquet"]);
-    let pool = "estimate pool --vessel vessel.toml --trajectories campaign.parquet --runs random/1,random/2";
+    let pool = "estimate --structure own --vessel vessel.toml --trajectories campaign.parquet --runs random/1,random/2";
     run(&folder, &format!("{pool} --estimator ls --out estimates.parquet")).succeeds();
     run(&folder, "export --model model.json --to python --out python").succeeds();
     let model = json(&folder, "model.json")["data"].clone();
@@ -466,7 +466,8 @@ fn what_cannot_be_exported_is_refused() {
 fn a_model_without_estimates_is_refused() {
     let folder = with(&["campaign.parquet", "estimates.parquet", "estimate.json"]);
     refused(&folder, 3, "export --model estimate.json --to c --out c", &["estimate.json: schema", "model"]);
-    let pool = "estimate pool --vessel vessel.toml --trajectories campaign.parquet --runs random/1";
+    let pool =
+        "estimate --structure own --vessel vessel.toml --trajectories campaign.parquet --runs random/1";
     run(&folder, &format!("{pool} --estimator ls --out pooled.parquet")).succeeds();
     let name = "pooled-model.json";
     let mut model = json(&folder, name);

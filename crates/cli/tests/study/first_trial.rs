@@ -215,7 +215,7 @@ const OF_TERMS: [(&str, &str, &str); 3] = [
     (
         "validate --vessel vessel.toml --trajectories d.parquet --design design.json --out s.parquet",
         "`validate --design` computes",
-        "`validate cross`",
+        "`estimate --folds`",
     ),
 ];
 
@@ -234,6 +234,6 @@ fn what_serves_a_ship_with_forces_instead_of_stages_of_terms_is_true() {
         CAMPAIGN.replace("simulate campaign", "monte-carlo").replace("campaign.parquet", "validation.json");
     run(&folder, &format!("{tally} --estimator output-error")).succeeds();
     priors(&folder);
-    let cross = "validate cross --vessel vessel.toml --trajectories d.parquet --allow=mixed --window-s 10 --out crossval.json";
+    let cross = "estimate --structure own --folds each --vessel vessel.toml --trajectories d.parquet --allow=mixed --window-s 10 --out scores.json";
     run(&folder, cross).succeeds();
 }

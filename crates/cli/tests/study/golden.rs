@@ -17,7 +17,7 @@ const RELEASED: [(&str, &str); 7] = [
     ("trajectories-1.parquet", "validation.parquet"),
     ("moments-1.json", "moments.json"),
     ("design-1.json", "design.json"),
-    ("estimate-1.json", "estimate.json"),
+    ("estimate-2.json", "estimate.json"),
     ("validation-2.json", "validation.json"),
     ("estimates-1.parquet", "estimates.parquet"),
     ("scores-1.parquet", "scores.parquet"),

@@ -210,8 +210,8 @@ fn stages_that_need_terms_per_sample_refuse_a_ship_with_forces_by_name() {
     let lines = [
         format!("moments {runs} --out moments.json"),
         format!("estimate {runs} --estimator ls --out estimates.parquet"),
-        format!("estimate pool {runs} --estimator iv --out pool/"),
-        format!("validate cross {runs} --estimator iv --out crossval.json"),
+        format!("estimate --structure own {runs} --estimator iv --out pool/"),
+        format!("estimate --structure own --folds each {runs} --estimator iv --out scores.json"),
         format!("validate {runs} --design design.json --out scores.parquet"),
         "monte-carlo --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --out scores.parquet".to_owned(),
         "design --refine design.json --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --out \

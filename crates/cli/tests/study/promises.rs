@@ -1,7 +1,9 @@
-//! What designs promise: ranges, motions that inputs miss, and `design update` after the trial.
+//! What designs promise: ranges, motions that inputs miss, and what became of them after the trial.
 
 use std::sync::OnceLock;
 
+use files::{Provenance, read_document};
+use seatrial::{ModelDocument, Promised, UpdateError, Updating};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -10,10 +12,9 @@ use crate::support::*;
 const MOMENTS: &str = "moments --vessel vessel.toml --trajectories dictionary.parquet --campaign campaign.toml --estimator \
      output-error --out moments.json";
 const DESIGN: &str = "design --moments moments.json --for output-error --criterion a-relative --duration-s 125 --out design.json";
-const UPDATE: &str =
-    "design update --design design.json --moments moments.json --model model.json --out update.json";
-/// Without what says which files belong together.
-const MIXED: &str = "design update --allow=mixed --design design.json --moments moments.json --model model.json --out update.json";
+/// The model of the trial, with what became of the promise.
+const UPDATE: &str = "estimate --fit together --estimator ls --vessel vessel.toml --trajectories campaign.parquet --promised design.json \
+     --out pooled.parquet";
 
 const MANEUVERS: &str = "duration_s = 30.0\n
 [generate]\ncandidates = 80\nexecuted = \"inputs\"\nstart_m_s = [0.4, 0.8]\n
@@ -63,6 +64,7 @@ fn sailed() -> TempDir {
         "design.json",
         "moments.json",
         "model.json",
+        "campaign.parquet",
         "true.toml",
         "vessel.toml",
         "dictionary.toml",
@@ -79,6 +81,21 @@ fn trial(folder: &TempDir) {
          output-error --out estimates.parquet";
     run(folder, sail).succeeds();
     run(folder, estimate).succeeds();
+}
+
+/// What became of the promise of design.json by `model.json`, or why there is nothing to be said.
+fn updated(folder: &TempDir, figures: Option<&str>) -> Result<Value, String> {
+    let path = |name: &str| folder.path().join(name);
+    let mut noted = Provenance { allow_mixed: true, ..Provenance::default() };
+    let (design, moments, figures) = (path("design.json"), path("moments.json"), figures.map(path));
+    let promised = Promised::read(&design, &moments, figures.as_deref(), &mut noted);
+    let promised = promised.map_err(|e| e.to_string())?;
+    let model = read_document::<ModelDocument>(path("model.json")).map_err(|e| e.to_string())?.data;
+    match Updating::new(&promised).after(&model) {
+        Ok(found) => Ok(serde_json::to_value(found).unwrap()),
+        Err(UpdateError::Design(e)) => Err(format!("design.json: {e}")),
+        Err(UpdateError::Model(e)) => Err(format!("model.json: {e}")),
+    }
 }
 
 fn data(folder: &TempDir, name: &str) -> Value {
@@ -232,9 +249,8 @@ fn law_standard_maneuvers_are_not_played_by_inputs() {
 #[test]
 fn oracle_an_update_compares_promised_and_estimated_errors_over_fixed_scales() {
     let folder = sailed();
-    let said = run(&folder, UPDATE).succeeds();
-    let (found, model, design) =
-        (data(&folder, "update.json"), data(&folder, "model.json"), data(&folder, "design.json"));
+    let found = updated(&folder, None).unwrap();
+    let (model, design) = (data(&folder, "model.json"), data(&folder, "design.json"));
     let vessel: toml::Value =
         toml::from_str(&String::from_utf8(bytes(&folder, "vessel.toml")).unwrap()).unwrap();
     let nominal = |name: &str| {
@@ -262,11 +278,25 @@ fn oracle_an_update_compares_promised_and_estimated_errors_over_fixed_scales() {
     let all = &found["parameter_error"];
     assert!((number(&all["promised"]) - before.sqrt()).abs() < 1e-9, "{all}");
     assert!((number(&all["now"]) - now.sqrt()).abs() < 1e-9, "{all}");
-    assert!(said.stdout.contains(found["statement"].as_str().unwrap()), "{}", said.stdout);
     // The criterion a-relative is that of the same scales.
     assert!((number(&found["criterion"]["error"]["now"]) / now.sqrt() - 1.0).abs() < 1e-9, "{found}");
     assert!((number(&found["after_another"]) - now.sqrt() / 2.0_f64.sqrt()).abs() < 1e-9);
     assert!((number(&found["duration_s"]) - samples / 8.0).abs() < 1e-9);
+}
+
+/// By another vessel.toml than the design's, from whose files the trial was not made otherwise.
+#[test]
+fn an_estimate_of_all_says_what_became_of_the_promise_of_its_design() {
+    let folder = sailed();
+    let line = UPDATE.replace("vessel.toml", "true.toml");
+    for fit in ["--fit together", "--fit each"] {
+        let line = line.replace("--fit together", fit);
+        let said = run(&folder, &format!("{line} --allow=mixed")).succeeds();
+        let promise = data(&folder, "pooled-estimate.json")["promise"].clone();
+        assert!(said.stdout.contains(promise["statement"].as_str().unwrap()), "{promise}{said}");
+        std::fs::copy(folder.path().join("pooled-model.json"), folder.path().join("model.json")).unwrap();
+        assert_eq!(promise, updated(&folder, None).unwrap());
+    }
 }
 
 #[test]
@@ -279,16 +309,13 @@ fn oracle_figures_of_an_update_have_the_errors_that_slopes_and_covariance_give()
     run(&folder, slopes).succeeds();
     run(&folder, &format!("{DESIGN} --figures merit.json")).succeeds();
     trial(&folder);
-    let update = format!("{MIXED} --figures merit.json");
-    run(&folder, &update).succeeds();
+    let update = || updated(&folder, Some("merit.json")).unwrap();
     // The estimate of one run has standard errors without covariances.
-    figures_follow(&folder, 0.0);
+    figures_follow(&folder, &update(), 0.0);
     change(&folder, "model.json", |model| correlate(model, -0.6));
-    run(&folder, &update).succeeds();
-    figures_follow(&folder, -0.6);
+    figures_follow(&folder, &update(), -0.6);
     // Without the file they are left out, and the update says so.
-    run(&folder, MIXED).succeeds();
-    let without = data(&folder, "update.json");
+    let without = updated(&folder, None).unwrap();
     assert!(without.get("figures").is_none_or(|all| all.as_array().unwrap().is_empty()), "{without}");
     assert!(without["statements"].to_string().contains("without --figures"), "{without}");
 }
@@ -311,11 +338,10 @@ fn correlate(model: &mut Value, next: f64) {
     model["data"]["covariance"] = serde_json::json!({"joint": true, "names": names, "entries": entries});
 }
 
-/// Compares the figures of `update.json` with gᵀCg: slopes g of `merit.json`, C as [`correlate`] gives it to `model.json`.
-fn figures_follow(folder: &TempDir, next: f64) {
+/// Compares the figures of the update `found` with gᵀCg: slopes g of `merit.json`, C as [`correlate`] gives it to `model.json`.
+fn figures_follow(folder: &TempDir, found: &Value, next: f64) {
     let of = |name: &str| data(folder, name);
-    let (found, merit, model, design) =
-        (of("update.json"), of("merit.json"), of("model.json"), of("design.json"));
+    let (merit, model, design) = (of("merit.json"), of("model.json"), of("design.json"));
     let errors = standard_errors(&model);
     let shorter = (number(&design["figures"]["samples"]) / number(&model["samples"])).sqrt();
     let figures = found["figures"].as_array().unwrap();
@@ -345,8 +371,7 @@ fn figures_follow(folder: &TempDir, next: f64) {
 fn law_the_time_that_is_left_follows_from_the_error_that_was_reached() {
     let folder = sailed();
     run(&folder, &format!("{DESIGN} --accuracy 0.3").replace("--duration-s 125 ", "")).succeeds();
-    run(&folder, MIXED).succeeds();
-    let found = data(&folder, "update.json");
+    let found = updated(&folder, None).unwrap();
     let accuracy = &found["accuracy"];
     let needed = number(&found["duration_s"]) * (number(&accuracy["reached"]) / 0.3).powi(2);
     assert!((number(&accuracy["needed_s"]) / needed - 1.0).abs() < 1e-12, "{accuracy}");
@@ -355,30 +380,30 @@ fn law_the_time_that_is_left_follows_from_the_error_that_was_reached() {
     assert_eq!(accuracy["reached"], found["parameter_error"]["now"]);
     // A determinant needs the covariances between parameters, which the estimate of one run has not.
     run(&folder, &DESIGN.replace("a-relative", "d")).succeeds();
-    refused(
-        &folder,
-        3,
-        MIXED,
-        &["model.json", "`data.covariance`", "found none", "criterion d", "estimate pool"],
-    );
+    let why = updated(&folder, None).unwrap_err();
+    for piece in ["model.json", "`data.covariance`", "found none", "criterion d", "estimate --fit together"] {
+        assert!(why.contains(piece), "{piece}: {why}");
+    }
 }
 
 #[test]
 fn refusals_of_updates() {
     let folder = sailed();
-    refused(&folder, 2, "design update --out update.json", &["--design", "--help"]);
-    refused(&folder, 2, &MIXED.replace("--out update.json", "--out model.json"), &["--out", "also an input"]);
+    let is_refused = |pieces: &[&str]| {
+        let why = updated(&folder, None).unwrap_err();
+        pieces.iter().for_each(|piece| assert!(why.contains(piece), "{piece}: {why}"));
+    };
     let try_model = |broken: &dyn Fn(&mut Value), pieces: &[&str]| {
         let before = String::from_utf8(bytes(&folder, "model.json")).unwrap();
         change(&folder, "model.json", broken);
-        refused(&folder, 3, MIXED, &[&["model.json"], pieces].concat());
+        is_refused(&[&["model.json"], pieces].concat());
         put(&folder, "model.json", &before);
     };
     try_model(&|m| m["data"]["vessel"] = "another".into(), &["`data.vessel`", "`another`", "moments"]);
     try_model(&|m| m["data"]["sample_rate_hz"] = 4.0.into(), &["`data.sample_rate_hz`", "4 Hz", "8 Hz"]);
     try_model(
         &|m| m["data"]["degrees"][0]["parameters"][0]["standard_error"] = Value::Null,
-        &["`X_u`", "no standard error", "estimate pool"],
+        &["`X_u`", "no standard error", "estimate --fit together"],
     );
     try_model(
         &|m| m["data"]["degrees"][0]["parameters"][0]["name"] = "X_other".into(),
@@ -411,14 +436,13 @@ fn refusals_of_updates() {
     try_model(&|m| covariance(m, &one, false), &["`data.covariance`", "no `X_u`"]);
     // A trial of another design.
     run(&folder, &DESIGN.replace("--duration-s 125", "--duration-s 250")).succeeds();
-    refused(&folder, 3, UPDATE, &["model.json", "design"]);
+    refused(&folder, 3, UPDATE, &["campaign.parquet"]);
     // A design without promise.
     run(&folder, "design --moments moments.json --out design.json").succeeds();
-    refused(&folder, 3, MIXED, &["design.json", "`data.covariance`", "no promise", "--campaign"]);
+    is_refused(&["design.json", "`data.covariance`", "no promise", "--campaign"]);
     // Other moments.
     run(&folder, DESIGN).succeeds();
     run(&folder, DICTIONARY).succeeds();
     run(&folder, &MOMENTS.replace(" --estimator output-error", "")).succeeds();
     refused(&folder, 3, UPDATE, &["moments"]);
-    refused(&folder, 3, &MIXED.replace("model.json", "design.json"), &["design.json", "model/1"]);
 }

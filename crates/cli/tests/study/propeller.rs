@@ -136,7 +136,8 @@ validation = { parameter_error_bound = 1.0, simulation_error_bound = 0.2, maneuv
 fn the_next_trial_is_designed_from_the_model_that_logs_give() {
     let folder = logged();
     run(&folder, DICTIONARY).succeeds();
-    let pool = "estimate pool --vessel vessel.toml --trajectories dictionary.parquet --estimator ls";
+    let pool =
+        "estimate --structure own --vessel vessel.toml --trajectories dictionary.parquet --estimator ls";
     run(&folder, &format!("{pool} --out estimates.parquet")).succeeds();
     let model = json(&folder, "model.json")["data"].clone();
     assert_eq!(model["derived"][0]["formula"], "n_ahead^2 delta");

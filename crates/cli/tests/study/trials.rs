@@ -267,7 +267,7 @@ fn law_uncertain_parameters_make_uncertain_figures() {
     for line in [DICTIONARY, MOMENTS, DESIGN, CAMPAIGN] {
         run(&folder, line).succeeds();
     }
-    let pool = "estimate pool --vessel vessel.toml --trajectories campaign.parquet --runs optimized/0 --estimator iv \
+    let pool = "estimate --structure own --vessel vessel.toml --trajectories campaign.parquet --runs optimized/0 --estimator iv \
                 --out estimates.parquet";
     run(&folder, pool).succeeds();
     let merit = |of: &str, flags: &str| {

@@ -324,7 +324,7 @@ impl Criticism {
         (self.current_std >= FELT * self.noise_u.min(self.noise_v)).then(|| {
             format!(
                 "standard errors do not hold: a current of {} m/s {lasts}, and parameters take it for the vessel's own motion; \
-                 `estimate pool --estimator prediction-error` allows for it",
+                 `estimate --fit together --estimator prediction-error` allows for it",
                 number(self.current_std)
             )
         })

@@ -3,7 +3,6 @@
 //! Scalars instead of lanes: measured data sets are small.
 
 mod delivered;
-mod enriched;
 mod estimate;
 mod resampler;
 mod search;
@@ -33,7 +32,6 @@ pub use crate::validate::{FreeRunErrors, Score, deviations};
 pub use delivered::{
     Covariance, Covered, Delivered, FoundUnknown, RecordingConstant, Surroundings, Uncertain, covered,
 };
-pub use enriched::{Added, Enriched, Grown, enriched, grown};
 pub use estimate::{PoolError, Pooled, StandardErrors, estimate, resampled, standard_errors, unstated};
 pub use resampler::{Bootstrap, Resample, Resampled, Resampling, redraw};
 pub use searched::{Follow, Scales, Searched, least_errors};

@@ -118,7 +118,7 @@ impl RunEstimators<'_> {
     }
 
     /// The model of the first estimator from `run`, which is called `name`, with that by least squares; `None`
-    /// without an estimate, and of a ship with forces, whose model `estimate pool` delivers.
+    /// without an estimate, and of a ship with forces, whose model `estimate --fit together` delivers.
     ///
     /// # Errors
     /// See [`RunEstimators::estimates`].

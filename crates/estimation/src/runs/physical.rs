@@ -34,15 +34,20 @@ fn white(levels: Option<&NoiseModel>) -> Result<WhiteNoise, Invalid> {
         Err(Invalid::new("disturbances", found, expected, remedy))
     };
     let Some(levels) = levels else {
-        return refused("none stated", "add --campaign campaign.toml, or fit the run by `estimate pool`");
+        return refused(
+            "none stated",
+            "add --campaign campaign.toml, or fit the run by `estimate --fit together`",
+        );
     };
     let current = match levels.current {
         Flow::Still => 0.0,
         Flow::White { std } => std,
-        Flow::Markov { .. } => return refused("a current that lasts", "fit the run by `estimate pool`"),
+        Flow::Markov { .. } => {
+            return refused("a current that lasts", "fit the run by `estimate --fit together`");
+        }
     };
     if levels.force.is_some() || levels.drift.is_some() {
-        return refused("wind, or errors that drift", "fit the run by `estimate pool`");
+        return refused("wind, or errors that drift", "fit the run by `estimate --fit together`");
     }
     match levels.measurement.contains(&0.0) {
         true => refused("no noise in a state", "state what the sensor has, however little"),
@@ -64,7 +69,7 @@ impl RunEstimators<'_> {
         if self.initial != InitialState::Known {
             let (start, expected) =
                 ("measured ones", "simulated runs, whose start is known, of a ship with forces");
-            return Err(Invalid::new("runs", start, expected, "fit them by `estimate pool`"));
+            return Err(Invalid::new("runs", start, expected, "fit them by `estimate --fit together`"));
         }
         if self.additional != AdditionalUnknowns::default() {
             let expected = "the numbers of a ship with forces alone";

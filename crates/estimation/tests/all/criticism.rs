@@ -1,14 +1,10 @@
 //! Tests of what a model lacks, on runs for which that is known.
 
-use std::collections::BTreeMap;
-
 use estimation::criticism::{Absent, Criticism, Subject, criticise, criticise_each};
-use estimation::pooled::{Judgement, Pool, Resampling, enriched};
 use estimation::predictor::{Flow, InitialState, NoiseModel};
 use estimation::runs::{AdditionalUnknowns, RunEstimators};
 use estimation::{EstimateStatus, Estimator};
 use regression::MeanRemoval;
-use regression::pooled::PooledRuns;
 use ship::engine::{Compiled, Run, RunView, Segment, simulate_one};
 use ship::model::{Model, Term, Vessel};
 
@@ -319,41 +315,6 @@ fn an_autopilot_that_steers_by_the_logged_sensor_is_told_from_one_with_its_own()
             }
         }
     }
-}
-
-/// The missing terms are added, and no others.
-#[test]
-fn terms_are_added_until_the_model_is_not_rejected() {
-    let vessel = paper();
-    let experiment = experiment(&vessel);
-    let added = |more: &[(usize, &str, f64)], most: usize| {
-        let runs = whole(&experiment, recorded(&experiment, &vessel, more, 2));
-        let runs = PooledRuns::new(runs, &BTreeMap::new());
-        let judgement = Judgement { replicates: 0, seed: 1 };
-        let found = enriched(
-            &Pool::new(&vessel),
-            &runs,
-            Estimator::OutputError,
-            &judgement,
-            most,
-            Resampling::Drawn(&|_| ()),
-        )
-        .unwrap();
-        let mut names: Vec<String> = found.added.iter().map(|a| format!("{} {}", a.term, a.degree)).collect();
-        names.sort_unstable();
-        (names, found)
-    };
-    let (names, found) = added(&[(1, "v |v|", -0.4), (2, "r |r|", -0.3)], 4);
-    assert_eq!(names, ["r |r| yaw", "v |v| sway"]);
-    assert!(found.found.criticism.is_some_and(|criticism| !criticism.rejected));
-    for (term, truth) in [("v |v|", -0.4), ("r |r|", -0.3)] {
-        let own = found.added.iter().find(|a| a.term == term).unwrap();
-        let (value, error) = (own.value.unwrap(), own.standard_error.unwrap());
-        assert!((value - truth).abs() < 4.0 * error.max(0.01), "{term}: {value} ± {error}");
-    }
-    assert_eq!(found.vessel.model.parameters(), 12);
-    assert_eq!(added(&[], 4).0, [""; 0]);
-    assert_eq!(added(&[(1, "v |v|", -0.4), (2, "r |r|", -0.3)], 1).0.len(), 1);
 }
 
 /// Standard errors are too small if parameters attribute a current to the vessel's own motion.

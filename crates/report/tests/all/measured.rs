@@ -2,7 +2,7 @@
 
 use report::{MeasuredStudy, Study, render};
 use serde_json::json;
-use study::documents::{Compared, CrossvalDocument, ModelDocument, TrustDocument};
+use study::documents::{Compared, LeftOutScores, ModelDocument, Trust};
 
 fn model(truth: Option<f64>) -> ModelDocument {
     let degree = |name: &str, state: &str, unit: &str| {
@@ -28,7 +28,7 @@ fn model(truth: Option<f64>) -> ModelDocument {
     .unwrap()
 }
 
-fn crossval(recommended: Option<&str>, candidates: &[&str]) -> CrossvalDocument {
+fn crossval(recommended: Option<&str>, candidates: &[&str]) -> LeftOutScores {
     serde_json::from_value(json!({
         "mean_removal": "complete", "nominal": "given", "prior": 0.0, "intercepts": true, "window_s": null,
         "windows": 4, "samples": 400, "folds": 4, "std_u": 1.0, "std_v": 1.0, "std_r": 1.0,
@@ -45,8 +45,8 @@ fn page(measured: MeasuredStudy) -> String {
 #[test]
 fn the_parameters_are_those_of_the_delivered_model_which_is_named() {
     let said = |recommended: Option<&str>, candidates: &[&str]| {
-        let crossval = Some(crossval(recommended, candidates));
-        page(MeasuredStudy { model: Some(model(None)), crossval, ..MeasuredStudy::default() })
+        let left_out = Some(crossval(recommended, candidates));
+        page(MeasuredStudy { model: Some(model(None)), left_out, ..MeasuredStudy::default() })
     };
     for (recommended, candidates, words) in [
         (Some("iv"), &["iv"][..], "Estimated by iv, which cross-validation recommends."),
@@ -102,7 +102,7 @@ fn what_is_left_of_the_errors_is_drawn_over_the_band() {
 
 /// `candidates` candidates for a missing term, the first `likely` of which are likely; the first parameter is at its
 /// bound.
-fn trust(candidates: usize, likely: usize) -> TrustDocument {
+fn trust(candidates: usize, likely: usize) -> Trust {
     let absent = |i: usize| {
         let current = i == 1;
         let values = if current { vec![0.25, -0.5] } else { vec![-0.4] };

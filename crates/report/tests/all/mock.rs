@@ -199,8 +199,6 @@ fn moments() -> MomentsDocument {
 
 fn estimate() -> EstimateDocument {
     EstimateDocument {
-        estimator: Estimator::Iv,
-        mean_removal: MeanRemoval::Complete,
         designs: vec![
             summary("optimized", |p| p.4, 1.0),
             summary("random", |p| p.5, 40.0),
@@ -208,9 +206,7 @@ fn estimate() -> EstimateDocument {
         ],
         seed: Some(1),
         trusted_within: Some(0.15),
-        compared: None,
-        constrained: Vec::new(),
-        trust: None,
+        ..EstimateDocument::new(Estimator::Iv, MeanRemoval::Complete)
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::mock;
 use report::{ManeuverTrace, Rendered, Study, render};
 use study::documents::{
-    DesignPromise, DesignUpdateDocument, Estimator, SampledFrom, Unreached, UpdatedError, UpdatedParameter,
+    DesignPromise, Estimator, PromiseUpdate, SampledFrom, Unreached, UpdatedError, UpdatedParameter,
 };
 
 const SECTIONS: [&str; 9] = [
@@ -203,7 +203,7 @@ fn a_large_dictionary_is_shown_by_the_maneuvers_that_matter() {
 #[test]
 fn a_promise_is_shown_with_its_range_and_what_became_of_it() {
     let error = UpdatedError::of(0.5, 0.4);
-    let update = DesignUpdateDocument {
+    let update = PromiseUpdate {
         statement: "After 125.0 s the parameter error is 0.400".to_owned(),
         estimator: Estimator::OutputError,
         samples: 1000,

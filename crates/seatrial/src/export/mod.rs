@@ -17,11 +17,11 @@ pub mod text;
 
 use std::path::Path;
 
-use files::{Error, Provenance, read_document};
+use files::{Error, Provenance};
 use refusal::Invalid;
 use study::at_rate;
-use study::documents::{AverageDocument, AverageMember, ModelDocument};
-use study::files::{is_average, read_any_vessel, read_model};
+use study::documents::{AverageMember, ModelDocument};
+use study::files::{read_any_vessel, read_model};
 
 use ::ship::engine::{Divided, check_diverged, simulate_one};
 use ::ship::model::{Actuator, Source, Vessel};
@@ -43,17 +43,16 @@ pub fn read_portable(
     rate_hz: Option<f64>,
     provenance: &mut Provenance,
 ) -> Result<Vec<Portable>, Error> {
-    if !is_average(path) {
-        let vessel = read_any_vessel(path, provenance)?;
-        return Ok(vec![portable(path, (vessel, read_model(path)?), (source, rate_hz), provenance)?]);
+    let (vessel, mut model) = (read_any_vessel(path, provenance)?, read_model(path)?);
+    let members = model.as_mut().map(|model| std::mem::take(&mut model.members)).unwrap_or_default();
+    if members.is_empty() {
+        return Ok(vec![portable(path, (vessel, model), (source, rate_hz), provenance)?]);
     }
-    let average = read_document::<AverageDocument>(path)?;
-    provenance.written("vessel", path, average.digest)?;
     let one = |member: AverageMember| {
         let vessel = member.model.vessel().map_err(|e| study::invalid(path, &e))?;
         portable(path, (vessel, Some(member.model)), (source, rate_hz), provenance)
     };
-    average.data.members.into_iter().map(one).collect()
+    members.into_iter().map(one).collect()
 }
 
 /// `vessel`, or what is known of its `model`, read from `path`.

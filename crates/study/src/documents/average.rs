@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use estimation::Estimator;
 use estimation::pooled::Delivered;
 use estimation::search::{Averaged, Member, NestedScore, Searched};
-use files::{Document, Units};
+use files::Document;
 use refusal::Invalid;
 use regression::MeanRemoval;
 use schemars::JsonSchema;
@@ -13,27 +13,12 @@ use validation::comparison::Magnitudes;
 
 use super::model::{ModelDegree, ModelDocument, ModelParameter, bounds};
 
-/// `average.json`: several models of the same recordings, whose simulated trajectories are averaged. Their spread tells where
-/// the recordings leave the structure open.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct AverageDocument {
-    /// Name of the vessel.
-    pub vessel: String,
-    /// RMSE of the mean trajectory over the recordings that were fitted; null where a model diverges.
-    pub output_rmse_u: Option<f64>,
-    /// Of v.
-    pub output_rmse_v: Option<f64>,
-    /// Of r.
-    pub output_rmse_r: Option<f64>,
-    /// The models; a single one where another of the two that were to be averaged was left out.
-    pub members: Vec<AverageMember>,
-}
-
 /// One of the models.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AverageMember {
+    /// Its weight in the mean trajectory; those of all add up to 1.
+    pub weight: f64,
     /// The recordings that its structure was found on.
     pub found_on: Vec<String>,
     /// The model of that structure, fitted to all recordings. It has no standard errors: the spread of the models takes their
@@ -77,40 +62,62 @@ pub struct AverageTerm {
     pub highest: f64,
 }
 
-impl AverageDocument {
+impl AverageMember {
     /// The models that were found for `vessel` from `samples` samples with motions of `magnitudes`.
-    pub fn new(vessel: &Vessel, found: &Averaged, samples: u64, magnitudes: Option<&Magnitudes>) -> Self {
-        let [output_rmse_u, output_rmse_v, output_rmse_r] =
-            found.output_rmse.map_or([None; 3], |rmse| rmse.map(Some));
-        let member = |(i, member): (usize, &Member)| AverageMember {
+    pub fn all(
+        vessel: &Vessel,
+        found: &Averaged,
+        samples: u64,
+        magnitudes: Option<&Magnitudes>,
+    ) -> Vec<Self> {
+        let count = found.members.len();
+        let member = |(i, member): (usize, &Member)| Self {
+            weight: 1.0 / count as f64,
             found_on: member.found_on.clone(),
             model: ModelDocument {
                 magnitudes: magnitudes.cloned(),
                 statements: vec![format!(
-                    "model {} of {} whose trajectories are averaged; its structure was found on {} recordings",
+                    "model {} of {count} whose trajectories are averaged; its structure was found on {} recordings",
                     i + 1,
-                    found.members.len(),
                     member.found_on.len()
                 )],
                 ..ModelDocument::of_search(vessel, &member.model, &member.delivered, samples)
             },
         };
-        let members = found.members.iter().enumerate().map(member).collect();
-        Self { vessel: vessel.name.clone(), output_rmse_u, output_rmse_v, output_rmse_r, members }
+        found.members.iter().enumerate().map(member).collect()
     }
 
-    /// The average of `models`, whose mean trajectory has `output_rmse` over the recordings that they were fitted to.
-    pub fn of(vessel: &Vessel, models: Vec<ModelDocument>, output_rmse: Option<[f64; 3]>) -> Self {
-        let [output_rmse_u, output_rmse_v, output_rmse_r] = output_rmse.map_or([None; 3], |r| r.map(Some));
+    /// The members of the average of `models`, with equal weights.
+    pub fn of(models: Vec<ModelDocument>) -> Vec<Self> {
+        let weight = 1.0 / models.len() as f64;
         let found_on = |model: &ModelDocument| model.recordings.iter().map(|r| r.source.clone()).collect();
-        let members =
-            models.into_iter().map(|model| AverageMember { found_on: found_on(&model), model }).collect();
-        Self { vessel: vessel.name.clone(), output_rmse_u, output_rmse_v, output_rmse_r, members }
+        models.into_iter().map(|model| Self { weight, found_on: found_on(&model), model }).collect()
     }
 
-    /// RMSE of u, v, r of the mean trajectory over the recordings that were fitted.
-    pub fn output_rmse(&self) -> Option<[f64; 3]> {
-        Some([self.output_rmse_u?, self.output_rmse_v?, self.output_rmse_r?])
+    /// Refuses members that do not belong together.
+    ///
+    /// # Errors
+    /// Names the member.
+    pub(super) fn check(members: &[Self]) -> Result<(), Invalid> {
+        let Some(first) = members.first() else { return Ok(()) };
+        let expected = shared(&first.model);
+        for (i, Self { model, weight, .. }) in members.iter().enumerate() {
+            if (weight * members.len() as f64 - 1.0).abs() > 1e-9 {
+                let thing = format!("`data.members[{i}].weight`");
+                return Err(Invalid::new(thing, weight.to_string(), "equal weights", "estimate again"));
+            }
+            model.check().map_err(|e| Invalid { thing: format!("data.members[{i}]: {}", e.thing), ..e })?;
+            let pairs = expected.iter().zip(shared(model));
+            if let Some(((what, expected), (_, found))) = pairs.into_iter().find(|((_, a), (_, b))| a != b) {
+                return Err(Invalid::new(
+                    format!("data.members[{i}]: {what}"),
+                    found,
+                    format!("{expected}, as in the first model"),
+                    "average models of one search",
+                ));
+            }
+        }
+        Ok(())
     }
 }
 
@@ -126,49 +133,6 @@ fn shared(model: &ModelDocument) -> [(&'static str, String); 4] {
         ("channels", names(channels)),
         ("recordings", names(recordings)),
     ]
-}
-
-impl Document for AverageDocument {
-    const ID: &'static str = "average";
-    const VERSION: u32 = 1;
-    const UNITS: Units = &[
-        ("Hz", "sample_rate_hz"),
-        (
-            "1",
-            "samples stretches factor part condition windows pieces prior_weight cost steps prior_share inflation",
-        ),
-        ("s", "stretch_s lag_s hold_s window_s"),
-        ("the channel's unit a second", "rate_per_s"),
-        ("the parameter's unit", "value standard_error least_squares truth bounds prior prior_deviation"),
-        ("the unit of the row's name times that of the column's", "entries"),
-        ("the state's unit", "constant constant_least_squares increment_std output_rmse"),
-        ("the channel's unit", "simulated range dead_band"),
-        ("the unit of what it belongs to", "low high"),
-        ("m/s, m/s, rad/s", "left_out_rmse"),
-        ("m/s", "constant_u constant_v output_rmse_u output_rmse_v"),
-        ("rad/s", "constant_r output_rmse_r"),
-    ];
-
-    fn check(&self) -> Result<(), Invalid> {
-        let Some(first) = self.members.first() else {
-            let remedy = "search for an average again";
-            return Err(Invalid::new("data.members", "none", "a model at least", remedy));
-        };
-        let expected = shared(&first.model);
-        for (i, AverageMember { model, .. }) in self.members.iter().enumerate() {
-            model.check().map_err(|e| Invalid { thing: format!("data.members[{i}]: {}", e.thing), ..e })?;
-            let pairs = expected.iter().zip(shared(model));
-            if let Some(((what, expected), (_, found))) = pairs.into_iter().find(|((_, a), (_, b))| a != b) {
-                return Err(Invalid::new(
-                    format!("data.members[{i}]: {what}"),
-                    found,
-                    format!("{expected}, as in the first model"),
-                    "average models of one search",
-                ));
-            }
-        }
-        Ok(())
-    }
 }
 
 impl AverageSummary {

@@ -1,4 +1,4 @@
-//! Models on recordings or maneuvers that they were not fitted to: `compare.parquet`, `crossval.json`, `merit.json`.
+//! Models on recordings or maneuvers that they were not fitted to: `compare.parquet`, `merit.json`, and scores in `estimate.json`.
 
 use std::collections::BTreeMap;
 
@@ -30,10 +30,10 @@ pub fn traces() -> Columns<Traced> {
     DegreeOfFreedom::ALL.into_iter().fold(columns, state)
 }
 
-/// `crossval.json`: free simulation over runs or recordings that were left out of the estimate.
+/// Free simulation over runs or recordings that were left out of the estimate.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct CrossvalDocument {
+pub struct LeftOutScores {
     /// How the instruments' mean is removed.
     pub mean_removal: MeanRemoval,
     /// Where the instruments' nominal model comes from.
@@ -72,7 +72,7 @@ pub struct CrossvalDocument {
     pub estimators: Vec<EstimatorScore>,
 }
 
-impl CrossvalDocument {
+impl LeftOutScores {
     /// The result with instruments from `nominal` over windows of `window_s` seconds.
     pub fn new(pool: &Pool, nominal: NominalSource, window_s: Option<f64>, found: &CrossValidation) -> Self {
         let Pool { removal, strength, .. } = *pool;
@@ -111,18 +111,6 @@ impl CrossvalDocument {
     pub fn difference(&self, estimator: Estimator) -> Option<&PairedDifference> {
         self.differences.iter().find(|other| other.estimator == estimator)
     }
-}
-
-impl Document for CrossvalDocument {
-    const ID: &'static str = "crossval";
-    const VERSION: u32 = 1;
-    const UNITS: Units = &[
-        ("1", "prior windows samples folds error_norm diverged by_instruments differences"),
-        ("s", "window_s"),
-        ("m/s", "std_u std_v rmse_u rmse_v"),
-        ("rad/s", "std_r rmse_r"),
-        ("%", "fit_u fit_v fit_r"),
-    ];
 }
 
 /// Most statements that are told in a line.

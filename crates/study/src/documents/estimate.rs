@@ -1,8 +1,8 @@
-//! Estimates: `estimate.json` and `trust.json`.
+//! Estimates: `estimate.json`.
 
 use estimation::Estimator;
 use estimation::criticism::Criticism;
-use estimation::pooled::{Added, DegreeTrust, ParameterTrust, Pool, Pooled, SourceErrors};
+use estimation::pooled::{DegreeTrust, ParameterTrust, Pool, Pooled, SourceErrors};
 use files::{Document, Units};
 use refusal::Invalid;
 use regression::MeanRemoval;
@@ -10,6 +10,10 @@ use regression::pooled::NominalSource;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::model::{Constrained, Constraint, Model, Vessel};
+
+use super::compare::LeftOutScores;
+use super::refined::PromiseUpdate;
+use super::search::SearchSummary;
 
 /// `estimate.json`: what the estimates of all runs say together.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -33,10 +37,47 @@ pub struct EstimateDocument {
     /// Parameters that are fixed or tied to others.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub constrained: Vec<ConstrainedParameter>,
-    /// What to know before using a pooled estimate, in words; `trust.json` has the numbers. Absent where every run has
-    /// its own estimate.
+    /// Which model was made of all runs, and why; absent where every run has its own estimate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub trust: Option<Vec<String>>,
+    pub structure: Option<ChosenStructure>,
+    /// How far the estimate of all runs can be trusted; absent of a ship with forces and of a structure that was searched for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trust: Option<Trust>,
+    /// How the structure was searched for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub search: Option<SearchSummary>,
+    /// Estimators over runs or recordings that were left out, where that was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub left_out: Option<LeftOutScores>,
+    /// What a design promised beside what the estimate leaves uncertain.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub promise: Option<PromiseUpdate>,
+}
+
+refusal::choices! {
+    /// Which model is made of all runs.
+    pub enum ModelStructure {
+        /// The terms or forces of the vessel.
+        Own = "own",
+        /// Some seven terms: resistance, drive and what steers.
+        Core = "core",
+        /// The terms, or forces, of a library that a search keeps.
+        Library = "library",
+        /// The fewest terms of it that follow recordings left out about as well.
+        Few = "few",
+        /// The average of ten models of few terms; of a ship with forces that of these and of terms.
+        Average = "average",
+    }
+}
+
+/// A structure, and why it was taken.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ChosenStructure {
+    /// Which one.
+    pub chosen: ModelStructure,
+    /// Why, in words.
+    pub statement: String,
 }
 
 /// The estimates of one estimator.
@@ -151,7 +192,7 @@ impl EstimateDocument {
     pub fn mean(&self, vessel: &Vessel) -> Result<Vec<f64>, Invalid> {
         let [design] = self.designs.as_slice() else {
             let given = format!("{} designs", self.designs.len());
-            let remedy = "name an estimate.json of `estimate pool`";
+            let remedy = "name an estimate.json of `estimate --fit together`";
             return Err(Invalid::new("data.designs", given, "one", remedy));
         };
         let value = |name: &str| {
@@ -162,6 +203,24 @@ impl EstimateDocument {
             })
         };
         vessel.model.parameter_names().map(value).collect()
+    }
+
+    /// That by `estimator`, with nothing said yet.
+    pub fn new(estimator: Estimator, mean_removal: MeanRemoval) -> Self {
+        Self {
+            estimator,
+            mean_removal,
+            seed: None,
+            trusted_within: None,
+            designs: Vec::new(),
+            compared: None,
+            constrained: Vec::new(),
+            structure: None,
+            trust: None,
+            search: None,
+            left_out: None,
+            promise: None,
+        }
     }
 
     /// One estimate from all runs.
@@ -188,14 +247,9 @@ impl EstimateDocument {
             ..DesignSummary::default()
         };
         Self {
-            estimator,
-            mean_removal,
-            seed: None,
-            trusted_within: None,
             designs: vec![design],
-            compared: None,
             constrained: ConstrainedParameter::all(vessel, Some(found)),
-            trust: Some(found.statements.clone()),
+            ..Self::new(estimator, mean_removal)
         }
     }
 }
@@ -222,13 +276,38 @@ impl From<&DegreeTrust> for DegreeSummary {
 
 impl Document for EstimateDocument {
     const ID: &'static str = "estimate";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
     const UNITS: Units = &[
         ("1", "runs identified not_converged rejected condition_median condition_max weakest_share"),
         ("1", "weakest_share_interval condition_median_interval seed trusted_within relative_bias"),
-        ("1", "relative_spread relative_rms se_ratio se_ratio_min se_ratio_max"),
-        ("1", "at_bound factor"),
-        ("the parameter's unit", "truth nominal mean spread predicted_se estimate standard_error"),
+        ("1", "relative_spread relative_rms se_ratio se_ratio_min se_ratio_max at_bound factor"),
+        ("1", "prior parts sources samples bandwidth replicates condition condition_index variation"),
+        ("1", "instrument_strength correlation statistic lags p_value first_autocorrelation strongest"),
+        (
+            "1",
+            "diverged error_ratio evidence below turns windows folds error_norm by_instruments differences",
+        ),
+        (
+            "1",
+            "terms chosen_by_folds loss excess ridge ridges fold margin search_norm base_norm average_norm",
+        ),
+        ("1", "over_search over_base models chosen recordings_each chosen_by_resamples searches failed"),
+        ("1", "search_diverged most_added prior_weight base_cost found_cost share_left_out found_by_folds"),
+        ("1", "ratio after_another wanted reached"),
+        ("the unit beside it", "visible_from std"),
+        (
+            "the parameter's unit",
+            "truth nominal mean spread predicted_se bootstrap_std bootstrap_low bootstrap_high",
+        ),
+        (
+            "the unit of what it belongs to",
+            "estimate standard_error value low high lowest highest scale promised now",
+        ),
+        ("samples", "lag"),
+        ("%", "instrument_fit fit_u fit_v fit_r score"),
+        ("m/s", "rmse_u rmse_v noise_u noise_v current_std std_u std_v"),
+        ("rad/s", "rmse_r noise_r std_r"),
+        ("s", "current_time_s time_s window_s fitted_window_s every_s duration_s needed_s remaining_s"),
     ];
 }
 
@@ -292,10 +371,10 @@ impl ConstrainedParameter {
     }
 }
 
-/// `trust.json`: how far one pooled estimate can be trusted.
+/// How far one pooled estimate can be trusted.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct TrustDocument {
+pub struct Trust {
     /// The estimator.
     pub estimator: Estimator,
     /// How the instruments' mean is removed.
@@ -326,20 +405,15 @@ pub struct TrustDocument {
     /// What the model lacks; absent where the model diverges or has no estimate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub criticism: Option<Criticism>,
-    /// Terms that the model was found to lack and was given, in that order; absent where none were.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub added: Vec<Added>,
 }
 
-impl TrustDocument {
+impl Trust {
     /// The diagnostics of `found`, which `estimator` found from `pool` with instruments from `nominal`.
     pub fn new(
         pool: &Pool,
         nominal: NominalSource,
-        estimator: Estimator,
-        replicates: u32,
+        (estimator, replicates): (Estimator, u32),
         found: &Pooled,
-        added: &[Added],
     ) -> Self {
         Self {
             estimator,
@@ -356,24 +430,6 @@ impl TrustDocument {
             constrained: ConstrainedParameter::all(pool.vessel, Some(found)),
             runs: found.sources.clone(),
             criticism: found.criticism.clone(),
-            added: added.to_vec(),
         }
     }
-}
-
-impl Document for TrustDocument {
-    const ID: &'static str = "trust";
-    const VERSION: u32 = 1;
-    const UNITS: Units = &[
-        ("1", "prior parts sources samples bandwidth replicates condition condition_index variation"),
-        ("1", "instrument_strength correlation statistic lags p_value first_autocorrelation strongest"),
-        ("1", "diverged error_ratio evidence factor below turns"),
-        ("the unit beside it", "value visible_from std"),
-        ("the parameter's unit", "estimate standard_error bootstrap_std bootstrap_low bootstrap_high"),
-        ("samples", "lag"),
-        ("%", "instrument_fit fit_u fit_v fit_r"),
-        ("m/s", "rmse_u rmse_v noise_u noise_v current_std"),
-        ("rad/s", "rmse_r noise_r"),
-        ("s", "current_time_s time_s"),
-    ];
 }

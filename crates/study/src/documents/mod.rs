@@ -50,16 +50,16 @@ pub use trial::rounds::{Arm, ArmSummary, RoundGain, Stopping};
 pub use crate::written::reference::{
     Published, PublishedPicks, PublishedSelection, PublishedShare, Reference,
 };
-pub use average::{AverageDocument, AverageMember, AverageSummary, AverageTerm};
-pub use compare::{CrossvalDocument, MeritDocument, MeritTableRow, SlopesAt, merit_rows, traces};
+pub use average::{AverageMember, AverageSummary, AverageTerm};
+pub use compare::{LeftOutScores, MeritDocument, MeritTableRow, SlopesAt, merit_rows, traces};
 pub use design::{
     Accuracy, AccuracyPoint, Counts, CovarianceCriterion, DesignDocument, DesignFigure, DesignFigures,
     DesignPromise, DesignStatus, Efficiency, Restricted, Sequence, SequencePart, SolvedFigures, Unreached,
 };
 pub(crate) use estimate::bounded;
 pub use estimate::{
-    ConstrainedParameter, DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary, ParameterSummary,
-    TrustDocument,
+    ChosenStructure, ConstrainedParameter, DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary,
+    ModelStructure, ParameterSummary, Trust,
 };
 pub use forces::{
     AbsentForce, CaptiveValue, FittedForces, FittedParameter, ForceCriticism, ForcesWithoutFold, FoundForce,
@@ -81,10 +81,10 @@ pub use plan::{
     SecondaryCost, Voyage,
 };
 pub use refined::{
-    DesignUpdateDocument, RefinedDesign, RefinedExperiment, RefinedLimit, UpdatedAccuracy, UpdatedCriterion,
+    PromiseUpdate, RefinedDesign, RefinedExperiment, RefinedLimit, UpdatedAccuracy, UpdatedCriterion,
     UpdatedError, UpdatedFigure, UpdatedParameter,
 };
-pub use search::{BesideForces, DeliveredKind, ForceScores, SearchDocument, SearchTerm, TriedFit};
+pub use search::{BesideForces, DeliveredKind, ForceScores, SearchSummary, SearchTerm, TriedFit};
 pub use solved::{RefinedFiles, Solved};
 pub use validation::{
     ComparedError, CountedRuns, DesignScores, EstimatorRecommendation, EstimatorScores, PairedRatio,
@@ -96,7 +96,6 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
     vec![
         (MomentsDocument::ID, json_schema::<MomentsDocument>()),
         (DesignDocument::ID, json_schema::<DesignDocument>()),
-        (DesignUpdateDocument::ID, json_schema::<DesignUpdateDocument>()),
         (EstimateDocument::ID, json_schema::<EstimateDocument>()),
         (IngestDocument::ID, json_schema::<IngestDocument>()),
         (ValidationDocument::ID, json_schema::<ValidationDocument>()),
@@ -104,10 +103,6 @@ pub fn schemas() -> Vec<(&'static str, serde_json::Value)> {
         (PlanDocument::ID, json_schema::<PlanDocument>()),
         (MapDocument::ID, json_schema::<MapDocument>()),
         (ModelDocument::ID, json_schema::<ModelDocument>()),
-        (AverageDocument::ID, json_schema::<AverageDocument>()),
-        (TrustDocument::ID, json_schema::<TrustDocument>()),
-        (CrossvalDocument::ID, json_schema::<CrossvalDocument>()),
-        (SearchDocument::ID, json_schema::<SearchDocument>()),
         (SimulatedLogsDocument::ID, json_schema::<SimulatedLogsDocument>()),
         (RunDocument::ID, json_schema::<RunDocument>()),
     ]

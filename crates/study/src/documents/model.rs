@@ -13,6 +13,7 @@ use ship::model::{
 use trial::moments::PriorInformation;
 use validation::comparison::Magnitudes;
 
+use super::average::AverageMember;
 use super::forces::{FittedForces, own_lag};
 
 /// `model.json`: a model as it was estimated, with all that it takes to simulate it. Every stage that takes a `vessel.toml`
@@ -67,6 +68,12 @@ pub struct ModelDocument {
     pub rejected: Option<bool>,
     /// What to know before using the model, in words.
     pub statements: Vec<String>,
+    /// Models whose trajectories are averaged for predictions, where an average was made; the others are this model alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub members: Vec<AverageMember>,
+    /// RMSE of u, v \[m/s\], r \[rad/s\] of that average over the recordings that were fitted; null where a model diverges.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub average_rmse: Option<[f64; 3]>,
 }
 
 /// Share of its width by which a channel may leave its range in the data: a model must be able to repeat its logs
@@ -147,6 +154,8 @@ impl ModelDocument {
             samples: found.samples,
             rejected: found.criticism.as_ref().map(|criticism| criticism.rejected),
             statements: found.statements.clone(),
+            members: Vec::new(),
+            average_rmse: None,
             ..Self::of(pool.vessel, (estimator, pool.removal), delivered, &errors)
         })
     }
@@ -197,6 +206,8 @@ impl ModelDocument {
             left_out_rmse: None,
             rejected: None,
             statements: Vec::new(),
+            members: Vec::new(),
+            average_rmse: None,
         }
         .with_channels(vessel)
     }
@@ -489,12 +500,12 @@ impl Document for ModelDocument {
         ("Hz", "sample_rate_hz"),
         (
             "1",
-            "samples stretches factor part condition windows pieces prior_weight cost steps prior_share inflation",
+            "samples stretches factor part condition windows pieces prior_weight cost steps prior_share inflation weight",
         ),
         ("s", "stretch_s lag_s hold_s window_s"),
         ("the channel's unit a second", "rate_per_s"),
         ("the parameter's unit", "value standard_error least_squares truth bounds prior prior_deviation"),
-        ("m/s, m/s, rad/s", "left_out_rmse"),
+        ("m/s, m/s, rad/s", "left_out_rmse average_rmse"),
         ("the unit of the row's name times that of the column's", "entries"),
         ("the state's unit", "constant constant_least_squares increment_std output_rmse"),
         ("the channel's unit", "simulated range dead_band"),
@@ -515,6 +526,7 @@ impl Document for ModelDocument {
             let (found, expected) = (format!("{entries} entries"), format!("{names} rows and columns"));
             return Err(Invalid::new("data.covariance", found, expected, "estimate the model again"));
         }
+        AverageMember::check(&self.members)?;
         self.vessel().map(|_| ())
     }
 }

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use design::{AccuracyOf, CriterionName};
 use estimation::Estimator;
-use files::{Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::model::Source;
@@ -66,10 +65,10 @@ pub struct RefinedLimit {
     pub after: f64,
 }
 
-/// `design-update.json`: what a design promised, and what an estimate of its trial leaves uncertain.
+/// What a design promised, and what an estimate of its trial leaves uncertain.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct DesignUpdateDocument {
+pub struct PromiseUpdate {
     /// The update in words.
     pub statement: String,
     /// The estimator of the estimate.
@@ -170,7 +169,7 @@ pub struct UpdatedAccuracy {
     pub remaining_s: f64,
 }
 
-impl DesignUpdateDocument {
+impl PromiseUpdate {
     /// What to print of it.
     pub fn summary(&self) -> String {
         std::iter::once(&self.statement).chain(&self.statements).cloned().collect::<Vec<_>>().join(" ")
@@ -182,14 +181,4 @@ impl UpdatedError {
     pub fn of(promised: f64, now: f64) -> Self {
         Self { promised, now, ratio: (now > 0.0).then(|| promised / now) }
     }
-}
-
-impl Document for DesignUpdateDocument {
-    const ID: &'static str = "design-update";
-    const VERSION: u32 = 1;
-    const UNITS: Units = &[
-        ("1", "samples ratio after_another wanted reached"),
-        ("s", "duration_s needed_s remaining_s"),
-        ("the unit of what it belongs to", "estimate scale promised now"),
-    ];
 }

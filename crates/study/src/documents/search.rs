@@ -1,6 +1,5 @@
 use estimation::pooled::FreeRunErrors;
 use estimation::search::{Candidate, NestedScore, SearchOptions, Searched, SizeScore};
-use files::{Document, Units};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::model::{DegreeOfFreedom, Vessel};
@@ -8,10 +7,10 @@ use ship::model::{DegreeOfFreedom, Vessel};
 use super::average::{AverageSummary, parameters, resampled};
 use super::forces::{FittedParameter, FoundForce, SearchedForces};
 
-/// `search.json`: how a model's structure was searched for in recordings, and how far the search can be trusted.
+/// How a model's structure was searched for in recordings, and how far the search can be trusted.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct SearchDocument {
+pub struct SearchSummary {
     /// Name of the vessel.
     pub vessel: String,
     /// Length of the windows that were fitted \[s\].
@@ -46,7 +45,7 @@ pub struct SearchDocument {
     pub resamples: Option<Resamples>,
     /// The terms that were found; of a ship with forces, those of the delivered ship whose numbers are free.
     pub terms: Vec<SearchTerm>,
-    /// What the models of `average.json` are made of, where an average was asked for.
+    /// What the models of an average are made of, where an average was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub average: Option<AverageSummary>,
     /// The forces that were found, where the vessel has forces.
@@ -98,7 +97,7 @@ pub struct SearchTerm {
     pub chosen_by_folds: Option<u64>,
 }
 
-impl SearchDocument {
+impl SearchSummary {
     /// The result for `vessel`, whose terms are the base structure, of a search with `options`.
     pub fn new(vessel: &Vessel, options: &SearchOptions, found: &Searched) -> Self {
         let (std, counts) = (found.std, [found.windows, found.samples]);
@@ -199,30 +198,11 @@ fn terms(vessel: &Vessel, degree: DegreeOfFreedom, found: &Searched) -> Vec<Sear
     .collect()
 }
 
-impl Document for SearchDocument {
-    const ID: &'static str = "search";
-    const VERSION: u32 = 2;
-    const UNITS: Units = &[
-        ("s", "fitted_window_s every_s window_s"),
-        (
-            "1",
-            "terms windows samples folds chosen_by_folds loss excess ridge ridges rejected diverged fold margin search_norm base_norm \
-             average_norm over_search over_base models chosen recordings_each seed chosen_by_resamples searches failed search_diverged \
-             most_added prior_weight base_cost found_cost share_left_out found_by_folds",
-        ),
-        ("%", "score fit_u fit_v fit_r"),
-        ("m/s", "std_u std_v rmse_u rmse_v"),
-        ("rad/s", "std_r rmse_r"),
-        ("the parameter's unit", "value low high lowest mean highest"),
-        ("the unit of what it belongs to", "standard_error"),
-    ];
-}
-
-/// Forces of the ship that were fitted beside a search, and what `average.json` delivers of the two.
+/// Forces of the ship that were fitted beside a search, and what is delivered of the two.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BesideForces {
-    /// What `average.json` has.
+    /// What `model.json` has.
     pub delivered: DeliveredKind,
     /// How the forces may be fitted.
     pub tried: Vec<TriedFit>,
@@ -284,7 +264,7 @@ pub struct ForceScores {
     pub nested: NestedScore,
 }
 
-impl SearchDocument {
+impl SearchSummary {
     /// The result of a search for forces that `vessel` lacks, of which `delivered` is the ship in `model.json` with her numbers.
     pub fn of_forces(
         vessel: &Vessel,

@@ -314,7 +314,7 @@ pub fn uncertain(
 
 fn lacking([file, model]: [&Path; 2], errors: f64, found: &str) -> Error {
     let given = format!("{errors} and {}, {found}", model.display());
-    let remedy = "give a model.json of `estimate pool`, or state `parameter_error`";
+    let remedy = "give a model.json of `estimate --fit together`, or state `parameter_error`";
     Error::invalid(file, Invalid::new("`safety.standard_errors`", given, "a model with a covariance", remedy))
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use files::{Digest, Document, Error, Provenance, inspect, read_document};
+use files::{Digest, Error, Provenance, read_document};
 use maneuver::Generator;
 use refusal::Invalid;
 use schemars::{JsonSchema, schema_for};
@@ -12,7 +12,7 @@ use ship::engine::Run;
 use ship::model::{Source, VesselFile};
 use validation::comparison::{Counter, Outside, Validity};
 
-use crate::documents::{AverageDocument, AverageMember, ModelDocument, Reference};
+use crate::documents::{ModelDocument, Reference};
 use crate::plan::PlanFile;
 use crate::tables::trajectories::{Layout, TrajectoryReader};
 use crate::written::campaign_file::CampaignFile;
@@ -54,7 +54,7 @@ impl StageOfTerms {
                 "try trials that are designed once by `monte-carlo --estimator output-error`",
             ],
             Self::Refine => ["design --refine", "take the shares of `design --for output-error`"],
-            Self::Selection => ["validate --design", "leave recordings out by `validate cross`"],
+            Self::Selection => ["validate --design", "leave recordings out by `estimate --folds`"],
         }
     }
 
@@ -83,9 +83,9 @@ impl StageOfTerms {
 /// inputs are not part of that. The model may have terms per sample or forces.
 pub fn read_any_vessel(path: &Path, provenance: &mut Provenance) -> Result<Vessel, Error> {
     if is_model(path) {
-        let (model, digest) = read_single(path)?;
-        provenance.written("vessel", path, digest)?;
-        return model.vessel().map_err(|e| crate::invalid(path, &e));
+        let read = read_document::<ModelDocument>(path)?;
+        provenance.written("vessel", path, read.digest)?;
+        return read.data.vessel().map_err(|e| crate::invalid(path, &e));
     }
     let file: VesselFile = provenance.read_toml("vessel", "vessel", path)?;
     Vessel::from_file(file).map_err(|e| crate::invalid(path, &e))
@@ -152,31 +152,12 @@ pub fn kept_to_data(path: &Path, vessel: Vessel, beyond: bool) -> Result<Vessel,
 
 /// The `model.json` in a vessel's place; `None` for a `vessel.toml`.
 pub fn read_model(path: &Path) -> Result<Option<ModelDocument>, Error> {
-    is_model(path).then(|| read_single(path).map(|(model, _)| model)).transpose()
-}
-
-/// The model at `path`, or the only one of an average.
-fn read_single(path: &Path) -> Result<(ModelDocument, Digest), Error> {
-    if !is_average(path) {
-        return read_document(path).map(|read| (read.data, read.digest));
-    }
-    let read = read_document::<AverageDocument>(path)?;
-    match <[AverageMember; 1]>::try_from(read.data.members) {
-        Ok([only]) => Ok((only.model, read.digest)),
-        Err(_) => Err(not_one(path)),
-    }
+    is_model(path).then(|| read_document(path).map(|read| read.data)).transpose()
 }
 
 /// Whether the best known parameters of `vessel`, read from `path`, are a guess: nominal ones, no true ones and no estimates.
 pub fn is_guess(path: &Path, vessel: &Vessel) -> bool {
     vessel.best_known() == Source::Nominal && !is_model(path)
-}
-
-/// Refuses an average, whose models do not have one structure.
-fn not_one(path: &Path) -> Error {
-    let given = "average/1, several models whose trajectories are averaged";
-    let remedy = "take the `model.json` of the same search, or try the average by `validate --model`";
-    Error::refuse(path, "schema", given, "model/1, a single model", remedy)
 }
 
 fn is_model(path: &Path) -> bool {
@@ -301,12 +282,6 @@ pub fn check_kind(out: &Path, usual: &str) -> Result<(), Invalid> {
         }
         _ => Ok(()),
     }
-}
-
-/// Whether a file is an average; false for a damaged one, which its reader refuses.
-pub fn is_average(path: &Path) -> bool {
-    let average = |kind: &str| kind.starts_with(&format!("{}/", AverageDocument::ID));
-    inspect(path).ok().flatten().is_some_and(|inspected| average(&inspected.schema))
 }
 
 /// Warnings about the runs in `out` that the model in the file `model` simulated, at its own rate or at `rate_hz`; empty for a

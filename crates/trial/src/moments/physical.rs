@@ -98,7 +98,7 @@ impl<'a> ForcesPrediction<'a> {
         if run.design != DICTIONARY {
             let value = format!("a run of `{}`", run.design);
             let expected = "maneuvers that `simulate dictionary` simulates, of a ship with forces";
-            let remedy = "simulate them, or fit the runs by `estimate pool`";
+            let remedy = "simulate them, or fit the runs by `estimate --fit together`";
             return Err(Invalid::new(format!("maneuver `{name}`"), value, expected, remedy));
         }
         let output_error = self.of_experiment(run.initial, &run.exogenous);

@@ -5,11 +5,11 @@ use std::fmt::Write;
 use logs::guess::{BagGuess, Guess, Head, Needed, Placed, SentenceGuess};
 use logs::{Format, TimeUnit};
 
+use crate::commands::SEARCHED;
 use crate::pipeline::settings::HEAD;
 use crate::pipeline::starting::bags::{self, MARK, PARQUET, quoted};
 use crate::pipeline::starting::looking::{LogGuess, Looked};
 use crate::pipeline::starting::presets::Preset;
-use crate::pipeline::steps::SEARCHED;
 
 /// Rows that a gap may be as long as.
 const GAP_ROWS: f64 = 5.0;
@@ -84,27 +84,27 @@ pub(super) fn settings(looked: &Looked, preset: &Preset) -> String {
 
 fn of_search(window_s: f64) -> String {
     format!(
-        "\n# Models are found by a search, and averaged with the fitted forces of a ship that has these; an `estimator` in [pool] fits\n\
+        "\n# Models are found by a search, and averaged with the fitted forces of a ship that has these; structure = \"own\" fits\n\
          # the model of vessel.toml alone. They are fitted over windows of this length [s], and predict these on recordings left out.\n\
-         [search]\nfitted_window_s = {window_s}\nwindow_s = {window_s}\n"
+         [estimate]\nfitted_window_s = {window_s}\nwindow_s = {window_s}\n"
     )
 }
 
 fn of_forces(window_s: f64) -> String {
     format!(
         "\n# The fit simulates windows of at most this length [s], each from an initial state that it finds.\n\
-         [pool]\nwindow_s = {window_s}\n\n\
+         [estimate]\nfitted_window_s = {window_s}\n\
          # Models predict windows of this length [s] on recordings that they were not fitted to.\n\
-         [cross]\nfitted_window_s = {window_s}\nwindow_s = {window_s}\n"
+         window_s = {window_s}\n"
     )
 }
 
 fn of_terms(window_s: f64) -> String {
     format!(
         "\n# Instruments restart with every part of a recording; parts are at most as long as this [s]. Bootstrap samples [1] that\n\
-         # standard errors rest on: more take longer.\n[pool]\npart_s = {window_s}\nbootstrap = 100\n\n\
+         # standard errors rest on: more take longer.\n[estimate]\npart_s = {window_s}\nbootstrap = 100\n\
          # Models predict windows of this length [s] on recordings that they were not fitted to.\n\
-         [cross]\nwindow_s = {window_s}\n"
+         window_s = {window_s}\n"
     )
 }
 

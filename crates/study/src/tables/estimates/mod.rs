@@ -188,7 +188,7 @@ pub fn unidentified(
     let why = match first.first().and_then(|run| Some((run.run, estimators.collinear(run)?))) {
         Some((run, found)) => format!(
             "{} runs: found none that is identifiable (run {run}: {}), expected one; add maneuvers that vary these terms, \
-             or hold them near the nominal model: estimate pool --prior 0.03",
+             or hold them near the nominal model: estimate --fit together --prior 0.03",
             rows.len(),
             found.words
         ),
@@ -248,14 +248,12 @@ pub fn summarize(
     let summary = |estimator: &Estimator| EstimatorSummary { estimator: *estimator, designs: of(*estimator) };
     let leading = setting(file, provenance, "estimator")?;
     Ok(EstimateDocument {
-        estimator: leading,
-        mean_removal: setting(file, provenance, "mean_removal")?,
         seed: crate::seed(provenance),
         trusted_within: Some(TRUSTED),
         designs: of(leading),
         compared: (names.len() > 1).then(|| names.iter().map(summary).collect()),
         constrained: ConstrainedParameter::all(vessel, None),
-        trust: None,
+        ..EstimateDocument::new(leading, setting(file, provenance, "mean_removal")?)
     })
 }
 
