@@ -160,12 +160,7 @@ fn fits_of_forces_that_cannot_be_are_refused_in_one_line() {
     ] {
         refused(&folder, 2, &format!("{POOL} {flags} --out estimate.json"), &words);
     }
-    refused(
-        &folder,
-        2,
-        &format!("{POOL} --out model.parquet"),
-        &["ends in .json", "write --out model.json"],
-    );
+    refused(&folder, 2, &format!("{POOL} --out model.parquet"), &["ends in .json", "write --out model.json"]);
     run(&folder, &format!("{POOL} --out estimate-former.json")).succeeds();
     let text = std::fs::read_to_string(repository().join("crates/ship/presets/kvlcc2-l7.toml")).unwrap();
     let text = text.replace("sample_rate_hz = 10.0", "sample_rate_hz = 2.0");

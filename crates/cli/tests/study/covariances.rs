@@ -110,10 +110,5 @@ fn covariances_belong_to_the_set_and_go_with_the_next_estimate() {
     run(&folder, ESTIMATE).succeeds();
     assert!(!has());
     assert_eq!(bytes(&folder, "estimates.parquet"), estimates);
-    refused(
-        &folder,
-        2,
-        &format!("{ESTIMATE} --keep covariance --shard 1/2"),
-        &["--keep", "--shard"],
-    );
+    refused(&folder, 2, &format!("{ESTIMATE} --keep covariance --shard 1/2"), &["--keep", "--shard"]);
 }
