@@ -98,7 +98,8 @@ impl EstimateArguments {
             // Few recordings distinguish seven terms best by their steps.
             asked.estimator = vec![Estimator::PredictionError];
         }
-        if is_measured && !is_of_forces && asked.flags.nominal.is_none() {
+        // A prior holds estimates near given values.
+        if is_measured && !is_of_forces && asked.flags.nominal.is_none() && asked.flags.prior.is_none() {
             asked.flags.nominal = Some(Nominal::LeastSquares);
         }
         Ok((asked, ChosenStructure { chosen, statement: format!("structure `{chosen}`: {why}") }))

@@ -251,8 +251,7 @@ fn logs_of_another_structure_say_which_channel_is_missing() {
 #[test]
 fn the_page_shows_what_is_left_of_errors_tracks_and_the_delivered_model() {
     let folder = with(&["campaign.parquet"]);
-    run(&folder, &format!("{CROSS} --estimator ls,iv --out scores.json")).succeeds();
-    run(&folder, &format!("{MODEL} --estimator iv")).succeeds();
+    run(&folder, &format!("{MODEL} --estimator iv,ls --folds each --window-s 25")).succeeds();
     run(&folder, COMPARE).succeeds();
     let data = json(&folder, "validation.json")["data"]["recordings"].clone();
     let correlations = data["correlations"].as_array().unwrap();

@@ -6,10 +6,20 @@ fn flags_of_a_pooled_estimate_need_it() {
     let folder = with(&["campaign.parquet"]);
     for flag in ["--bootstrap 9", "--prior 0.1", "--nominal given"] {
         let name = flag.split(' ').next().unwrap();
-        refused(&folder, 2, &format!("{ESTIMATE} {flag}"), &[name, "unexpected"]);
+        refused(
+            &folder,
+            2,
+            &format!("{ESTIMATE} {flag}"),
+            &[name, "an estimate of each run", "--fit together"],
+        );
     }
     // Only resamples are drawn in shards.
-    refused(&folder, 2, &format!("{POOL} --shard 1/2 --out estimates.parquet"), &["--bootstrap <N>"]);
+    refused(
+        &folder,
+        2,
+        &format!("{POOL} --shard 1/2 --out estimates.parquet"),
+        &["--shard", "no resamples", "--bootstrap"],
+    );
 }
 
 #[test]

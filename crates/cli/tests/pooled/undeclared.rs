@@ -180,10 +180,13 @@ fn a_recording_of_another_ship_is_named_and_two_ships_pooled_give_no_model_to_tr
     assert!(alike.contains("model not rejected") && !alike.contains("contradict"), "{alike}");
     let folder = of_ships(&[1.0, 1.0, 1.3, 1.0]);
     let one = statements(&folder);
-    assert!(one.contains("model rejected") && one.contains("recording `2` contradicts the others"), "{one}");
+    assert!(
+        one.contains("model rejected") && one.contains("recording `log2` contradicts the others"),
+        "{one}"
+    );
     let criticism = json(&folder, "estimate.json")["data"]["trust"]["criticism"].clone();
     let apart = criticism["apart"].as_array().unwrap();
-    assert!(apart.len() == 1 && apart[0]["recording"] == "2", "{criticism}");
+    assert!(apart.len() == 1 && apart[0]["recording"] == "log2", "{criticism}");
     let two = statements(&of_ships(&[1.0, 1.3, 1.0, 1.3]));
     assert!(two.contains("model rejected") && two.contains("contradict the others"), "{two}");
 }
