@@ -1,5 +1,4 @@
-//! `validate` on recordings: `--model` tries models that were not fitted to them, `--design` models from picked parts of them;
-//! `validate cross`.
+//! `validate` on recordings: `--model` tries models that were not fitted to them, `--design` models from picked parts of them.
 
 use std::path::{Path, PathBuf};
 

@@ -31,7 +31,7 @@ use crate::stage::{Summary, Task};
     name = "validate",
     mut_arg("trajectories", |arg| arg.required(false)),
     group(ArgGroup::new("asked").args(["campaign", "model", "design"]).required(true)),
-    after_help = "Examples:\n  validate --vessel pipelines/paper/vessel.toml \
+    after_help = "Example:\n  validate --vessel pipelines/paper/vessel.toml \
     --campaign pipelines/paper/campaign.toml --estimates estimates.parquet --validation validation.parquet \
     --out scores.parquet\n  validate --model model.json --trajectories others.parquet --window-s 100 --out validation.json\n  \
     validate --vessel pipelines/esso-osaka/vessel.toml --trajectories trajectories.parquet --design design.json \

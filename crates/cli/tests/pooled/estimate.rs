@@ -1,7 +1,7 @@
 use serde_json::Value;
 
+use crate::POOL;
 use crate::support::*;
-use crate::{POOL, SELECTION};
 
 fn degrees(folder: &tempfile::TempDir) -> Vec<Value> {
     json(folder, "estimate.json")["data"]["trust"]["degrees"].as_array().unwrap().clone()
@@ -180,16 +180,15 @@ fn runs_that_are_read_again_give_the_same_bytes() {
 
 #[test]
 fn estimates_that_do_not_fit_into_memory_are_refused_before_the_work() {
-    let folder = crate::picking();
+    let folder = with(&["campaign.parquet"]);
     let path = folder.path().join("campaign.parquet");
     let mut campaign = craft::read(&path, "trajectories").in_blocks_of(1001);
     campaign.blocks.truncate(2 * RUNS as usize);
     campaign.write(&path);
-    let tiny = "--allow=mixed --memory-mib 12 --threads 1";
+    let tiny = "--part-s 0.125 --allow=mixed --memory-mib 12 --threads 1";
     for (line, amount) in [
-        (format!("{POOL} --part-s 0.125 --bootstrap 9"), "48 runs of 48000 samples in all"),
-        (format!("{} --part-s 0.125", crate::CROSS), "4 runs of 4000 samples in all"),
-        (SELECTION.to_owned(), "48 runs of 48000 samples in all"),
+        (format!("{POOL} --bootstrap 9"), "48 runs of 48000 samples in all"),
+        (crate::CROSS.to_owned(), "4 runs of 4000 samples in all"),
     ] {
         let said = [&format!("campaign.parquet: rows: found {amount}"), "fits the 12 MiB of --memory-mib"];
         refused(&folder, 3, &format!("{line} {tiny} --out out"), &said);

@@ -53,7 +53,7 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
     // Without the quadratic term, which would replace it.
     without(&folder, &["X_u", "X_uu"]);
     let said = run(&folder, &format!("{line} --allow=mixed")).succeeds();
-    let document = json(&folder, "search.json");
+    let document = json(&folder, "estimate.json");
     let nested = &document["data"]["search"]["nested"];
     // As good as with the exact structure.
     assert!(mean(&nested["search"]) > mean(&exact["search"]) - 1.0, "{nested}");

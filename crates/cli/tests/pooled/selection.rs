@@ -72,7 +72,7 @@ fn a_design_without_counts_is_refused() {
 fn the_report_shows_the_histograms() {
     let folder = picking();
     run(&folder, &format!("{SELECTION} --out scores.parquet")).succeeds();
-    run(&folder, REPORT).succeeds();
+    run(&folder, &format!("{REPORT} --allow=mixed")).succeeds();
     let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
     for piece in ["<section id=\"selection\">", "href=\"#selection\"", "2 × decelerate", "degenerate"] {
         assert!(page.contains(piece), "{piece}");

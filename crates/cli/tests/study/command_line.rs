@@ -74,13 +74,12 @@ fn common_flags_may_stand_before_a_subcommand() {
 #[test]
 fn a_flag_of_the_stage_before_its_subcommand_is_refused() {
     let folder = with(&["moments.json"]);
-    let refine =
-        "refine --vessel v.toml --dictionary d.toml --design design.json --campaign c.toml --out refined/";
+    let merit = "merit --vessel vessel.toml --dictionary dictionary.toml --out merit.json";
     refused(
         &folder,
         2,
-        &format!("design --criterion d {refine}"),
-        &["--criterion", "before `refine`", "design refine --criterion"],
+        &format!("validate --window-s 5 {merit}"),
+        &["--window-s", "before `merit`", "validate merit --window-s"],
     );
 }
 

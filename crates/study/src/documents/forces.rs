@@ -1,4 +1,4 @@
-//! Forces that were fitted, criticised and searched for, within `model.json` and `search.json`.
+//! Forces that were fitted, criticised and searched for, within `model.json` and `estimate.json`.
 
 use estimation::pooled::Covariance;
 use refusal::{Invalid, strictly};
