@@ -174,7 +174,7 @@ pub fn load(sources: &Sources) -> Result<Study, Error> {
             .traces(&vessel, "validation.parquet", "validation maneuvers")?
             .and_then(|traces| traces.into_iter().next()),
         estimate: estimate.filter(|estimate| !estimate.designs.is_empty()),
-        scores: scored.as_ref().map_or(Ok(None), |_| loader.scores())?,
+        scores: if picks.is_some() || rounds.is_some() { None } else { loader.scores()? },
         validation: scored,
         counted,
         scenarios: sources
