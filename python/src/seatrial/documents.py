@@ -318,6 +318,41 @@ class Bands:
 
 
 @dataclass(frozen=True, kw_only=True)
+class BegunPlan:
+    """Where a ship was in the plan before, by her positions so far."""
+
+    #: What is known, in words.
+    statement: str
+    #: What is left to do.
+    status: FollowStatus
+    #: When the plan began, in UTC; absent where neither the plan nor the positions say.
+    departure: str | None = None
+    #: When the last position was, in UTC; absent as above.
+    at: str | None = None
+    #: The same after the departure; after the first position where the plan has no departure and positions have times
+    #: of day \[s\].
+    at_s: float
+    #: Number of positions.
+    positions: int
+    #: How many more were left out: without a fix, at 0 N 0 E, or where she cannot have come to and back from.
+    left_out: int = 0
+    #: What is odd about them, in words.
+    doubts: list[str] = field(default_factory=list)
+    #: Number of the step that the ship is at, from 1.
+    step: int
+    #: Distance of the ship from where the plan has her, the delay apart \[m\].
+    deviation_m: float
+    #: How much later she is there than planned; negative where she is earlier \[s\].
+    delay_s: float
+    #: All steps of the plan.
+    steps: list[FollowedStep]
+    #: How much of the information of the plan's maneuvers those have that are done.
+    information: Gathered
+    #: Where the ship goes on.
+    from_: RestartPoint
+
+
+@dataclass(frozen=True, kw_only=True)
 class BesideForces:
     """Forces of the ship that were fitted beside a search, and what is delivered of the two."""
 
@@ -452,6 +487,16 @@ class Check:
     #: The worst vessels and currents within those bounds that a search found, apart from the drawn ones; absent where
     #: only the nominal vessel in the known current is possible.
     worst: WorstVessels | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChosenStructure:
+    """A structure, and why it was taken."""
+
+    #: Which one.
+    chosen: ModelStructure
+    #: Why, in words.
+    statement: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -862,10 +907,6 @@ class DesignDocument:
     relative_gap: float | None = None
     #: log|det| of the information matrix at the shares, whatever the criterion.
     log_det: float | None = None
-    #: Whether the problem is concave, so that the gap bounds the distance to the global optimum.
-    proved_global: bool
-    #: Equal shares first, then the random starts; absent where no start's end is the design.
-    starts: list[Start] = field(default_factory=list)
     #: Efficiency of other shares of the same maneuvers against these.
     efficiency: Efficiency | None = None
     #: Whole segments, where `--segments` asked for them.
@@ -1348,41 +1389,6 @@ class FittedParameter:
     captive: CaptiveValue | None = None
     #: Its true value, where the logs were simulated.
     truth: float | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class FollowDocument:
-    """`follow.json`: where a ship is in a plan, by her positions so far."""
-
-    #: The same in words.
-    statement: str
-    #: What is left to do.
-    status: FollowStatus
-    #: When the plan began, in UTC; absent where neither the plan nor the positions say.
-    departure: str | None = None
-    #: When the last position was, in UTC; absent as above.
-    at: str | None = None
-    #: The same after the departure; after the first position where the plan has no departure and positions have times
-    #: of day \[s\].
-    at_s: float
-    #: Number of positions.
-    positions: int
-    #: How many more were left out: without a fix, at 0 N 0 E, or where she cannot have come to and back from.
-    left_out: int = 0
-    #: What is odd about them, in words.
-    doubts: list[str] = field(default_factory=list)
-    #: Number of the step that the ship is at, from 1.
-    step: int
-    #: Distance of the ship from where the plan has her, the delay apart \[m\].
-    deviation_m: float
-    #: How much later she is there than planned; negative where she is earlier \[s\].
-    delay_s: float
-    #: All steps of the plan.
-    steps: list[FollowedStep]
-    #: How much of the information of the plan's maneuvers those have that are done.
-    information: Gathered
-    #: Where the ship goes on.
-    from_: RestartPoint
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -2730,6 +2736,9 @@ class PlanDocument:
     charts: list[PlanChart] = field(default_factory=list)
     #: Where its maneuvers leave what the logs of the model cover, in words.
     beyond: list[str] = field(default_factory=list)
+    #: Of the rest of a plan that was begun, by positions: what is done of it. With nothing left to plan there are no
+    #: steps.
+    begun: BegunPlan | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -3204,8 +3213,8 @@ class ScoredEstimates:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SearchDocument:
-    """`search.json`: how a model's structure was searched for in recordings, and how far the search can be trusted."""
+class SearchSummary:
+    """How a model's structure was searched for in recordings, and how far the search can be trusted."""
 
     #: Name of the vessel.
     vessel: str
@@ -3576,22 +3585,6 @@ class Spread:
     inside_v: float
     #: Of r.
     inside_r: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class Start:
-    """One start of the solver."""
-
-    #: `equal` or `random N`.
-    name: str
-    #: Value of the criterion that it reached; for a covariance minus its logarithm.
-    log_det: float
-    #: Its relative Kiefer–Wolfowitz gap.
-    relative_gap: float
-    #: Iterations of the solver.
-    iterations: int
-    #: Whether it reached the value of the best start to 1e-8 relative.
-    agrees: bool
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -4062,12 +4055,8 @@ class WorstVessels:
 
 #: The class of the contents of each kind of document.
 KINDS = {
-    "average/1": "AverageDocument",
-    "crossval/1": "CrossvalDocument",
-    "design-update/1": "DesignUpdateDocument",
     "design/1": "DesignDocument",
     "estimate/2": "EstimateDocument",
-    "follow/1": "FollowDocument",
     "ingest/1": "IngestDocument",
     "map/1": "MapDocument",
     "merit/1": "MeritDocument",
@@ -4075,8 +4064,6 @@ KINDS = {
     "moments/1": "MomentsDocument",
     "plan/2": "PlanDocument",
     "run/2": "RunDocument",
-    "search/2": "SearchDocument",
     "simulated-logs/1": "SimulatedLogsDocument",
-    "trust/1": "TrustDocument",
     "validation/2": "ValidationDocument",
 }
