@@ -20,7 +20,6 @@ use study::selection::{Row, columns, counts_of, rows};
 use validation::crossval::{CrossOptions, cross_validate, dealt};
 use validation::selection::{PublishedLimits, SelectionOptions, Selector, available};
 
-use super::validate::SCORES;
 use crate::cli::{Common, Sharding, beside, choice, member, samples};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made, joined, joined_blocks};
@@ -158,6 +157,9 @@ impl Task for CrossArguments {
 
 /// The estimators that only need sums per sub-experiment.
 const ESTIMATORS: [Estimator; 3] = [Estimator::Ls, Estimator::Iv, Estimator::Auto];
+
+/// The usual name of the table of scores.
+pub const SCORES: &str = "scores.parquet";
 
 /// The flags of picks alone.
 pub const OF_PICKS: [&str; 4] = ["realizations", "estimator", "mean_removal", "reference"];
