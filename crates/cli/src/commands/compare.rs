@@ -18,7 +18,6 @@ use study::parts::MAIN;
 use study::selection::{Row, columns, counts_of, rows};
 use validation::selection::{PublishedLimits, SelectionOptions, Selector, available};
 
-use super::validate::SCORES;
 use crate::cli::{Common, Sharding, beside, choice, member, samples};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made, joined, joined_blocks};
@@ -94,6 +93,9 @@ impl ModelFlags {
 
 /// The estimators that only need sums per sub-experiment.
 const ESTIMATORS: [Estimator; 3] = [Estimator::Ls, Estimator::Iv, Estimator::Auto];
+
+/// The usual name of the table of scores.
+pub const SCORES: &str = "scores.parquet";
 
 /// The flags of picks alone.
 pub const OF_PICKS: [&str; 4] = ["realizations", "estimator", "mean_removal", "reference"];

@@ -17,7 +17,7 @@ use study::parts::MAIN;
 use study::scores::{self, Row};
 use study::trajectories::refuse_shard;
 
-use super::compare::{ModelFlags, OF_PICKS, PickFlags};
+use super::compare::{ModelFlags, OF_PICKS, PickFlags, SCORES};
 use crate::cli::{Common, Sharding, beside, given, member};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made};
@@ -72,9 +72,6 @@ struct EstimateFlags {
     #[arg(long, value_name = "validation.parquet")]
     validation: Option<PathBuf>,
 }
-
-/// The usual name of the table.
-pub(super) const SCORES: &str = "scores.parquet";
 
 /// Samples of validation runs per second that a thread simulates and compares, order of magnitude: the paper's on a
 /// server of 2024 (0.04 s for a thousand estimates and a thousand samples).
