@@ -144,7 +144,7 @@ class Read(unittest.TestCase):
         good = json.loads((results() / "design.json").read_text())
         name = next(iter(good["data"]["shares"]))
         cases = [
-            (lambda d: d.update(schema="design/99"), "schema: found design/99, expected design/1; upgrade seatrial"),
+            (lambda d: d.update(schema="design/99"), "schema: found design/99, expected design/2; upgrade seatrial"),
             (lambda d: d.update(schema="strange/1"), "schema: found strange/1, expected one of average, "),
             (lambda d: d["data"].update(wrong=1), "data.wrong: found an unknown key, expected one of "),
             (lambda d: d["data"].pop("shares"), "data.shares: found no such key, expected a value"),
@@ -163,13 +163,13 @@ class Read(unittest.TestCase):
 
     def test_files_that_are_none_are_refused(self) -> None:
         here = folder()
-        (here / "cut.json").write_text('{"schema": "design/1"')
+        (here / "cut.json").write_text('{"schema": "design/2"')
         (here / "list.json").write_text("[]")
-        (here / "twice.json").write_text('{"schema": "design/1", "schema": "design/1"}')
+        (here / "twice.json").write_text('{"schema": "design/2", "schema": "design/2"}')
         (here / "cut.parquet").write_bytes((results() / "scores.parquet").read_bytes()[:-9])
         (here / "odd.txt").write_text("")
         (here / "deep.json").write_text("[" * 200_000 + "]" * 200_000)
-        (here / "nan.json").write_text('{"schema": "design/1", "data": NaN}')
+        (here / "nan.json").write_text('{"schema": "design/2", "data": NaN}')
         design = json.loads((results() / "design.json").read_text())
         design["data"]["gap"] = 10**400
         (here / "large.json").write_text(json.dumps(design))

@@ -62,9 +62,9 @@ pub struct RunFlags {
     /// The runs
     #[arg(long, required = true, value_name = "trajectories.parquet")]
     pub trajectories: Option<PathBuf>,
-    /// What `ingest` wrote with the trajectories: names the recordings that runs were cut from [default: ingest.json beside them]
-    #[arg(long, value_name = "ingest.json")]
-    pub recordings: Option<PathBuf>,
+    /// The ingest.json beside the trajectories, which names the recordings that runs were cut from.
+    #[arg(skip)]
+    recordings: Option<PathBuf>,
     /// Only these runs or recordings, whose own names may have commas, too; may stand more than once
     #[arg(long, value_name = "NAME,…")]
     pub runs: Vec<String>,
@@ -89,9 +89,8 @@ impl RunFlags {
         files::Error: From<R::Error>,
     {
         let kept = recorded(self.file(), vessel, provenance)?;
-        let recordings = self.recordings.clone().or_else(|| ingested_with(self.file()));
-        let read = |path: PathBuf| inputs::document::<IngestDocument>(&path, "recordings", provenance);
-        let recordings = recordings.map(read).transpose()?;
+        let read = |path: &PathBuf| inputs::document::<IngestDocument>(path, "recordings", provenance);
+        let recordings = self.recordings.as_ref().map(read).transpose()?;
         let named = recordings.as_ref().map(IngestDocument::recordings_by_run).unwrap_or_default();
         let mut runs = PooledRuns::of(kept, &named).map_err(files::Error::from)?;
         label(runs.designs(), provenance);
@@ -118,11 +117,10 @@ impl RunFlags {
         self.trajectories.iter().chain(&self.recordings)
     }
 
-    /// The same with the ingest.json beside the trajectories, where it was written with these and no other is named.
+    /// The same with the ingest.json beside the trajectories, where it was written with these.
     #[must_use]
-    pub fn with_recordings_beside(mut self) -> Self {
-        self.recordings = self.recordings.take().or_else(|| ingested_with(self.file()));
-        self
+    pub fn with_recordings_beside(&self) -> Self {
+        Self { recordings: ingested_with(self.file()), ..self.clone() }
     }
 
     /// The file with the runs; the command line has one.
@@ -133,7 +131,7 @@ impl RunFlags {
 
 /// `ingest.json` beside `trajectories`, if it was written with them.
 fn ingested_with(trajectories: &Path) -> Option<PathBuf> {
-    let path = trajectories.with_file_name("ingest.json");
+    let path = beside(trajectories, "trajectories.parquet", "ingest.json");
     let known = files::exists(&path).then(|| files::inspect(&path)).and_then(Result::ok).flatten()?;
     let member = known.members.get(&*trajectories.file_name()?.to_string_lossy());
     (member == Some(&Digest::of_file(trajectories).ok()?)).then_some(path)
@@ -346,9 +344,6 @@ pub struct EstimateArguments {
     /// Length of the windows that are fitted, of a search and of forces [s] [default: 60; of forces 100, at most]
     #[arg(long, value_name = "S")]
     pub fitted_window_s: Option<f64>,
-    /// Terms that `library` and `few` search through instead, or products that a ship with forces may lack: lists `surge`, `sway`, `yaw`
-    #[arg(long, value_name = "terms.toml")]
-    pub terms: Option<PathBuf>,
     /// Of a ship with forces: values of captive tests under `derivatives`, to set beside the estimates
     #[arg(long, value_name = "reference.toml")]
     pub reference: Option<PathBuf>,
@@ -362,7 +357,7 @@ pub struct EstimateArguments {
 impl EstimateArguments {
     /// The files that are read.
     pub fn inputs(&self) -> impl Iterator<Item = &PathBuf> {
-        let given = [&self.terms, &self.reference, &self.promised].into_iter().flatten();
+        let given = [&self.reference, &self.promised].into_iter().flatten();
         self.flags.inputs().chain(given).chain(&self.sharding.gather)
     }
 

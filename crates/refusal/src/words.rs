@@ -133,6 +133,8 @@ const GONE: &[(&str, &str)] = &[
         "it is gone: `--estimator ls` takes the regressors as instruments, `iv` those of the nominal model",
     ),
     ("--table", "it is gone: `--keep table` writes moments.parquet beside the document"),
+    ("--recordings", "it is gone: an ingest.json beside the trajectories is read"),
+    ("--terms", "it is gone: a table [candidates] in vessel.toml lists them"),
     ("--limits", "it is gone: a table [limits] in dictionary.toml states them"),
     ("--per-parameter", "it is gone: `--accuracy` is of all parameters together"),
     (

@@ -66,6 +66,7 @@ pub use regression::pooled::{NominalSource, PooledRuns, Recorded};
 pub use regression::runs::NominalDiverged;
 pub use ship::engine::Run;
 pub use ship::model::{Model, Source, Vessel};
+pub use study::Tried;
 pub use study::campaign_file::CampaignFile;
 pub use study::design_files::Promised;
 pub use study::documents::{
@@ -78,7 +79,6 @@ pub use study::ingest_file::IngestFile;
 pub use study::plan::{FollowError, FollowFiles, FollowedPlan, PlanFile, Routes};
 pub use study::pooled_set::PooledSet;
 pub use study::trajectories::{DataLabel, TrajectoryReader};
-pub use study::{TermLists, Tried};
 pub use trial::campaign::{Campaign, Designed, Refusal, SimulatedRun};
 pub use trial::moments::{Estimated, Moments, NoCriterion, SampledShips};
 pub use validation::comparison::Traced;

@@ -12,8 +12,7 @@ use rayon::prelude::*;
 use refusal::Invalid;
 use regression::pooled::PooledRuns;
 use ship::model::terms::listed;
-use ship::model::{Actuator, Model, Vessel};
-use study::TermLists;
+use ship::model::{Actuator, CandidateTerms, Model, Vessel};
 use study::documents::{AverageMember, BesideForces, DeliveredKind, ModelDocument, SearchSummary, TriedFit};
 use validation::comparison::Magnitudes;
 
@@ -40,12 +39,16 @@ impl StructureSearch {
         vessel.check_terms("search").map_err(|invalid| Invalid { remedy: remedy.into(), ..invalid })
     }
 
-    /// A search over the library of terms for the channels of `vessel` in their roles.
+    /// A search over the candidates that `vessel` lists, or else the library of terms for her channels in their roles.
     ///
     /// # Errors
-    /// A role that a channel has without another one that it needs.
+    /// A term with channels that do not exist; a role that a channel has without another one that it needs.
     pub fn by_roles(vessel: Vessel) -> Result<Self, Invalid> {
         Self::check(&vessel)?;
+        if let Some(CandidateTerms { surge, sway, yaw }) = &vessel.candidates {
+            let library = listed(&vessel.model, [surge, sway, yaw])?;
+            return Ok(Self { vessel, library });
+        }
         let roles = Roles::new(&vessel.model)?;
         let (model, roles) = with_channels(&vessel.model, &roles)?;
         let library = library(&model, &roles);
@@ -59,16 +62,6 @@ impl StructureSearch {
     pub fn by_core(vessel: &Vessel) -> Result<Self, Invalid> {
         let (vessel, roles) = with_core(vessel)?;
         let library = library(&vessel.model, &roles);
-        Ok(Self { vessel, library })
-    }
-
-    /// A search over these terms.
-    ///
-    /// # Errors
-    /// A term with channels that do not exist.
-    pub fn by_terms(vessel: Vessel, TermLists { surge, sway, yaw }: &TermLists) -> Result<Self, Invalid> {
-        Self::check(&vessel)?;
-        let library = listed(&vessel.model, [surge, sway, yaw])?;
         Ok(Self { vessel, library })
     }
 

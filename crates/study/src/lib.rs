@@ -21,7 +21,7 @@ pub use refusals::{invalid, refuse};
 pub use tables::estimates::{note_seed, seed};
 pub use tables::scores::{recommendations, validated};
 pub use tables::{estimates, moments_table, resamples, scores, selection, track, trajectories};
-pub use written::files::{TermLists, beside, beyond, check_kind, role_of};
+pub use written::files::{beside, beyond, check_kind, role_of};
 pub use written::{campaign_file, design_files, files, ingest_file, logs_file, sequential, ship_file};
 
 /// Refusals of a file.

@@ -110,7 +110,6 @@ impl EstimateArguments {
         let flags = &self.flags;
         let given = [
             ("--structure", self.structure.is_some()),
-            ("--recordings", flags.of.recordings.is_some()),
             ("--leave-out", !flags.of.leave_out.is_empty()),
             ("--part-s", flags.part_s.is_some()),
             ("--nominal", flags.nominal.is_some()),
@@ -119,7 +118,6 @@ impl EstimateArguments {
             ("--folds", self.folds.is_some()),
             ("--window-s", self.window_s.is_some()),
             ("--fitted-window-s", self.fitted_window_s.is_some()),
-            ("--terms", self.terms.is_some()),
             ("--reference", self.reference.is_some()),
             ("--estimator auto", self.estimator.contains(&Estimator::Auto)),
         ];

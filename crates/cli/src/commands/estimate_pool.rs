@@ -31,7 +31,6 @@ pub(super) fn pooled(
     let mut provenance = common.provenance("estimate");
     let (flags, file) = (&asked.flags, asked.flags.of.file());
     let given = read_any_vessel(&flags.vessel, &mut provenance)?;
-    asked.check_none(structure.chosen, [("--terms", asked.terms.is_some())])?;
     let is_core = structure.chosen == ModelStructure::Core;
     if given.model.forces.is_some() {
         check_forces(asked)?;

@@ -9,7 +9,6 @@ use regression::MeanRemoval;
 use seatrial::{AveragedSearch, ForceSearch, ForceSearchError, FoundStructure, PooledRuns, StructureSearch};
 use serde_json::json;
 use ship::model::Vessel;
-use study::TermLists;
 use study::documents::{ChosenStructure, EstimateDocument, ModelStructure};
 use study::files::read_any_vessel;
 
@@ -39,7 +38,7 @@ pub(super) fn searched(
     let mut provenance = common.provenance("estimate");
     let vessel = read_any_vessel(&asked.flags.vessel, &mut provenance)?;
     let search = Searching { asked, structure, common };
-    search.check(vessel.model.forces.is_some())?;
+    search.check()?;
     let written = SetPaths::of(common, asked, false)?;
     let promised = asked.promised(common)?;
     let structure = match vessel.model.forces.is_some() && search.kind() == ModelStructure::Library {
@@ -76,9 +75,9 @@ impl Searching<'_> {
     }
 
     /// Refuses flags that a search does not have.
-    fn check(&self, is_of_forces: bool) -> Result<(), Failure> {
+    fn check(&self) -> Result<(), Failure> {
         let (asked, flags, kind) = (self.asked, &self.asked.flags, self.kind());
-        let [is_library, is_few] = [ModelStructure::Library, ModelStructure::Few].map(|one| kind == one);
+        let is_few = kind == ModelStructure::Few;
         asked.check_none(
             kind,
             [
@@ -88,7 +87,6 @@ impl Searching<'_> {
                 ("--mean-removal", flags.mean_removal != MeanRemoval::Complete),
                 ("--reference", asked.reference.is_some()),
                 ("--bootstrap", asked.bootstrap.is_some() && !is_few),
-                ("--terms", asked.terms.is_some() && is_of_forces && !is_library),
                 (
                     "--unknown-current or --intercepts",
                     asked.additional.unknown() != AdditionalUnknowns::default(),
@@ -118,7 +116,7 @@ impl Searching<'_> {
         let cut = Cut { window, every: window.div_ceil(4), scored: asked.scored(&given)? };
         let is_averaged = self.kind() == ModelStructure::Average && of_forces.is_none();
         let (folds, seed) = (self.folds()?, common.seed.unwrap_or(1));
-        let begun = self.begun(given, provenance)?;
+        let begun = self.begun(given)?;
         let (runs, _) = of.read(&begun.vessel, provenance, inputs::runs)?;
         let options = SearchOptions {
             cut,
@@ -156,9 +154,8 @@ impl Searching<'_> {
     /// Forces that `vessel` lacks.
     fn forces(&self, vessel: &Vessel, provenance: &mut Provenance) -> Result<FoundStructure, Failure> {
         let (asked, of) = (self.asked, &self.asked.flags.of);
-        let terms: Option<TermLists> =
-            asked.terms.as_ref().map(|path| inputs::toml(path, "terms", provenance)).transpose()?;
-        let listed = terms.map(|term| [term.surge, term.sway, term.yaw]);
+        let candidates = vessel.candidates.clone();
+        let listed = candidates.map(|terms| [terms.surge, terms.sway, terms.yaw]);
         let rate_hz = vessel.sample_rate_hz;
         let folds = self.folds()?;
         let search = ForceSearch {
@@ -169,7 +166,7 @@ impl Searching<'_> {
             most_added: MOST_ADDED,
             listed: listed.as_ref(),
         };
-        let file = asked.terms.as_ref().unwrap_or(&asked.flags.vessel);
+        let file = &asked.flags.vessel;
         search.check().map_err(|e| Failure::invalid(file, &e))?;
         let runs = of.read_of_forces(vessel, provenance)?;
         let progress = WorkProgress::new("searches", search.searches(), self.common.quiet);
@@ -212,7 +209,7 @@ impl Searching<'_> {
                 "recordings",
                 &format!("{left} without the largest of {folds} folds"),
                 &format!("at least {least}, which verify what is added"),
-                "name ingest.json with --recordings, add recordings, or ask for more --folds",
+                "put the ingest.json of the trajectories beside them, add recordings, or ask for more --folds",
             ),
         }
     }
@@ -224,16 +221,12 @@ impl Searching<'_> {
     }
 
     /// The start of the search, and its candidate terms.
-    fn begun(&self, vessel: Vessel, provenance: &mut Provenance) -> Result<StructureSearch, Failure> {
-        let Some(path) = &self.asked.terms else {
-            let begun = match vessel.model.forces.is_some() {
-                true => StructureSearch::by_core(&vessel),
-                false => StructureSearch::by_roles(vessel),
-            };
-            return begun.map_err(|e| Failure::invalid(&self.asked.flags.vessel, &e));
+    fn begun(&self, vessel: Vessel) -> Result<StructureSearch, Failure> {
+        let begun = match vessel.model.forces.is_some() {
+            true => StructureSearch::by_core(&vessel),
+            false => StructureSearch::by_roles(vessel),
         };
-        let terms: TermLists = inputs::toml(path, "terms", provenance)?;
-        StructureSearch::by_terms(vessel, &terms).map_err(|e| Failure::invalid(path, &e))
+        begun.map_err(|e| Failure::invalid(&self.asked.flags.vessel, &e))
     }
 }
 
@@ -248,7 +241,7 @@ fn refused(file: &Path, error: &SearchError) -> Failure {
             "recordings",
             &recordings.to_string(),
             &format!("at least as many as folds, {folds}"),
-            "name ingest.json with --recordings, add recordings, or ask for fewer --folds",
+            "put the ingest.json of the trajectories beside them, add recordings, or ask for fewer --folds",
         ),
         SearchError::FewForAverage { recordings, needed } => Failure::refuse(
             file,

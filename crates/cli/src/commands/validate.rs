@@ -61,7 +61,7 @@ struct EstimateFlags {
         long,
         value_name = "campaign.toml",
         requires_all = ["vessel", "validation"],
-        conflicts_with_all = ["trajectories", "recordings", "runs", "leave_out", "window_s"],
+        conflicts_with_all = ["trajectories", "runs", "leave_out", "window_s"],
         conflicts_with_all = OF_PICKS
     )]
     campaign: Option<PathBuf>,
@@ -79,12 +79,13 @@ const SIMULATED_PER_SECOND: f64 = 2.5e7;
 
 impl Task for ValidateArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
+        let of = self.of.with_recordings_beside();
         if !self.models.model.is_empty() {
-            return self.models.compare(&self.of, common);
+            return self.models.compare(&of, common);
         }
         let vessel = given(&self.vessel, "vessel")?;
         if let Some(design) = &self.picks.design {
-            return self.picks.pick((vessel, design), &self.of, &self.sharding, common);
+            return self.picks.pick((vessel, design), &of, &self.sharding, common);
         }
         self.scored(vessel, common)
     }

@@ -250,7 +250,7 @@ fn no_design(moments: &Path, available: Option<&Path>, why: NoDesign) -> Failure
         NoDesign::Unexcited { degree, parameter, regressor } => Failure::NoAnswer(format!(
             "{file}: parameter `{parameter}` ({degree}): found a direction that no maneuver excites, expected every parameter to \
              be excited by some maneuver; add a maneuver in which `{regressor}` varies independently of the other terms of \
-             {degree}, or run `moments` over all maneuvers in one document, which holds such parameters"
+             {degree}"
         )),
         NoDesign::Singular { degree, parameter } => Failure::NoAnswer(format!(
             "{file}: parameter `{parameter}` ({degree}): found a covariance that is singular, with no variance of its own, \

@@ -176,7 +176,6 @@ pub fn simulated_logs() -> [StudyStep; 2] {
 }
 
 const LOGGED: &str = "--vessel \0study/vessel.toml --trajectories \0out/measured/trajectories.parquet";
-const RECORDED: &str = "--recordings \0out/measured/ingest.json";
 
 /// The stages of a study with logs, of which sub-experiments are picked if that is `selected`.
 pub fn measured(
@@ -225,7 +224,7 @@ fn modelled(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
             .map(|name| format!("measured/{below}{name}"));
         let count = if is_searched || shape.is_of_forces { 2 } else { 3 };
         let outputs: Vec<&str> = files.iter().take(count).map(String::as_str).collect();
-        step(name, &format!("estimate {LOGGED} {RECORDED}"), flags, &outputs)
+        step(name, &format!("estimate {LOGGED}"), flags, &outputs)
     };
     let mut steps = vec![fit("estimate", "", asked.over(judged))];
     let test = settings.test.join(",");
@@ -242,7 +241,7 @@ fn modelled(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
 /// The model of the recordings that are not in `test`, tried on those that are.
 fn compared(settings: &StudySettings, test: &str) -> StudyStep {
     let line = format!(
-        "validate --model \0out/measured/test/model.json --trajectories \0out/measured/trajectories.parquet {RECORDED} --runs \
+        "validate --model \0out/measured/test/model.json --trajectories \0out/measured/trajectories.parquet --runs \
          {test}"
     );
     step("compare", &line, settings.compare.over(""), &["measured/validation.json"])
@@ -276,7 +275,7 @@ fn next_trial(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
         true => ("--vessel \0out/measured/next/model.json", ""),
         false => ("--vessel \0out/measured/model.json", "--allow=beyond-range"),
     };
-    let search = format!("estimate {LOGGED} {RECORDED}");
+    let search = format!("estimate {LOGGED}");
     let structure = if shape.is_of_forces { "--structure library" } else { "--structure few" };
     // A fitted ship may not go straight ahead: that is said.
     let unreached = if is_searched { "" } else { "--allow=unreached" };

@@ -257,14 +257,14 @@ static LOGS: [Stage; 9] = [
         &["moments.json", "ingest.json"],
     ),
     stage(
-        "estimate --structure own --vessel vessel.toml --trajectories trajectories.parquet --recordings ingest.json \
+        "estimate --structure own --vessel vessel.toml --trajectories trajectories.parquet \
          --nominal least-squares --bootstrap 3",
         "estimates.parquet",
         SEED,
         &["trajectories.parquet", "ingest.json", "vessel.toml"],
     ),
     stage(
-        "estimate --structure own --folds each --vessel vessel.toml --trajectories trajectories.parquet --recordings ingest.json \
+        "estimate --structure own --folds each --vessel vessel.toml --trajectories trajectories.parquet \
          --nominal estimate.json --window-s 4 --estimator ls,iv",
         "scores.json",
         ["--window-s 4", "--window-s 3"],

@@ -310,6 +310,6 @@ fn no_estimate_is_made_of_a_doubtful_recording_unless_asked() {
     let pool = |more: &[&str]| asked(&["estimate"], &[&["--estimator", "ls"], more].concat());
     let (code, said) = pool(&["--allow=doubtful"]);
     assert!(code == Some(0) || code == Some(4), "{said}");
-    let (code, said) = pool(&["--recordings", "t-ingest.json", "--leave-out", "a"]);
+    let (code, said) = pool(&["--leave-out", "a"]);
     assert!(code == Some(0) || code == Some(4), "{said}");
 }

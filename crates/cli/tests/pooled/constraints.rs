@@ -5,7 +5,7 @@ use tempfile::TempDir;
 
 use crate::search::measured;
 use crate::support::*;
-use crate::{CROSS, POOL};
+use crate::{CROSS, POOL, candidates};
 
 const PRESET: &str = include_str!("../../../ship/presets/ljungberg-model-ship.toml");
 /// A few runs, scored with a vessel that they were not simulated with.
@@ -177,7 +177,7 @@ fn constraints_that_cannot_be_are_refused() {
 }
 
 const SEARCHED: &str = "estimate --structure library --vessel vessel.toml --trajectories campaign.parquet --fitted-window-s 20 \
-     --window-s 25 --folds 3 --terms terms.toml --runs random/0,random/1,optimized/0 --allow=mixed --out estimate.json";
+     --window-s 25 --folds 3 --runs random/0,random/1,optimized/0 --allow=mixed --out estimate.json";
 const TERMS: &str = "surge = [\"u |u|\", \"1\"]\nsway = [\"v |v|\", \"u r\"]\nyaw = [\"r |r|\"]\n";
 
 /// Mean fit of the base structure over the recordings that were left out.
@@ -189,8 +189,8 @@ fn of_base(folder: &TempDir) -> f64 {
 #[test]
 fn a_search_keeps_what_is_fixed_tied_and_bounded_to_the_bit() {
     let folder = with(&["campaign.parquet"]);
-    put(&folder, "terms.toml", TERMS);
     written(&folder, &CONSTRAINED, CONSTANT);
+    candidates(&folder, TERMS);
     for structure in ["library", "few"] {
         let said = run(&folder, &SEARCHED.replace("library", structure)).succeeds();
         assert!(said.stdout.contains("held at a bound: `N_uv`"), "{said}");
@@ -213,9 +213,9 @@ fn a_search_keeps_what_is_fixed_tied_and_bounded_to_the_bit() {
 #[test]
 fn every_fold_of_a_search_keeps_to_a_bound() {
     let folder = measured("0.01");
-    put(&folder, "terms.toml", TERMS);
     let fit = |lines: &str| {
         written(&folder, &[("N_r", lines)], "");
+        candidates(&folder, TERMS);
         run(&folder, SEARCHED).succeeds();
         of_base(&folder)
     };
@@ -229,9 +229,9 @@ fn every_fold_of_a_search_keeps_to_a_bound() {
 #[test]
 fn law_bounds_that_hold_nothing_change_nothing() {
     let folder = with(&["campaign.parquet"]);
-    put(&folder, "terms.toml", TERMS);
     let values = |bounds: &str| {
         written(&folder, &[("N_uv", &format!("value = -0.03\nnominal = 0.0{bounds}"))], "");
+        candidates(&folder, TERMS);
         run(&folder, SEARCHED).succeeds();
         let data = json(&folder, "estimate.json")["data"]["search"].clone();
         (data["terms"].clone(), data["candidates"].clone(), data["nested"].clone())

@@ -3,6 +3,7 @@
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::candidates;
 use crate::support::*;
 
 const DICTIONARY: &str =
@@ -91,8 +92,8 @@ fn law_a_force_that_the_ship_lacks_is_found_and_followed_better_on_recordings_le
 #[test]
 fn law_a_right_ship_is_delivered_as_she_was_by_any_number_of_threads() {
     let folder = zigzags_of(&tanker());
-    put(&folder, "terms.toml", "sway = [\"v^3 / U\", \"v |v|\"]\nyaw = [\"u v delta\", \"r |r|\"]\n");
-    let line = format!("{SEARCH} --terms terms.toml --out estimate.json");
+    candidates(&folder, "sway = [\"v^3 / U\", \"v |v|\"]\nyaw = [\"u v delta\", \"r |r|\"]\n");
+    let line = format!("{SEARCH} --allow=mixed --out estimate.json");
     let said = run(&folder, &line).succeeds();
     let found = searched(&folder);
     assert_eq!(found["forces"]["delivered"], false);
@@ -120,9 +121,9 @@ fn what_a_search_for_forces_cannot_take_is_refused_in_one_line() {
     refused(&folder, 3, &few, &["d.parquet: recordings", "without the largest of 3 folds", "at least 3"]);
     let long = line("").replace("--window-s 60", "--window-s 500");
     refused(&folder, 3, &long, &["d.parquet: windows", "no run as long as a window"]);
-    put(&folder, "terms.toml", "yaw = [\"u w\"]\n");
-    let listed = line("--terms terms.toml");
-    refused(&folder, 3, &listed, &["terms.toml: `yaw`: term `u w`", "`w`"]);
-    put(&folder, "terms.toml", "sway = [\"v^3 / U\"]\n");
-    refused(&folder, 3, &listed, &["terms.toml", "no term that the ship lacks", "one at least"]);
+    candidates(&folder, "yaw = [\"u w\"]\n");
+    let listed = line("--allow=mixed");
+    refused(&folder, 3, &listed, &["vessel.toml: `yaw`: term `u w`", "`w`"]);
+    candidates(&folder, "sway = [\"v^3 / U\"]\n");
+    refused(&folder, 3, &listed, &["vessel.toml", "no term that the ship lacks", "one at least"]);
 }

@@ -258,9 +258,9 @@ fn a_window_that_depends_on_its_start_beyond_all_numbers_is_named_with_its_recor
     run(&folder, &format!("{DICTIONARY} --allow=unreached")).succeeds();
     // Straight ahead she stays where she is, to all digits, and a start off it grows to more than any number.
     put(&folder, "vessel.toml", &of_yaw(0.3));
-    let words = ["d.parquet", "in `1`, the state at 0 s", "take shorter windows", "--window-s"];
-    refused(&folder, 4, &format!("{POOL} --window-s 600 --out estimate.json"), &words);
-    run(&folder, &format!("{POOL} --window-s 100 --out estimate.json")).succeeds();
+    let words = ["d.parquet", "in `1`, the state at 0 s", "take shorter windows", "--fitted-window-s"];
+    refused(&folder, 4, &format!("{POOL} --fitted-window-s 600 --out estimate.json"), &words);
+    run(&folder, &format!("{POOL} --fitted-window-s 100 --out estimate.json")).succeeds();
 }
 
 /// A line of the preset with its numbers known.
@@ -309,11 +309,10 @@ fn recordings_left_out_of_the_esso_osaka_are_followed_by_forces() {
     let Some(folder) = logged(&vessel, &ingest, "esso_osaka") else { return };
     let test = "random_06-Aug-2020_16_24_25_4,random_31-Jul-2020_14_52_18,turn_14-Oct-2020_14_39_54,\
         turn_14-Sep-2020_13_51_45,zigzag_31-Jul-2020_13_14_21,zigzag_31-Jul-2020_13_50_28";
-    let flags = "--recordings ingest.json";
-    run(&folder, &format!("{LOGGED} {flags} --leave-out {test} --out estimate.json")).succeeds();
+    run(&folder, &format!("{LOGGED} --leave-out {test} --out estimate.json")).succeeds();
     run(
         &folder,
-        &format!("validate --model model.json --trajectories trajectories.parquet {flags} --runs {test} --window-s 100 --out validation.json"),
+        &format!("validate --model model.json --trajectories trajectories.parquet --runs {test} --window-s 100 --out validation.json"),
     )
     .succeeds();
     let found = fits(&folder, "validation.json");
@@ -328,12 +327,11 @@ fn recordings_left_out_of_the_kvlcc2_are_followed_by_forces() {
         (file("pipelines/kvlcc2/vessel-forces.toml"), file("pipelines/kvlcc2/ingest.toml"));
     let Some(folder) = logged(&vessel, &ingest, "kvlcc2_hsva") else { return };
     let test = "kvlcc2_hsva_Z_10_05,kvlcc2_hsva_Z_20_10_S,kvlcc2_hsva_Z_35_05";
-    let flags = "--recordings ingest.json";
-    run(&folder, &format!("{LOGGED} {flags} --leave-out {test} --window-s 150 --out estimate.json"))
+    run(&folder, &format!("{LOGGED} --leave-out {test} --fitted-window-s 150 --out estimate.json"))
         .succeeds();
     run(
         &folder,
-        &format!("validate --model model.json --trajectories trajectories.parquet {flags} --runs {test} --out validation.json"),
+        &format!("validate --model model.json --trajectories trajectories.parquet --runs {test} --out validation.json"),
     )
     .succeeds();
     let found = fits(&folder, "validation.json");
@@ -365,7 +363,7 @@ fn exchanged_thrusters_are_named_and_a_late_rudder_is_told_with_its_time() {
     put(&folder, "vessel.toml", &otter());
     put(&folder, "dictionary.toml", TURNS);
     run(&folder, DICTIONARY).succeeds();
-    let line = format!("{POOL} --window-s 15 --out estimate.json");
+    let line = format!("{POOL} --fitted-window-s 15 --out estimate.json");
     let swapped = otter().replace("\"n1\"\nx_m", "\"n\"\nx_m").replace("\"n2\"\nx_m", "\"n1\"\nx_m");
     put(&folder, "vessel.toml", &swapped.replace("\"n\"\nx_m", "\"n2\"\nx_m"));
     let said = run(&folder, &line).succeeds();

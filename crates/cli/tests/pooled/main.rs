@@ -32,6 +32,14 @@ pub const CROSS: &str = "estimate --structure own --folds each --vessel vessel.t
 /// A selection study on its segments, which are named by maneuver.
 pub const SELECTION: &str = "validate --vessel vessel.toml --trajectories campaign.parquet --design picks.json --realizations 40 --allow=mixed";
 
+/// Writes `lists` as [candidates] of vessel.toml, in place of those that it has; nothing removes them.
+pub fn candidates(folder: &TempDir, lists: &str) {
+    let text = std::fs::read_to_string(folder.path().join("vessel.toml")).unwrap();
+    let ship = text.split("\n[candidates]").next().unwrap();
+    let table = if lists.is_empty() { String::new() } else { format!("\n[candidates]\n{lists}") };
+    put(folder, "vessel.toml", &format!("{ship}{table}"));
+}
+
 /// A folder with these segments, and a design that picks five of them.
 pub fn picking() -> TempDir {
     let folder = with(&["campaign.parquet", "design.json"]);

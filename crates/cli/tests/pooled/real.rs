@@ -100,7 +100,7 @@ fn poor_instruments_are_told() {
     };
     let blocks: Vec<&str> = text.split("\n[[").filter(wanted).collect();
     put(&folder, "vessel.toml", &blocks.join("\n[["));
-    run(&folder, &format!("moments {LOGGED} --instruments regressors --out moments.json")).succeeds();
+    run(&folder, &format!("moments {LOGGED} --estimator ls --out moments.json")).succeeds();
     run(&folder, "design --moments moments.json --segments 6 --segment-samples 60 --out design.json")
         .succeeds();
     pick(&folder, json!({"zigzag/fast": 4, "berthing/slow": 1, "turning/medium": 1}));
@@ -122,9 +122,8 @@ fn poor_instruments_are_told() {
 fn surge_of_the_kvlcc2_is_not_identifiable_by_instruments() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
     for flags in ["", "--part-s 100", "--part-s 30"] {
-        let line = format!(
-            "estimate --structure own {LOGGED} --recordings ingest.json --estimator iv --nominal least-squares {flags}"
-        );
+        let line =
+            format!("estimate --structure own {LOGGED} --estimator iv --nominal least-squares {flags}");
         run(&folder, &format!("{line} --out estimates.parquet")).succeeds();
         let degrees = json(&folder, "estimate.json")["data"]["trust"]["degrees"].clone();
         let status: Vec<&Value> = degrees.as_array().unwrap().iter().map(|d| &d["status"]).collect();
@@ -146,9 +145,7 @@ fn surge_of_the_kvlcc2_is_not_identifiable_by_instruments() {
 fn where_nobody_asks_for_an_estimator_logs_without_a_known_noise_get_the_one_that_predicts_best() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
     let few = ["05_01", "10_01", "15_01", "20_05"].map(|name| format!("kvlcc2_hsva_Z_{name}")).join(",");
-    let line = format!(
-        "estimate --structure own {LOGGED} --recordings ingest.json --runs {few} --nominal least-squares"
-    );
+    let line = format!("estimate --structure own {LOGGED} --runs {few} --nominal least-squares");
     let said = run(&folder, &format!("{line} --out estimates.parquet")).succeeds();
     assert!(said.stdout.contains("output-error from"), "{said}");
     let trust = json(&folder, "estimate.json");
@@ -189,8 +186,7 @@ fn the_method_of_least_error_for_the_kvlcc2_reaches_the_baseline() {
 fn a_structure_found_for_the_kvlcc2_follows_runs_that_were_left_out_of_the_search() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
     // One run left out at a time.
-    let line =
-        format!("estimate --structure library {LOGGED} --recordings ingest.json --window-s 100 --folds 13");
+    let line = format!("estimate --structure library {LOGGED} --window-s 100 --folds 13");
     let said = run(&folder, &format!("{line} --out estimate.json")).succeeds();
     let nested = json(&folder, "estimate.json")["data"]["search"]["nested"].clone();
     let fits = |of: &str| ["fit_u", "fit_v", "fit_r"].map(|fit| nested[of][fit].as_f64().unwrap());
@@ -202,14 +198,14 @@ fn a_structure_found_for_the_kvlcc2_follows_runs_that_were_left_out_of_the_searc
 #[test]
 fn zig_zags_of_one_degree_are_outside_the_range_of_a_model_of_wider_ones() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
-    let recorded = format!("{LOGGED} --recordings ingest.json");
+    let recorded = format!("{LOGGED}");
     let small = ["05_01", "10_01", "15_01"].map(|name| format!("kvlcc2_hsva_Z_{name}")).join(",");
     let line = format!(
         "estimate --structure own {recorded} --estimator ls --leave-out {small} --out estimates.parquet"
     );
     run(&folder, &line).succeeds();
     let compared = |runs: &str| {
-        let line = "validate --model model.json --trajectories trajectories.parquet --recordings ingest.json";
+        let line = "validate --model model.json --trajectories trajectories.parquet";
         let said = run(&folder, &format!("{line} --runs {runs} --out validation.json")).succeeds();
         let data = json(&folder, "validation.json")["data"]["recordings"].clone();
         (data["validity"].clone(), said.stdout)
@@ -232,7 +228,7 @@ fn zig_zags_of_one_degree_are_outside_the_range_of_a_model_of_wider_ones() {
 #[test]
 fn the_report_of_measured_logs_shows_what_they_tell() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
-    let recorded = format!("{LOGGED} --recordings ingest.json --nominal least-squares --part-s 100");
+    let recorded = format!("{LOGGED} --nominal least-squares --part-s 100");
     let flags = "--estimator iv,ls --bootstrap 20 --folds 3 --out estimates.parquet";
     run(&folder, &format!("estimate --structure own {recorded} {flags}")).succeeds();
     run(&folder, REPORT).succeeds();
@@ -254,7 +250,7 @@ fn the_report_of_measured_logs_shows_what_they_tell() {
 /// The next trial of a ship whose logs are published, from its model to its plan.
 fn next_trial(study: &str, data: &str) {
     let Some(folder) = ingested(study, data) else { return };
-    let pool = format!("estimate --structure own {LOGGED} --recordings ingest.json --estimator ls");
+    let pool = format!("estimate --structure own {LOGGED} --estimator ls");
     run(&folder, &format!("{pool} --out estimates.parquet")).succeeds();
     for entry in std::fs::read_dir(repository().join("pipelines").join(study).join("next")).unwrap() {
         let entry = entry.unwrap();

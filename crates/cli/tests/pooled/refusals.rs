@@ -28,7 +28,6 @@ fn runs_that_there_are_not_are_refused() {
     let line = format!("{POOL} --out estimates.parquet");
     refused(&folder, 3, &format!("{line} --runs random/99"), &["run `random/99`", "did you mean `random/9"]);
     refused(&folder, 3, &format!("{line} --runs random/3 --leave-out random/3"), &["none left"]);
-    refused(&folder, 3, &format!("{line} --recordings vessel.toml"), &["vessel.toml"]);
 }
 
 #[test]
@@ -67,7 +66,6 @@ fn a_nominal_file_that_is_none_is_refused() {
     let mixed = format!("{} --allow=mixed", line("estimate.json"));
     refused(&folder, 3, &mixed, &["estimate.json", "no estimate"]);
     put(&folder, "vessel.toml", "preset = \"ljungberg-model-ship\"\n");
-    refused(&folder, 1, &format!("{POOL} --recordings none.json --out estimates.parquet"), &["none.json"]);
     refused(&folder, 2, &format!("{POOL} --prior=inf --out estimates.parquet"), &["--prior", "inf"]);
 }
 

@@ -3,6 +3,7 @@
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::candidates;
 use crate::support::*;
 
 /// Searches with short windows, so that few runs are enough.
@@ -65,14 +66,15 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
     let recordings = nested["recordings"].as_array().unwrap();
     assert_eq!(recordings.len(), 6);
     // A list of terms replaces the library.
-    put(&folder, "terms.toml", "surge = [\"u\", \"u |u|\", \"1\"]\n");
-    run(&folder, &format!("{line} --allow=mixed --terms terms.toml")).succeeds();
+    candidates(&folder, "surge = [\"u\", \"u |u|\", \"1\"]\n");
+    run(&folder, &format!("{line} --allow=mixed")).succeeds();
     let listed = json(&folder, "estimate.json")["data"]["search"]["terms"].as_array().unwrap().len();
     let degrees = json(&folder, "model.json")["data"]["degrees"].clone();
     let written = degrees.as_array().unwrap().iter().map(|d| d["parameters"].as_array().unwrap().len());
     assert_eq!(listed, written.sum::<usize>());
-    put(&folder, "terms.toml", "surge = [\"u w\"]\n");
-    refused(&folder, 3, &format!("{line} --allow=mixed --terms terms.toml"), &["terms.toml", "`w`"]);
+    candidates(&folder, "surge = [\"u w\"]\n");
+    refused(&folder, 3, &format!("{line} --allow=mixed"), &["vessel.toml", "`w`"]);
+    candidates(&folder, "");
     run(&folder, &format!("{line} --allow=mixed")).succeeds();
     // The model is validated by recordings that were left out; none is as long as a stretch.
     let model = json(&folder, "model.json");
@@ -111,10 +113,10 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
 fn terms_that_no_recording_tells_apart_are_fixed_and_said_and_the_next_design_does_without() {
     let folder = with(&[]);
     put(&folder, "dictionary.toml", &zig_zags((0..6).map(|i| (format!("at-{i}"), 0.7 + 0.1 * f64::from(i)))));
+    candidates(&folder, "sway = [\"|u| v\", \"u v\"]\n");
     run(&folder, DICTIONARY).succeeds();
-    put(&folder, "terms.toml", "sway = [\"|u| v\", \"u v\"]\n");
     let line = SEARCH.replace("campaign.parquet", "dictionary.parquet");
-    let said = run(&folder, &format!("{line} --terms terms.toml --out estimate.json")).succeeds();
+    let said = run(&folder, &format!("{line} --out estimate.json")).succeeds();
     let model = json(&folder, "model.json")["data"].clone();
     let fixed = |degree: &Value| {
         let parameters = degree["parameters"].as_array().unwrap();
@@ -216,12 +218,8 @@ fn averaged() -> (TempDir, String) {
     in_roles(&folder, &["", "", "rudder"]);
     let terms =
         "surge = [\"u\", \"u |u|\", \"v r\"]\nsway = [\"v |v|\", \"r |r|\"]\nyaw = [\"v |v|\", \"r |r|\"]\n";
-    put(&folder, "terms.toml", terms);
-    (
-        folder,
-        format!("{SEARCH} {RUNS} --allow=mixed --terms terms.toml --out estimate.json")
-            .replace("library", "average"),
-    )
+    candidates(&folder, terms);
+    (folder, format!("{SEARCH} {RUNS} --allow=mixed --out estimate.json").replace("library", "average"))
 }
 
 /// Writes `data` as an average, or as the model of one.
@@ -364,7 +362,7 @@ fn what_is_written_takes_no_place_of_what_is_read() {
 fn a_search_without_an_answer_is_refused() {
     let folder = with(&["campaign.parquet"]);
     let few = format!("{SEARCH} --runs random/0,random/1 --out estimate.json");
-    refused(&folder, 3, &few, &["campaign.parquet", "recordings", "2", "folds, 3", "--recordings"]);
+    refused(&folder, 3, &few, &["campaign.parquet", "recordings", "2", "folds, 3", "ingest.json"]);
     let line = |flags: &str| format!("{SEARCH} {RUNS} {flags} --out estimate.json");
     let short = line("").replace("--fitted-window-s 20", "--fitted-window-s 0.01");
     refused(&folder, 2, &short, &["--fitted-window-s", "0.01"]);

@@ -319,8 +319,7 @@ fn names_of_recordings_may_have_commas() {
     run(&folder, INGEST).succeeds();
     let pool = |flags: &[&str]| {
         let mut command = std::process::Command::new(SEATRIAL);
-        let line = "estimate --structure own --vessel mine/vessel.toml --trajectories out/measured/trajectories.parquet --recordings \
-                    out/measured/ingest.json --estimator ls --quiet --out estimates.parquet";
+        let line = "estimate --structure own --vessel mine/vessel.toml --trajectories out/measured/trajectories.parquet --estimator ls --quiet --out estimates.parquet";
         let ended = command.args(line.split_whitespace()).args(flags).current_dir(&folder).output().unwrap();
         assert!(ended.status.success(), "{flags:?}: {}", String::from_utf8_lossy(&ended.stderr));
         let sources = json(&folder, "estimate.json")["data"]["trust"]["runs"].as_array().unwrap().clone();

@@ -16,7 +16,7 @@ use crate::support::*;
 const RELEASED: [(&str, &str); 7] = [
     ("trajectories-1.parquet", "validation.parquet"),
     ("moments-1.json", "moments.json"),
-    ("design-1.json", "design.json"),
+    ("design-2.json", "design.json"),
     ("estimate-2.json", "estimate.json"),
     ("validation-2.json", "validation.json"),
     ("estimates-1.parquet", "estimates.parquet"),

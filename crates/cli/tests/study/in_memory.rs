@@ -47,7 +47,7 @@ fn law_logs_in_memory_have_the_runs_and_the_model_of_the_programs() {
     let line = format!("ingest --config {} --vessel {vessel} --out {table}", config.display());
     run(&folder, &line).succeeds();
     let line = format!(
-        "estimate --structure own --vessel {vessel} --trajectories {table} --recordings ingest.json --nominal least-squares --out pool/"
+        "estimate --structure own --vessel {vessel} --trajectories {table} --nominal least-squares --out pool/"
     );
     std::fs::create_dir(folder.path().join("pool")).unwrap();
     run(&folder, &line).succeeds();

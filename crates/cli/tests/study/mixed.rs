@@ -60,7 +60,7 @@ fn a_design_beside_runs_of_another_design_is_refused_by_the_page() {
 fn verify_prints_what_was_made_of_what() {
     let folder = with(&MADE);
     let said = run(&folder, "verify . --study .").succeeds();
-    let graph = "design.json: design/1, of moments (moments.json)";
+    let graph = "design.json: design/2, of moments (moments.json)";
     assert!(said.stdout.lines().any(|line| line == graph), "{said}");
     assert!(said.stdout.contains("whole and of one study"), "{said}");
 }

@@ -112,7 +112,7 @@ fn oracle_covariances_of_every_run_by_regression() {
         Stage::new(&["estimate"])
             .file("--vessel", &repository("pipelines/paper/vessel.toml"))
             .file("--trajectories", &repository("fixtures/oracle/runs.parquet"))
-            .words(&["--estimator", estimator, "--keep covariance"])
+            .words(&["--estimator", estimator, "--keep", "covariance"])
             .file("--out", &folder.path().join("estimates.parquet"))
             .run();
         let file = folder.path().join("covariances.parquet");

@@ -246,5 +246,5 @@ fn a_document_of_a_kind_that_is_gone_is_refused_with_what_writes_it_again() {
     put(&folder, "refined.json", &old.to_string());
     let line = "simulate campaign --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --design refined.json \
                 --out campaign.parquet";
-    refused(&folder, 3, line, &["refined.json", "refined/1", "design/1", "design --refine"]);
+    refused(&folder, 3, line, &["refined.json", "refined/1", "design/2", "design --refine"]);
 }

@@ -185,7 +185,7 @@ fn a_file_of_another_kind_is_refused() {
     let line = DESIGN
         .replace("moments.json --out", "design.json --out")
         .replace("--out design.json", "--out other.json");
-    refused(&folder, 3, &line, &["design.json", "found design/1", "expected moments/1"]);
+    refused(&folder, 3, &line, &["design.json", "found design/2", "expected moments/1"]);
     let line = VALIDATE.replace("estimates.parquet", "validation.parquet");
     refused(&folder, 3, &line, &["validation.parquet", "found trajectories/1", "expected estimates/1"]);
 }
@@ -219,7 +219,7 @@ fn directions_that_nothing_excites_have_no_design_and_no_estimate() {
     straight_ahead(&folder);
     run(&folder, DICTIONARY).succeeds();
     run(&folder, MOMENTS).succeeds();
-    refused(&folder, 4, DESIGN, &["moments.json", "parameter `X_vr` (surge)", "`v r` varies"]);
+    refused(&folder, 4, DESIGN, &["moments.json", "parameter `Y_tau` (sway)", "`tau2` varies"]);
     let line = ESTIMATE.replace("campaign.parquet", "dictionary.parquet");
     refused(&folder, 4, &line, &["dictionary.parquet", "parameter `", "add a maneuver"]);
 }

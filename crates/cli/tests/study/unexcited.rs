@@ -38,13 +38,13 @@ fn ahead(keys: &str) -> TempDir {
 #[test]
 fn law_a_design_that_holds_a_parameter_is_that_of_a_vessel_in_which_it_is_fixed() {
     let folder = ahead("");
-    // Of maneuvers in parts none is held, and the design says what to do.
+    // Of maneuvers in parts none is held.
     for (flags, out) in
         [("--shard 1/2", "one"), ("--shard 2/2", "other"), ("--gather one.json other.json", "moments")]
     {
         run(&folder, &moments(flags).replace("--out moments", &format!("--out {out}"))).succeeds();
     }
-    run(&folder, DESIGNED).refuses(4, &["no maneuver excites", "(sway)", "in one document"]);
+    run(&folder, DESIGNED).refuses(4, &["no maneuver excites", "(sway)", "add a maneuver"]);
     let told = run(&folder, &moments("")).succeeds();
     let words = "no maneuver excites `Y_abs_u_r` (`|u| r` in sway) apart from the others: is held at the model's values";
     assert!(told.stdout.contains(words), "{told}");

@@ -395,7 +395,7 @@ impl Unfit {
                 (
                     "the recordings",
                     expected,
-                    "take shorter windows (`--window-s`), or correct the model's numbers",
+                    "take shorter windows (`--fitted-window-s`), or correct the model's numbers",
                 )
             }
             Self::Undetermined(_) => ("the model", "information about each", "add a `prior`, or fix it"),

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::formula::derive;
 use crate::forces::{Forces, TermSpec};
 use crate::model::equation::{Equation, Parts};
-use crate::model::physics::{self, Kind, VesselFile, missing, moved, preset};
+use crate::model::physics::{self, CandidateTerms, Kind, VesselFile, missing, moved, preset};
 use crate::model::{
     Actuator, ChannelRole, Constrained, DegreeOfFreedom, InputSpec, Model, RateChange, Term, Unusual,
     Variable, Written,
@@ -59,6 +59,8 @@ pub struct Vessel {
     pub motion: Option<[[f64; 2]; 3]>,
     /// Whether what is unusual of ships passes.
     pub accepts_unusual: bool,
+    /// What a search tries in place of its library.
+    pub candidates: Option<CandidateTerms>,
 }
 
 impl VesselFile {
@@ -111,6 +113,7 @@ impl Vessel {
             constrained,
             motion: None,
             accepts_unusual: file.unusual.is_some() || file.fitted,
+            candidates: file.candidates,
         };
         vessel.check_rudders()?;
         Ok(vessel)

@@ -20,7 +20,7 @@ pub use actuator::{Actuator, ActuatorState, InputSpec, SampleCommand};
 pub use equation::{Constrained, Constraint, Written};
 pub use file::{Source, Vessel};
 pub use formula::{ChannelRole, DerivedChannel, DerivedSpec, Formula, Function, Malformed};
-pub use physics::{Kind, MeasuredSpec, Unusual, VesselFile};
+pub use physics::{CandidateTerms, Kind, MeasuredSpec, Unusual, VesselFile};
 pub use structure::{
     Degree, DegreeOfFreedom, ForceModel, Model, ORDER, ParameterLayout, RateChange, Variable,
 };

@@ -202,8 +202,8 @@ choices! {
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VesselFile {
-    /// A built-in vessel to start from; it replaces everything below but `name`, `value` and `nominal`, and the sampling
-    /// rate of one with forces.
+    /// A built-in vessel to start from; it replaces everything below but `name`, `value`, `nominal` and
+    /// `candidates`, and the sampling rate of one with forces.
     pub preset: Option<String>,
     /// What the numbers mean: changes per sample, as without it, or forces in continuous time.
     pub model: Option<Kind>,
@@ -274,6 +274,21 @@ pub struct VesselFile {
     /// Cross-flow drag of a ship with forces.
     #[serde(default)]
     pub crossflow: Vec<CrossflowSpec>,
+    /// What a search tries, in place of a library of terms, or of the products that a ship with forces may lack.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub candidates: Option<CandidateTerms>,
+}
+
+/// Terms that a search may add to the structure of `vessel.toml`, as they are written there.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct CandidateTerms {
+    /// Of the surge equation.
+    pub surge: Vec<String>,
+    /// Of the sway equation.
+    pub sway: Vec<String>,
+    /// Of the yaw equation.
+    pub yaw: Vec<String>,
 }
 
 /// From the text of `vessel.toml`, compiled here alone: others would have code of their own for every type in it.
@@ -340,6 +355,7 @@ pub(crate) fn preset(file: VesselFile) -> Result<VesselFile, Invalid> {
     base.value.extend(file.value);
     base.nominal.extend(file.nominal);
     base.constant = file.constant;
+    base.candidates = file.candidates;
     Ok(base)
 }
 

@@ -3,28 +3,13 @@ use std::collections::BTreeMap;
 use estimation::Estimator;
 use estimation::pooled::Delivered;
 use estimation::search::{Averaged, Member, NestedScore, Searched};
-use files::Document;
-use refusal::Invalid;
 use regression::MeanRemoval;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::model::{DegreeOfFreedom, Model, Vessel, Written};
 use validation::comparison::Magnitudes;
 
-use super::model::{ModelDegree, ModelDocument, ModelParameter, bounds};
-
-/// One of the models.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct AverageMember {
-    /// Its weight in the mean trajectory; those of all add up to 1.
-    pub weight: f64,
-    /// The recordings that its structure was found on.
-    pub found_on: Vec<String>,
-    /// The model of that structure, fitted to all recordings. It has no standard errors: the spread of the models takes their
-    /// place.
-    pub model: ModelDocument,
-}
+use super::model::{AverageMember, ModelDegree, ModelDocument, ModelParameter, bounds};
 
 /// What the models of an average are made of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -86,53 +71,6 @@ impl AverageMember {
         };
         found.members.iter().enumerate().map(member).collect()
     }
-
-    /// The members of the average of `models`, with equal weights.
-    pub fn of(models: Vec<ModelDocument>) -> Vec<Self> {
-        let weight = 1.0 / models.len() as f64;
-        let found_on = |model: &ModelDocument| model.recordings.iter().map(|r| r.source.clone()).collect();
-        models.into_iter().map(|model| Self { weight, found_on: found_on(&model), model }).collect()
-    }
-
-    /// Refuses members that do not belong together.
-    ///
-    /// # Errors
-    /// Names the member.
-    pub(super) fn check(members: &[Self]) -> Result<(), Invalid> {
-        let Some(first) = members.first() else { return Ok(()) };
-        let expected = shared(&first.model);
-        for (i, Self { model, weight, .. }) in members.iter().enumerate() {
-            if (weight * members.len() as f64 - 1.0).abs() > 1e-9 {
-                let thing = format!("`data.members[{i}].weight`");
-                return Err(Invalid::new(thing, weight.to_string(), "equal weights", "estimate again"));
-            }
-            model.check().map_err(|e| Invalid { thing: format!("data.members[{i}]: {}", e.thing), ..e })?;
-            let pairs = expected.iter().zip(shared(model));
-            if let Some(((what, expected), (_, found))) = pairs.into_iter().find(|((_, a), (_, b))| a != b) {
-                return Err(Invalid::new(
-                    format!("data.members[{i}]: {what}"),
-                    found,
-                    format!("{expected}, as in the first model"),
-                    "average models of one search",
-                ));
-            }
-        }
-        Ok(())
-    }
-}
-
-/// The common properties of the models of an average.
-fn shared(model: &ModelDocument) -> [(&'static str, String); 4] {
-    let names = |all: Vec<&str>| all.join(", ");
-    let inputs = model.inputs.iter().map(|input| input.name.as_str());
-    let channels = inputs.chain(model.measured.iter().map(|channel| channel.name.as_str())).collect();
-    let recordings = model.recordings.iter().map(|recording| recording.source.as_str()).collect();
-    [
-        ("vessel", model.vessel.clone()),
-        ("sampling rate", format!("{} Hz", model.sample_rate_hz)),
-        ("channels", names(channels)),
-        ("recordings", names(recordings)),
-    ]
 }
 
 impl AverageSummary {

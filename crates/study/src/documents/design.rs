@@ -318,7 +318,7 @@ pub struct Counts {
 
 impl Document for DesignDocument {
     const ID: &'static str = "design";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
     const UNITS: Units = &[
         ("1", "shares sensitivities dimension gap relative_gap log_det iterations equal_shares single"),
         ("1", "candidates counts segments segment_samples efficiency samples wanted reached"),

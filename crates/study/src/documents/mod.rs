@@ -50,7 +50,7 @@ pub use trial::rounds::{Arm, ArmSummary, RoundGain, Stopping};
 pub use crate::written::reference::{
     Published, PublishedPicks, PublishedSelection, PublishedShare, Reference,
 };
-pub use average::{AverageMember, AverageSummary, AverageTerm};
+pub use average::{AverageSummary, AverageTerm};
 pub use compare::{LeftOutScores, MeritDocument, MeritTableRow, SlopesAt, merit_rows, traces};
 pub use design::{
     Accuracy, AccuracyPoint, Counts, CovarianceCriterion, DesignDocument, DesignFigure, DesignFigures,
@@ -74,7 +74,7 @@ pub use map::{
     MapMeridian, MapName, MapParallel, MapPlace, MapPurpose, MapRaster, MapRuns, MapSpot, MapSwept,
     MapSymbol, MapTrack, MapTrackKind,
 };
-pub use model::{ModelDegree, ModelDocument, ModelParameter};
+pub use model::{AverageMember, ModelDegree, ModelDocument, ModelParameter};
 pub use plan::{
     BegunPlan, CostUnit, DroppedMove, FollowStatus, FollowedStep, LeftOut, PlanChart, PlanChartClass,
     PlanDepths, PlanDocument, PlanHandling, PlanLattice, PlanPose, PlanStatus, PlanStep, PlanUnitFrom,

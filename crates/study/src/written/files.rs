@@ -6,7 +6,6 @@ use files::{Digest, Error, Provenance, read_document};
 use maneuver::Generator;
 use refusal::Invalid;
 use schemars::{JsonSchema, schema_for};
-use serde::Deserialize;
 use serde_json::Value;
 use ship::engine::Run;
 use ship::model::{Source, VesselFile};
@@ -314,38 +313,22 @@ pub fn beyond(model: &Path, out: &Path, rate_hz: Option<f64>) -> Result<Vec<Stri
     Ok(stretches.into_iter().chain(counter.outside().iter().map(Outside::statement)).collect())
 }
 
-/// `terms.toml`: terms that a search may add to the structure of `vessel.toml`.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct TermLists {
-    /// Of the surge equation.
-    #[serde(default)]
-    pub surge: Vec<String>,
-    /// Of the sway equation.
-    #[serde(default)]
-    pub sway: Vec<String>,
-    /// Of the yaw equation.
-    #[serde(default)]
-    pub yaw: Vec<String>,
-}
-
 /// A kind of file, and what writes its schema.
 type HandWrittenKind = (&'static str, fn() -> Value);
 
 /// All of them.
-const HAND_WRITTEN: [HandWrittenKind; 8] = [
+const HAND_WRITTEN: [HandWrittenKind; 7] = [
     ("vessel", schema::<VesselFile>),
     ("dictionary", schema::<DictionaryFile>),
     ("campaign", schema::<CampaignFile>),
     ("plan", schema::<PlanFile>),
     ("logs", schema::<LogsFile>),
-    ("terms", schema::<TermLists>),
     ("reference", schema::<Reference>),
     ("ingest", schema::<IngestFile>),
 ];
 
 /// The kinds of files with their schemas.
-pub fn schemas() -> [(&'static str, Value); 8] {
+pub fn schemas() -> [(&'static str, Value); 7] {
     HAND_WRITTEN.map(|(kind, schema)| (kind, schema()))
 }
 
