@@ -254,7 +254,7 @@ class ArmSummary:
 
 @dataclass(frozen=True, kw_only=True)
 class AverageMember:
-    """One of the models."""
+    """One of the models of an average."""
 
     #: Its weight in the mean trajectory; those of all add up to 1.
     weight: float
@@ -4055,7 +4055,7 @@ class WorstVessels:
 
 #: The class of the contents of each kind of document.
 KINDS = {
-    "design/1": "DesignDocument",
+    "design/2": "DesignDocument",
     "estimate/2": "EstimateDocument",
     "ingest/1": "IngestDocument",
     "map/1": "MapDocument",
