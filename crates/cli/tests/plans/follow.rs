@@ -174,7 +174,12 @@ fn after_the_last_maneuver_the_plan_is_sailed_to_its_end() {
     put(&folder, "positions.csv", &seconds(&along(&planned.track, until_s, 1, 3.0)));
     let ran = run(&folder, &format!("{FOLLOW} --json")).succeeds();
     assert!(ran.stdout.contains("maneuvers-done"), "{ran}");
-    assert!(!folder.path().join("rest/plan.json").exists());
+    let rest = json(&folder, "rest/plan.json")["data"].take();
+    assert!(
+        rest["steps"].as_array().unwrap().is_empty() && rest["begun"]["status"] == "maneuvers-done",
+        "{rest}"
+    );
+    assert!(!folder.path().join("rest/track.parquet").exists());
 }
 
 #[test]
