@@ -145,7 +145,7 @@ class Read(unittest.TestCase):
         name = next(iter(good["data"]["shares"]))
         cases = [
             (lambda d: d.update(schema="design/99"), "schema: found design/99, expected design/2; upgrade seatrial"),
-            (lambda d: d.update(schema="strange/1"), "schema: found strange/1, expected one of average, "),
+            (lambda d: d.update(schema="strange/1"), "schema: found strange/1, expected one of design, "),
             (lambda d: d["data"].update(wrong=1), "data.wrong: found an unknown key, expected one of "),
             (lambda d: d["data"].pop("shares"), "data.shares: found no such key, expected a value"),
             (lambda d: d["data"].update(gap="1"), 'data.gap: found "1", expected a number'),
