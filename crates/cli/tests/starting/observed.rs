@@ -43,8 +43,6 @@ fn of_logs() -> TempDir {
     let folder = logged("heading", "heading");
     run(&folder, "new mine --vessel model-ship --logs logs").succeeds();
     edit(&folder, "mine/next/dictionary.toml", "candidates = 200", "candidates = 60");
-    let text = String::from_utf8(bytes(&folder, "mine/study.toml")).unwrap();
-    put(&folder, "mine/study.toml", &format!("{text}[next]\nstarts = 0\n"));
     folder
 }
 

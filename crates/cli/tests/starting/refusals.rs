@@ -142,7 +142,7 @@ fn settings_that_no_stage_has() {
             ["study.toml: key: found key `desing` (line 1", "did you mean `design`?"],
         ),
         ("[design]\nsegments = \"5\"\n", ["segments: found the text \"5\" (line 2", "a whole number"]),
-        ("[design]\ntolerance = true\n", ["tolerance: found", "expected a number"]),
+        ("[design]\nduration_s = true\n", ["duration_s: found", "expected a number"]),
         ("[design]\narrange = \"yes\"\n", ["arrange: found the text \"yes\" (line 2", "true or false"]),
         ("[design]\ncriterion = \"dd\"\n", ["`dd` (line 2", "`d-hessian`"]),
         ("[design]\nmoments = \"other.json\"\n", ["found key `moments`", "known"]),
