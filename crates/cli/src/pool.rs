@@ -146,18 +146,18 @@ pub struct PoolFlags {
     #[command(flatten)]
     pub of: RunFlags,
     /// How the instruments' mean is removed
-    #[arg(long, value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
+    #[arg(long, help_heading = "How it is fitted", value_parser = choice(&MeanRemoval::ALL, MeanRemoval::name, MeanRemoval::description), default_value_t = MeanRemoval::Complete)]
     pub mean_removal: MeanRemoval,
     /// Cuts longer sub-experiments, so that instruments start anew at least this often [s]
-    #[arg(long, value_name = "S")]
+    #[arg(long, help_heading = "How it is fitted", value_name = "S")]
     pub part_s: Option<f64>,
     /// The nominal model that instruments are simulated with: `given` in vessel.toml, `least-squares` (the fit of the same
     /// data), or a previous estimate.json
-    #[arg(long, value_name = "given|least-squares|FILE")]
+    #[arg(long, help_heading = "How it is fitted", value_name = "given|least-squares|FILE")]
     pub nominal: Option<Nominal>,
     /// Pull towards the nominal model, on the scale of correlations; 0.03 is mild. Of a ship with forces: the weight of
     /// her priors, or the model of a former fit or of a sister's
-    #[arg(long, value_name = "STRENGTH|model.json")]
+    #[arg(long, help_heading = "How it is fitted", value_name = "STRENGTH|model.json")]
     pub prior: Option<Held>,
 }
 
@@ -305,7 +305,8 @@ impl FromStr for Folds {
 #[derive(Clone, Debug, Parser)]
 #[command(
     name = "estimate",
-    after_help = "Example:\n  estimate --vessel pipelines/paper/vessel.toml --trajectories campaign.parquet --out results/",
+    after_help = "Examples:\n  estimate --vessel pipelines/paper/vessel.toml --trajectories campaign.parquet --out results/\n  \
+    estimate --vessel vessel.toml --trajectories out/measured/trajectories.parquet --out model/",
     mut_arg("trajectories", |runs| runs.required(false).required_unless_present("gather"))
 )]
 pub struct EstimateArguments {
@@ -316,7 +317,7 @@ pub struct EstimateArguments {
     pub fit: Option<FitKind>,
     /// The model of all runs together [default: of six recordings or more `library`, of a ship with forces `average`; of fewer `core`,
     /// of a ship with forces `own`; of simulated runs and with --estimator `own`]
-    #[arg(long, value_parser = choice(&ModelStructure::ALL, ModelStructure::name, ModelStructure::description))]
+    #[arg(long, help_heading = "One model of all", value_parser = choice(&ModelStructure::ALL, ModelStructure::name, ModelStructure::description))]
     pub structure: Option<ModelStructure>,
     /// The estimators, with commas between them; the first makes the model of all together, of each run the default one leads
     /// [default: `prediction-error` for measured logs, or `output-error` where no noise known here describes their errors, and of
@@ -325,32 +326,32 @@ pub struct EstimateArguments {
     pub estimator: Vec<Estimator>,
     /// Of each run: what disturbs it, for `prediction-error` and standard errors of `output-error`, which else find the noise of
     /// each run by itself, and to ask the runs what the model lacks
-    #[arg(long, value_name = "campaign.toml")]
+    #[arg(long, help_heading = "An estimate of each run", value_name = "campaign.toml")]
     pub campaign: Option<PathBuf>,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "How it is fitted")]
     pub additional: AdditionalFlags,
     /// Of each run: `covariance` writes covariances.parquet, the covariances of its parameters
-    #[arg(long, value_name = "LIST", value_parser = ["covariance"], conflicts_with_all = ["shard", "gather"])]
+    #[arg(long, help_heading = "An estimate of each run", value_name = "LIST", value_parser = ["covariance"], conflicts_with_all = ["shard", "gather"])]
     pub keep: Option<String>,
     /// Resamples of the bootstrap over sub-experiments; of `few` terms over recordings, 50 without it
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    #[arg(long, help_heading = "One model of all", value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     pub bootstrap: Option<u32>,
     /// Leaves recordings out, each or in N folds, and scores the estimators on them; a search has 6 folds without it
-    #[arg(long, value_name = "each|N")]
+    #[arg(long, help_heading = "One model of all", value_name = "each|N")]
     pub folds: Option<Folds>,
     /// Scores models over windows of this length, side by side [s]; whole runs without it
-    #[arg(long, value_name = "S")]
+    #[arg(long, help_heading = "One model of all", value_name = "S")]
     pub window_s: Option<f64>,
     /// Length of the windows that are fitted, of a search and of forces [s] [default: 60; of forces 100, at most]
-    #[arg(long, value_name = "S")]
+    #[arg(long, help_heading = "How it is fitted", value_name = "S")]
     pub fitted_window_s: Option<f64>,
     /// Of a ship with forces: values of captive tests under `derivatives`, to set beside the estimates
-    #[arg(long, value_name = "reference.toml")]
+    #[arg(long, help_heading = "One model of all", value_name = "reference.toml")]
     pub reference: Option<PathBuf>,
     /// The design of this trial, with its moments.json beside it: says what became of its promise
-    #[arg(long, value_name = "design.json")]
+    #[arg(long, help_heading = "One model of all", value_name = "design.json")]
     pub promised: Option<PathBuf>,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "In parts")]
     pub sharding: Sharding,
 }
 

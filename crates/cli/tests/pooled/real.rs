@@ -198,10 +198,9 @@ fn a_structure_found_for_the_kvlcc2_follows_runs_that_were_left_out_of_the_searc
 #[test]
 fn zig_zags_of_one_degree_are_outside_the_range_of_a_model_of_wider_ones() {
     let Some(folder) = ingested("kvlcc2", "kvlcc2_hsva") else { return };
-    let recorded = format!("{LOGGED}");
     let small = ["05_01", "10_01", "15_01"].map(|name| format!("kvlcc2_hsva_Z_{name}")).join(",");
     let line = format!(
-        "estimate --structure own {recorded} --estimator ls --leave-out {small} --out estimates.parquet"
+        "estimate --structure own {LOGGED} --estimator ls --leave-out {small} --out estimates.parquet"
     );
     run(&folder, &line).succeeds();
     let compared = |runs: &str| {

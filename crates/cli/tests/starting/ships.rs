@@ -116,8 +116,11 @@ fn a_scaled_fit_has_its_estimates_and_priors_from_its_errors() {
     );
     run(&folder, "simulate dictionary --vessel vessel.toml --dictionary dictionary.toml --out d.parquet")
         .succeeds();
-    run(&folder, "estimate --structure own --vessel vessel.toml --trajectories d.parquet --out estimate.json")
-        .succeeds();
+    run(
+        &folder,
+        "estimate --structure own --vessel vessel.toml --trajectories d.parquet --out estimate.json",
+    )
+    .succeeds();
     run(&folder, "new ship --vessel model.json --scale length_m=320").succeeds();
     let parameters = json(&folder, "model.json")["data"]["forces"]["parameters"].as_array().unwrap().clone();
     let text = plain(&folder, "ship/vessel.toml");

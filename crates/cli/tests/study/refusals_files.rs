@@ -159,14 +159,15 @@ fn a_later_version_is_refused_with_both_versions_and_the_remedy() {
         "validation.parquet",
     ]);
     let file = |name: &str| folder.path().join(name);
-    for (name, id, stage) in [
-        ("dictionary.parquet", "trajectories", MOMENTS),
-        ("moments.json", "moments", DESIGN),
-        ("design.json", "design", CAMPAIGN),
-        ("estimates.parquet", "estimates", VALIDATE),
+    for (name, id, version, stage) in [
+        ("dictionary.parquet", "trajectories", 1, MOMENTS),
+        ("moments.json", "moments", 1, DESIGN),
+        ("design.json", "design", 2, CAMPAIGN),
+        ("estimates.parquet", "estimates", 1, VALIDATE),
     ] {
-        craft::patch(&file(name), &format!("{id}/1"), &format!("{id}/2"));
-        let (found, expected) = (format!("found {id}/2"), format!("expected {id}/1"));
+        let later = version + 1;
+        craft::patch(&file(name), &format!("{id}/{version}"), &format!("{id}/{later}"));
+        let (found, expected) = (format!("found {id}/{later}"), format!("expected {id}/{version}"));
         refused(&folder, 3, stage, &[name, "schema", &found, &expected, "upgrade"]);
     }
 }
