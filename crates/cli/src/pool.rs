@@ -305,7 +305,7 @@ impl FromStr for Folds {
 #[derive(Clone, Debug, Parser)]
 #[command(
     name = "estimate",
-    after_help = "Examples:\n  estimate --vessel pipelines/paper/vessel.toml --trajectories campaign.parquet --out results/\n  \
+    after_help = "Example:\n  estimate --vessel pipelines/paper/vessel.toml --trajectories campaign.parquet --out results/\n  \
     estimate --vessel vessel.toml --trajectories out/measured/trajectories.parquet --out model/",
     mut_arg("trajectories", |runs| runs.required(false).required_unless_present("gather"))
 )]
