@@ -128,7 +128,10 @@ const GONE: &[(&str, &str)] = &[
     ("--starts", "it is gone: a search starts at random places where its problem is not concave"),
     ("--tolerance", "it is gone: a search ends where rounding does, and its gap is stated"),
     ("--hold-unexcited", "it is gone: parameters that no maneuver excites are held and named"),
-    ("--instruments", "it is gone: `--estimator ls` takes the regressors, `iv` the nominal model"),
+    (
+        "--instruments",
+        "it is gone: `--estimator ls` takes the regressors as instruments, `iv` those of the nominal model",
+    ),
     ("--table", "it is gone: `--keep table` writes moments.parquet beside the document"),
     ("--recordings", "it is gone: an ingest.json beside the trajectories is read"),
     ("--terms", "it is gone: a table [candidates] in vessel.toml lists them"),

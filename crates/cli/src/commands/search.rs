@@ -47,7 +47,6 @@ pub(super) fn searched(
     };
     let FoundStructure { search: summary, model } = structure;
     let promise = asked.promise(promised, Some(&model), &mut provenance)?;
-    let besides = besides(None, promise.as_ref());
     let said = format!("{} terms; {}", summary.terms.len(), summary.statements.join("; "));
     let details =
         json!({"terms": summary.terms.len(), "ridge": summary.ridge, "statements": summary.statements});
@@ -59,7 +58,7 @@ pub(super) fn searched(
     };
     let member = stage_document(&written.model, &provenance, &model)?;
     commit_with_document(member, &written.document, &provenance, &document)?;
-    Ok(Summary::of(&written.document, said, details).also(besides))
+    Ok(Summary::of(&written.document, said, details).also(besides(None, document.promise.as_ref())))
 }
 
 /// A search with its flags.
