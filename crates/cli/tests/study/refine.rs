@@ -239,12 +239,26 @@ fn a_start_that_excites_not_every_parameter_is_no_start() {
 }
 
 #[test]
-fn a_document_of_a_kind_that_is_gone_is_refused_with_what_writes_it_again() {
+fn documents_of_kinds_that_are_gone_are_refused_with_what_writes_them_again() {
     let folder = designed();
     let mut old = json(&folder, "design.json");
-    old["schema"] = "refined/1".into();
-    put(&folder, "refined.json", &old.to_string());
-    let line = "simulate campaign --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --design refined.json \
-                --out campaign.parquet";
-    refused(&folder, 3, line, &["refined.json", "refined/1", "design/2", "design --refine"]);
+    let line = "simulate campaign --vessel vessel.toml --dictionary dictionary.toml --campaign campaign.toml --design old.json --out \
+                campaign.parquet";
+    for (kind, again) in [
+        ("refined/1", "design --refine"),
+        ("trust/1", "estimate --fit together"),
+        ("search/2", "estimate --structure library"),
+        ("crossval/1", "--folds each"),
+        ("design-update/1", "--promised design.json"),
+        ("average/1", "--structure average"),
+        ("tally/1", "monte-carlo"),
+        ("compare/1", "validate --model"),
+        ("selection/1", "validate --design"),
+        ("sequential/1", "monte-carlo"),
+        ("follow/1", "plan --rest-of"),
+    ] {
+        old["schema"] = kind.into();
+        put(&folder, "old.json", &old.to_string());
+        refused(&folder, 3, line, &["old.json", kind, "design/2", again]);
+    }
 }
