@@ -7,14 +7,14 @@ use files::{Provenance, commit_with_document, read_document, stage_document};
 use seatrial::estimation::fitting::{Settings, Unfit};
 use seatrial::validation::crossval::dealt;
 use seatrial::{Physical, PhysicalError, check_captive, former};
-use serde_json::{Value, json};
+use serde_json::json;
 use ship::model::Vessel;
 use study::documents::{ChosenStructure, EstimateDocument, LeftOutScores, ModelDocument};
 use study::files::read_reference;
 
 use crate::cli::{Common, none_given, not_below, samples};
 use crate::failure::{Failure, WorkProgress};
-use crate::pool::{EstimateArguments, Folds, Held, PoolFlags, SetPaths, besides};
+use crate::pool::{EstimateArguments, Folds, Held, PoolFlags, SetPaths, besides, note};
 use crate::stage::Summary;
 
 /// Weight of a former fit of the same ship or of a sister's.
@@ -114,12 +114,6 @@ fn check(flags: &PoolFlags, estimators: &[Estimator], vessel: &Vessel) -> Result
     let refused = |e| Failure::invalid(&flags.vessel, &e);
     estimators.iter().try_for_each(|estimator| estimator.check(vessel)).map_err(refused)?;
     flags.check_forces()
-}
-
-/// Notes settings that are not empty.
-pub fn note(settings: impl IntoIterator<Item = (&'static str, Value)>, provenance: &mut Provenance) {
-    let given = settings.into_iter().filter(|(_, value)| *value != json!([]) && !value.is_null());
-    provenance.settings.extend(given.map(|(key, value)| (key.to_owned(), value)));
 }
 
 /// The estimates of a former fit, in the order of the vessel's parameters, if one is named.

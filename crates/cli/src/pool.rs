@@ -163,7 +163,7 @@ pub struct PoolFlags {
 
 impl PoolFlags {
     /// Notes a stage's `settings`, and the pooled runs and their parts; omits empty or absent ones.
-    pub fn note<const N: usize>(&self, settings: [(&str, Value); N], provenance: &mut Provenance) {
+    pub fn note<const N: usize>(&self, settings: [(&'static str, Value); N], provenance: &mut Provenance) {
         let pooled = [
             ("runs", json!(self.of.runs)),
             ("leave_out", json!(self.of.leave_out)),
@@ -171,9 +171,7 @@ impl PoolFlags {
             ("mean_removal", json!(self.mean_removal)),
             ("prior", json!(self.strength())),
         ];
-        let given = |(_, value): &(&str, Value)| *value != json!([]) && !value.is_null();
-        let all = settings.into_iter().chain(pooled).filter(given);
-        provenance.settings.extend(all.map(|(key, value)| (key.to_owned(), value)));
+        note(settings.into_iter().chain(pooled), provenance);
     }
 
     /// The files that are read.
@@ -374,7 +372,7 @@ impl EstimateArguments {
         let [moments, figures] =
             ["moments.json", "merit.json"].map(|name| beside(design, "design.json", name));
         let known: DesignDocument = read_document(design)?.data;
-        let figures = Some(figures.as_path()).filter(|file| known.figures.is_some() && file.exists());
+        let figures = Some(figures.as_path()).filter(|file| known.figures.is_some() && files::exists(file));
         Ok(Some((Promised::read(design, &moments, figures, &mut noted)?, noted)))
     }
 
@@ -445,6 +443,12 @@ impl SetPaths {
         let [table, document, model] = ["estimates.parquet", "estimate.json", "model.json"].map(of);
         Ok(Self { table: table?, document: document?, model: model?, main })
     }
+}
+
+/// Notes settings that are not empty.
+pub fn note(settings: impl IntoIterator<Item = (&'static str, Value)>, provenance: &mut Provenance) {
+    let given = settings.into_iter().filter(|(_, value)| *value != json!([]) && !value.is_null());
+    provenance.settings.extend(given.map(|(key, value)| (key.to_owned(), value)));
 }
 
 /// What is said of a model besides, in a line.

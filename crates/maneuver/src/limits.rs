@@ -58,25 +58,22 @@ pub struct StatedLimits {
 impl StatedLimits {
     /// Refuses limits for inputs that `model` does not have, and ranges that are none.
     pub(crate) fn check(&self, model: &Model) -> Result<(), Invalid> {
-        check_known(
-            "limits",
-            [&self.inputs.keys().collect::<Vec<_>>(), &self.rates.keys().collect()],
-            model,
-        )?;
+        check_known("limits", &self.inputs, &self.rates, model)?;
         let mut ranges = self.inputs.iter();
         ranges.try_for_each(|(name, range)| range.check(format!("`limits.inputs.{name}`")))
     }
 }
 
 /// Refuses names of `inputs` and `rates` in `table` that `model` does not have as inputs.
-fn check_known(table: &str, keys: [&Vec<&String>; 2], model: &Model) -> Result<(), Invalid> {
+fn check_known(
+    table: &str,
+    inputs: &BTreeMap<String, InputLimit>,
+    rates: &BTreeMap<String, f64>,
+    model: &Model,
+) -> Result<(), Invalid> {
     let names = model.input_names();
-    let unknown = |key: &&&String| !names.contains(&key.as_str());
-    match ["inputs", "rates"]
-        .into_iter()
-        .zip(keys)
-        .find_map(|(of, keys)| Some((of, keys.iter().find(unknown)?)))
-    {
+    let mut keys = inputs.keys().map(|key| ("inputs", key)).chain(rates.keys().map(|key| ("rates", key)));
+    match keys.find(|(_, key)| !names.contains(&key.as_str())) {
         None => Ok(()),
         Some((of, key)) => Err(Invalid::unknown(format!("`{table}.{of}`"), key, names)),
     }
@@ -96,7 +93,7 @@ pub struct Exceeded {
 impl Limits {
     /// Refuses limits for inputs that `model` does not have.
     pub(crate) fn check(&self, model: &Model) -> Result<(), Invalid> {
-        check_known("generate.limits", [&self.inputs.keys().collect(), &self.rates.keys().collect()], model)
+        check_known("generate.limits", &self.inputs, &self.rates, model)
     }
 
     /// The limit that `states` (rows × 3) or `inputs` (rows × inputs), which change `rate_hz` times a second, exceed most, if any.

@@ -348,7 +348,7 @@ class BegunPlan:
     steps: list[FollowedStep]
     #: How much of the information of the plan's maneuvers those have that are done.
     information: Gathered
-    #: Where the ship goes on.
+    #: Where the ship continues.
     from_: RestartPoint
 
 

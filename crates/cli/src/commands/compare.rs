@@ -21,7 +21,7 @@ use validation::selection::{PublishedLimits, SelectionOptions, Selector, availab
 use crate::cli::{Common, Sharding, beside, choice, member, samples};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made, joined, joined_blocks};
-use crate::pool::RunFlags;
+use crate::pool::{RunFlags, note};
 use crate::stage::Summary;
 
 /// Which models are tried, and how.
@@ -166,8 +166,7 @@ impl PickFlags {
             ("runs", json!(of.runs)),
             ("leave_out", json!(of.leave_out)),
         ];
-        let given = settings.into_iter().filter(|(_, value)| *value != json!([]));
-        provenance.settings.extend(given.map(|(key, value)| (key.to_owned(), value)));
+        note(settings, &mut provenance);
         let selector = Selector::new(&pool, &runs, &options).map_err(|lost| {
             let expected = "a least-squares fit that follows the data; use --estimator ls";
             let file = of.file().display();

@@ -120,7 +120,7 @@ fn left_out(
         ("window_samples", json!(window)),
         ("folds", json!(folds)),
     ];
-    physical::note(settings, provenance);
+    crate::pool::note(settings, provenance);
     let window_s = window.map(|samples| samples as f64 / pool.vessel.sample_rate_hz);
     Ok(LeftOutScores::new(pool, asked.flags.nominal().source(), window_s, &scores))
 }

@@ -24,6 +24,7 @@ use study::trajectories::Layout;
 use trial::campaign::Settings;
 use trial::rounds::{self, Arm, Row, Trial};
 
+use super::compare::SCORES;
 use crate::cli::{AdditionalFlags, Common, Sharding, beside, budget, choice, folder_of, given, none_given};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made};
@@ -245,9 +246,6 @@ fn published(
     ))
 }
 
-/// The usual name of the table of trials in rounds.
-const ROUNDS: &str = "scores.parquet";
-
 /// What trials in rounds are made of.
 type InRounds<'a> = (Files<'a>, CampaignFile, RoundsSpec);
 
@@ -283,7 +281,7 @@ impl MonteCarloArguments {
             ("--keep", self.keep != Keep::None),
         ];
         none_given(flags, "trials in rounds, which are estimated by `output-error`", "a --design")?;
-        let out = common.main_output(ROUNDS, self.of.paths().chain(&self.sharding.gather))?;
+        let out = common.main_output(SCORES, self.of.paths().chain(&self.sharding.gather))?;
         let vessel = StageOfTerms::Sequential.read_simulated(files.vessel, &mut provenance)?;
         let generator = read_dictionary(files.dictionary, &vessel, &mut provenance)?;
         let seed = common.seed.unwrap_or(campaign.seed);
@@ -311,7 +309,7 @@ impl MonteCarloArguments {
         let segments = campaign.random.map_or(5, |random| random.segments as usize);
         let trial = Trial::new(sea, &generator, noise, estimators, knowledge, ends, segments)
             .map_err(|e| files.refused(e))?;
-        let (document, rate_hz) = (beside(&out, ROUNDS, MAIN), vessel.sample_rate_hz);
+        let (document, rate_hz) = (beside(&out, SCORES, MAIN), vessel.sample_rate_hz);
         let outputs = [out.as_path(), document.as_path()];
         let made = if self.sharding.gathers() {
             let shards = &self.sharding.gather;

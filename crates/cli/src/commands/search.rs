@@ -15,8 +15,8 @@ use study::files::read_any_vessel;
 use crate::cli::{Common, samples};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs;
-use crate::physical::{note, settings, unfit};
-use crate::pool::{EstimateArguments, Folds, SetPaths, besides};
+use crate::physical::{settings, unfit};
+use crate::pool::{EstimateArguments, Folds, SetPaths, besides, note};
 use crate::stage::Summary;
 
 /// Most forces that are added.

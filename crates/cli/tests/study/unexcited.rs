@@ -1,4 +1,4 @@
-//! Parameters that no maneuver excites apart from the others: held and told.
+//! Parameters that no maneuver excites apart from the others are held, and named.
 
 use serde_json::Value;
 use tempfile::TempDir;
@@ -45,19 +45,19 @@ fn law_a_design_that_holds_a_parameter_is_that_of_a_vessel_in_which_it_is_fixed(
         run(&folder, &moments(flags).replace("--out moments", &format!("--out {out}"))).succeeds();
     }
     run(&folder, DESIGNED).refuses(4, &["no maneuver excites", "(sway)", "add a maneuver"]);
-    let told = run(&folder, &moments("")).succeeds();
+    let said = run(&folder, &moments("")).succeeds();
     let words = "no maneuver excites `Y_abs_u_r` (`|u| r` in sway) apart from the others: is held at the model's values";
-    assert!(told.stdout.contains(words), "{told}");
-    let told = run(&folder, DESIGNED).succeeds();
-    assert!(told.stdout.contains(words), "{told}");
+    assert!(said.stdout.contains(words), "{said}");
+    let said = run(&folder, DESIGNED).succeeds();
+    assert!(said.stdout.contains(words), "{said}");
     let design = json(&folder, "design.json");
     assert_eq!(design["data"]["held"][0]["parameter"], "Y_abs_u_r");
     run(&folder, MONTE_CARLO).succeeds();
     let tally = json(&folder, "validation.json");
 
     let fixed = ahead("fixed = true");
-    let told = run(&fixed, &moments("")).succeeds();
-    assert!(!told.stdout.contains("excites"), "{told}");
+    let said = run(&fixed, &moments("")).succeeds();
+    assert!(!said.stdout.contains("excites"), "{said}");
     run(&fixed, DESIGNED).succeeds();
     let own = json(&fixed, "design.json");
     assert_eq!(own["data"].get("held"), None);

@@ -414,7 +414,7 @@ pub struct BegunPlan {
     pub steps: Vec<FollowedStep>,
     /// How much of the information of the plan's maneuvers those have that are done.
     pub information: Gathered,
-    /// Where the ship goes on.
+    /// Where the ship continues.
     pub from: RestartPoint,
 }
 
