@@ -27,6 +27,7 @@ pub use recommendation::{
 };
 pub use sensitivity::{
     OutputInformation, Simulated, output_information, output_informations, prediction_weights,
+    summed_information,
 };
 pub use validate::{
     EstimateView, FreeRun, RunScore, ValidationRuns, free_runs, not_relative, parameter_error, rmse_norm,

@@ -20,7 +20,7 @@ use study::documents::DesignScores;
 use study::scores::summarize;
 use thiserror::Error;
 use trial::campaign::{Campaign, Designed, Maneuvers, Refusal, SimulatedRun, Wanted};
-use trial::moments::{Estimated, Moments, Pool, Prediction, structure};
+use trial::moments::{Estimated, Moments, Pool, Prediction, Unpredictable, structure};
 
 /// Why a study has no result.
 #[derive(Clone, Debug, Error)]
@@ -42,6 +42,14 @@ pub enum StudyError {
 impl From<NominalDiverged> for StudyError {
     fn from(error: NominalDiverged) -> Self {
         Self::Estimate(error.into())
+    }
+}
+
+impl From<Unpredictable> for StudyError {
+    fn from(error: Unpredictable) -> Self {
+        match error {
+            Unpredictable::Maneuver(invalid) | Unpredictable::Vessel(invalid) => Self::Invalid(invalid),
+        }
     }
 }
 
@@ -104,14 +112,9 @@ impl Study {
     pub fn moments(&self, runs: &[Run]) -> Result<Moments, StudyError> {
         self.vessel.check_terms("moments")?;
         let model = &self.vessel.model;
-        let prediction = Prediction::new(model, None, None);
-        let (parts, mut pool) = (prediction.runs(runs), Pool::default());
-        let instruments = InstrumentKind::Nominal;
-        for batch in RunInstruments::new(&self.vessel, instruments).batches(&parts) {
-            let (prepared, members) = batch?;
-            for (pooled, maneuver) in prediction.moments(&prepared.batch(), members)? {
-                pool.add(pooled, maneuver)?;
-            }
+        let (instruments, mut pool) = (InstrumentKind::Nominal, Pool::default());
+        for (pooled, maneuver) in Prediction::new(&self.vessel, instruments, None, None).moments(runs)? {
+            pool.add(pooled, maneuver)?;
         }
         Ok(Moments {
             vessel: self.vessel.name.clone(),

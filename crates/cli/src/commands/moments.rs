@@ -8,11 +8,9 @@ use estimation::Estimator;
 use files::{Provenance, TableWriter, commit, commit_with_document, stage_document};
 use refusal::Invalid;
 use regression::pooled::{PooledRuns, PooledSums, Regression};
-use regression::runs::RunInstruments;
 use regression::{InstrumentKind, MeanRemoval, Noise, Sums};
 use seatrial::sampled_ships;
 use serde_json::json;
-use ship::engine::Run;
 use ship::model::Vessel;
 use study::campaign_file::CampaignFile;
 use study::documents::MomentsDocument;
@@ -21,11 +19,11 @@ use study::moments_table::{self, table_of};
 use study::parts;
 use study::trajectories::{TrajectoryReader, label};
 use trial::moments::{
-    Estimated, Expected, ForcesPrediction, FreeRunModel, HeldParameter, ManeuverMoments, Moments, Pool,
-    Prediction, Unpredictable, check_constants, numbers, structure,
+    Estimated, Expected, FreeRunModel, HeldParameter, ManeuverMoments, Moments, Pool, Prediction,
+    PriorInformation, Unpredictable, check_constants, structure,
 };
 
-use crate::cli::{Common, Sharding, choice, given, none_given};
+use crate::cli::{Common, Sharding, choice, none_given};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, ordered};
 use crate::pool::Nominal;
@@ -81,27 +79,32 @@ impl Task for MomentsArguments {
         if reader.blocks() > 0 {
             label(reader.runs(0)?.iter().map(|run| run.design.as_str()), &mut provenance);
         }
-        if vessel.model.forces.is_some() {
-            return self.of_forces(common, &vessel, &reader, provenance);
+        self.check(&vessel)?;
+        let instruments = vessel.model.has_regressors().then(|| self.instruments());
+        if let Some(kind) = instruments {
+            provenance.settings.insert("instruments".into(), json!(kind));
         }
-        provenance.settings.insert("instruments".into(), json!(self.instruments()));
         let beyond = study::beyond(&self.vessel, &self.trajectories, None)?;
-        let is_own = self.keep.is_none() && matches!(self.nominal, None | Some(Nominal::Given));
+        let is_own = instruments.is_some()
+            && self.keep.is_none()
+            && matches!(self.nominal, None | Some(Nominal::Given));
         let sampled = is_own.then(|| sampled_ships(&self.vessel, &vessel, &reader)).transpose()?.flatten();
         let inputs = [&self.vessel, &self.trajectories].into_iter().chain(&self.campaign);
         let out = common.main_output("moments.json", inputs.chain(&self.sharding.gather))?;
         let known = read_model(&self.vessel)?.and_then(|model| model.known());
+        let known = known.or_else(|| PriorInformation::of(&vessel.model));
         let mut held = Vec::new();
         let document = loop {
             let mut beyond = beyond.clone();
             let (disturbances, output_error) = predicted(self, &vessel, &mut beyond, &mut provenance)?;
-            let prediction = Prediction::new(&vessel.model, disturbances.as_ref(), output_error.as_ref());
+            let (disturbed, free_runs) = (disturbances.as_ref(), output_error.as_ref());
+            let prediction = Prediction::new(&vessel, self.instruments(), disturbed, free_runs);
             let (a, quiet) = (self, common.quiet);
-            let reading = Reading { a, vessel: &vessel, prediction, forces: None, reader: &reader, quiet };
+            let reading = Reading { a, vessel: &vessel, prediction, reader: &reader, quiet };
             let head = |maneuvers: Vec<ManeuverMoments>| Moments {
                 vessel: vessel.name.clone(),
                 sample_rate_hz: vessel.sample_rate_hz,
-                instruments: Some(self.instruments()),
+                instruments,
                 degrees: structure(&vessel.model),
                 maneuvers,
                 held: held.clone(),
@@ -157,14 +160,11 @@ impl MomentsArguments {
         if self.estimator == Estimator::Ls { InstrumentKind::Regressors } else { InstrumentKind::Nominal }
     }
 
-    /// The moments of a ship with forces, for an output-error estimate.
-    fn of_forces(
-        &self,
-        common: &Common,
-        vessel: &Vessel,
-        reader: &TrajectoryReader,
-        mut provenance: Provenance,
-    ) -> Result<Summary, Failure> {
+    /// Refuses what needs regressors, of a `vessel` without them.
+    fn check(&self, vessel: &Vessel) -> Result<(), Failure> {
+        if vessel.model.has_regressors() {
+            return Ok(());
+        }
         if self.estimator != Estimator::OutputError {
             vessel.check_terms("iv").map_err(|e| {
                 let remedy = "add --estimator output-error and --campaign campaign.toml";
@@ -172,50 +172,20 @@ impl MomentsArguments {
             })?;
         }
         let flags = [("--nominal", self.nominal.is_some()), ("--keep", self.keep.is_some())];
-        none_given(flags, "a vessel with forces, which has no instruments", "one with terms per sample")?;
-        let inputs = [&self.vessel, &self.trajectories].into_iter().chain(&self.campaign);
-        let out = common.main_output("moments.json", inputs.chain(&self.sharding.gather))?;
-        let campaign = given(&self.campaign, "campaign")?;
-        let config = read_campaign(campaign, &mut provenance)?;
-        let noise = config.output_noise();
-        let forces = ForcesPrediction::new(vessel, noise);
-        let forces = forces.map_err(|e| Failure::invalid(fault(&e, &self.vessel, campaign), &e))?;
-        let validation = generator(campaign, vessel, &config.validation_dictionary(), &mut provenance)?;
-        let model = forces.free_runs(&validation).map_err(|e| self.unpredictable(campaign, e))?;
-        let expected = expected(self, vessel, &config, noise)?;
-        if self.sharding.gathers() {
-            let (gathered, document) = parts::moments(&self.sharding.gather, provenance)?;
-            return published(&out, &gathered, &document);
-        }
-        provenance.shard = self.sharding.shard;
-        let (prediction, quiet) = (Prediction::new(&vessel.model, None, None), common.quiet);
-        let reading = Reading { a: self, vessel, prediction, forces: Some(&forces), reader, quiet };
-        let document = MomentsDocument(Moments {
-            vessel: vessel.name.clone(),
-            sample_rate_hz: vessel.sample_rate_hz,
-            instruments: None,
-            degrees: numbers(vessel),
-            maneuvers: reading.maneuvers()?,
-            held: Vec::new(),
-            beyond: study::beyond(&self.vessel, &self.trajectories, None)?,
-            disturbances: Some(expected),
-            output_error: Some(model),
-            prior: read_model(&self.vessel)?.and_then(|model| model.known()).or_else(|| forces.prior()),
-            sampled: None,
-        });
-        published(&out, &provenance, &document)
+        none_given(flags, "a vessel with forces, which has no instruments", "one with terms per sample")
     }
 
-    fn unpredictable(&self, campaign: &Path, error: Unpredictable) -> Failure {
+    /// Why nothing is predicted of the maneuvers of `file`.
+    fn unpredictable(&self, file: &Path, error: Unpredictable) -> Failure {
         match error {
-            Unpredictable::Maneuver(e) => Failure::invalid(campaign, &e),
+            Unpredictable::Maneuver(e) => Failure::invalid(file, &e),
             Unpredictable::Vessel(e) => Failure::invalid(&self.vessel, &e),
         }
     }
 
     /// The parameter to be held next, since no maneuver excites it apart from the others; none of a part of the maneuvers.
     fn unexcited(&self, moments: &Moments) -> Result<Option<HeldParameter>, Failure> {
-        if self.sharding.shard.is_some() {
+        if self.sharding.shard.is_some() || moments.instruments.is_none() {
             return Ok(None);
         }
         let estimated = match self.estimator {
@@ -240,8 +210,6 @@ struct Reading<'a> {
     a: &'a MomentsArguments,
     vessel: &'a Vessel,
     prediction: Prediction<'a>,
-    /// Of a ship with forces, in place of the prediction by terms.
-    forces: Option<&'a ForcesPrediction<'a>>,
     reader: &'a TrajectoryReader,
     quiet: bool,
 }
@@ -293,29 +261,15 @@ impl Reading<'_> {
         &self,
         mut take: impl FnMut(bool, ManeuverMoments) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        let Self { a, vessel, prediction, forces, reader, quiet } = self;
-        let instruments = RunInstruments::new(vessel, a.instruments());
+        let Self { a, prediction, reader, quiet, .. } = self;
         let blocks = a.sharding.shard.map_or(0..reader.blocks(), |shard| shard.range(reader.blocks()));
         let share = blocks.len() as f64 / reader.blocks().max(1) as f64;
         let seconds = share * reader.rows().0 as f64 / ROWS_PER_SECOND;
         let progress = WorkProgress::new("blocks", blocks.len(), *quiet).foretold(seconds);
         let work = |block: usize| {
-            if let Some(forces) = forces {
-                let moments = reader.runs(block)?.into_iter().map(|run| Ok((false, forces.moments(&run)?)));
-                progress.advance(1);
-                return moments
-                    .collect::<Result<_, Invalid>>()
-                    .map_err(|e| Failure::invalid(&a.trajectories, &e));
-            }
-            let runs: Vec<Run> = prediction.runs(&reader.runs(block)?);
-            let mut pooled_runs = Vec::with_capacity(runs.len());
-            for batch in instruments.batches(&runs) {
-                let (prepared, members) = batch.map_err(|e| Failure::invalid(&a.vessel, &e.invalid()))?;
-                let moments = prediction.moments(&prepared.batch(), members);
-                pooled_runs.extend(moments.map_err(|e| Failure::invalid(&a.vessel, &e))?);
-            }
+            let moments = prediction.moments(&reader.runs(block)?);
             progress.advance(1);
-            Ok::<_, Failure>(pooled_runs)
+            moments.map_err(|e| a.unpredictable(&a.trajectories, e))
         };
         ordered(blocks, work, |runs| runs.into_iter().try_for_each(|(pooled, more)| take(pooled, more)))
     }
@@ -342,6 +296,8 @@ fn predicted(
     } else {
         config.noise_for(a.instruments()).map_err(|e| Failure::invalid(campaign, &e))?
     };
+    Prediction::check(&vessel.model, &noise)
+        .map_err(|e| Failure::invalid(fault(&e, &a.vessel, campaign), &e))?;
     let expected = expected(a, vessel, &config, noise)?;
     if a.estimator != Estimator::OutputError {
         return Ok((Some(expected), None));

@@ -9,15 +9,16 @@
 
 use numerics::{LANES, Lane, lanes};
 use regression::Noise;
-use ship::model::Model;
+use ship::model::{ForceModel, Model};
 
 use super::dynamics::{Flow, NoiseModel};
 use super::products::Products;
 use super::sweep::{Sensitivities, Step, add_draws, backward, sweep};
 use super::{Recordings, Unknowns};
+use crate::fitting::{SimulatedRun, WhiteNoise};
 
-/// Information of one run about the parameters with intercepts, per sample: n × n matrices, row-major, symmetric, in the order
-/// of [`ship::model::ParameterLayout`].
+/// Information of one run about the parameters, those of terms with intercepts, per sample: n × n matrices, row-major, symmetric,
+/// in the order of [`ship::model::ParameterLayout`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutputInformation {
     /// F.
@@ -44,11 +45,40 @@ pub fn output_information(
     exogenous: &[f64],
     noise: &Noise,
 ) -> Option<OutputInformation> {
+    if let Some(moved) = &model.forces {
+        return of_forces(model, moved, &Simulated { theta, initial, exogenous }, noise);
+    }
     let model = model.with_intercepts();
     let parameters = model.layout().woven(theta, [0.0; 3]);
     let run = Recordings::simulated(&model, initial, exogenous);
     RunInformation::by(&run, &parameters, noise, Sensitivities::default(), |_| ())
         .mean(run.longest(), |entry| *entry)
+}
+
+/// That of a ship with forces, by tangents of her steps.
+fn of_forces(model: &Model, moved: &ForceModel, run: &Simulated, noise: &Noise) -> Option<OutputInformation> {
+    let white = WhiteNoise { measurement: noise.measurement, current: noise.current };
+    let simulated = run.of_forces(model, moved);
+    let sums = simulated.information(&moved.forces, run.theta, &white)?;
+    let share = 1.0 / simulated.samples().max(1) as f64;
+    let [information, process] =
+        [sums.measurement, sums.current].map(|sum| sum.into_iter().map(|entry| share * entry).collect());
+    Some(OutputInformation { measurement: Vec::clone(&information), information, process })
+}
+
+/// Sum over the samples of a run of what measurement errors alone leave to be known of the parameters: F of [`output_information`],
+/// times their number. `None` if the simulation is not finite.
+pub fn summed_information(model: &Model, run: &Simulated, noise: &Noise) -> Option<Vec<f64>> {
+    let Some(moved) = &model.forces else {
+        let Simulated { theta, initial, exogenous } = *run;
+        let still = Noise { current: 0.0, ..*noise };
+        let mean = output_information(model, theta, initial, exogenous, &still)?.information;
+        let samples = (exogenous.len() / model.exogenous().max(1)) as f64;
+        return Some(mean.into_iter().map(|entry| samples * entry).collect());
+    };
+    let still = WhiteNoise { measurement: noise.measurement, current: 0.0 };
+    let sums = run.of_forces(model, moved).information(&moved.forces, run.theta, &still);
+    sums.map(|sums| sums.measurement)
 }
 
 /// A run to be simulated with the parameters `theta`, see [`output_information`].
@@ -62,12 +92,22 @@ pub struct Simulated<'a> {
     pub exogenous: &'a [f64],
 }
 
+impl<'a> Simulated<'a> {
+    fn of_forces(&self, model: &Model, moved: &ForceModel) -> SimulatedRun<'a> {
+        let (width, sample_s) = (model.exogenous(), moved.sample_s);
+        SimulatedRun { initial: self.initial, inputs: self.exogenous, width, sample_s }
+    }
+}
+
 /// [`output_information`] of many runs; those of one length are computed in lanes.
 pub fn output_informations(
     model: &Model,
     runs: &[Simulated],
     noise: &Noise,
 ) -> Vec<Option<OutputInformation>> {
+    if let Some(moved) = &model.forces {
+        return runs.iter().map(|run| of_forces(model, moved, run, noise)).collect();
+    }
     let model = model.with_intercepts();
     let layout = model.layout();
     let width = model.exogenous().max(1);
@@ -92,17 +132,22 @@ pub fn output_informations(
     means
 }
 
-/// Mean over the samples of Sᵀ S, n × n, rows and columns of intercepts zero: the variance of a free run due to
+/// Sum over the samples of Sᵀ S, n × n, rows and columns of intercepts zero: with G its mean, the variance of a free run due to
 /// errors of the parameters, summed over the states, is tr(cov G). `None` if the simulation is not finite.
 pub fn prediction_weights(model: &Model, theta: &[f64], initial: [f64; 3], rows: &[f64]) -> Option<Vec<f64>> {
+    if let Some(moved) = &model.forces {
+        let run = Simulated { theta, initial, exogenous: rows }.of_forces(model, moved);
+        return Some(run.slopes(&moved.forces, theta)?.squares(theta.len()));
+    }
     let model = model.with_intercepts();
     let layout = model.layout();
     let run = Recordings::simulated(&model, initial, rows);
     let mut path = Sensitivities::default();
     let [squares] = followed(&run, &layout.woven(theta, [0.0; 3]), [[1.0; 3]], &mut path);
-    let (n, share) = (layout.parameters(), 1.0 / run.longest().max(1) as f64);
-    let counted: Vec<f64> = layout.are_intercepts().map(|is| if is { 0.0 } else { 1.0 }).collect();
-    let entry = |e: usize| share * counted[e / n] * counted[e % n] * squares[e];
+    let (n, samples) = (layout.parameters(), run.longest().max(1) as f64);
+    let (share, counted): (f64, Vec<f64>) =
+        (1.0 / samples, layout.are_intercepts().map(|is| if is { 0.0 } else { 1.0 }).collect());
+    let entry = |e: usize| samples * (share * counted[e / n] * counted[e % n] * squares[e]);
     let sum: Vec<f64> = (0..n * n).map(entry).collect();
     sum.iter().all(|x| x.is_finite()).then_some(sum)
 }

@@ -22,6 +22,7 @@ pub use dynamics::{Drift, Flow, ForceNoise, NoiseModel};
 pub(crate) use dynamics::{Dynamics, Local, Motion, current_of, vessel_state, with_states};
 pub use information::{
     OutputInformation, Simulated, output_information, output_informations, prediction_weights,
+    summed_information,
 };
 pub(crate) use information::{RunInformation, channels};
 pub(crate) use kalman::{Gain, add_noise, filter, filter_along, gain, moved, shrink, start};

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use estimation::{Simulated, summed_information};
 use numerics::{LANES, Lane};
 use refusal::Invalid;
 use regression::{Batch, Noise, moments};
@@ -11,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use ship::engine::simulate_one;
 use ship::model::Vessel;
 use trial::Piece;
-use trial::moments::ForcesPrediction;
+use trial::moments::Prediction;
 
 use super::error::VoyageError;
 use super::task::Brief;
@@ -30,38 +31,40 @@ pub(super) struct MomentSums {
 #[derive(Clone, Debug)]
 pub(super) struct Summing<'a> {
     vessel: &'a Vessel,
-    forces: Option<ForcesPrediction<'a>>,
+    /// The noise that errors of whole segments are weighed by; none where sums are of instruments.
+    noise: Option<Noise>,
 }
 
 impl Brief {
     /// How the information of its vessel is summed.
     pub(super) fn summing(&self) -> Result<Summing<'_>, Invalid> {
         let vessel = &self.vessel;
-        let forces = match (&vessel.model.forces, self.task.measurement) {
-            (None, None) => None,
-            (Some(_), Some(assumed)) => {
+        let noise = match (vessel.model.has_regressors(), self.task.measurement) {
+            (true, None) => None,
+            (false, Some(assumed)) => {
                 let noise = Noise { measurement: assumed.std(), current: 0.0 };
-                Some(ForcesPrediction::of_nominal(vessel, noise)?)
+                Prediction::check(&vessel.model, &noise)?;
+                Some(noise)
             }
-            (Some(_), None) => {
+            (false, None) => {
                 let expected = "the noise of the logged u, v and r, by which a ship with forces is estimated";
                 let remedy = "add `std_u_m_s`, `std_v_m_s` and `std_r_rad_s`, as campaign.toml has them";
                 return Err(Invalid::new("[measurement]", "none", expected, remedy));
             }
-            (None, Some(_)) => {
+            (true, Some(_)) => {
                 let both = "noise of logs, and a vessel with terms per sample";
                 let expected = "it of a ship with forces alone";
                 return Err(Invalid::new("[measurement]", both, expected, "leave it out"));
             }
         };
-        Ok(Summing { vessel, forces })
+        Ok(Summing { vessel, noise })
     }
 }
 
 impl Summing<'_> {
     /// Whether segments are simulated from a start that is known, each by itself.
-    pub(super) fn is_of_forces(&self) -> bool {
-        self.forces.is_some()
+    pub(super) fn is_of_segments(&self) -> bool {
+        self.noise.is_some()
     }
 
     /// For N samples: `inputs` N × inputs, `states` (N+1) × 3 through the water. Instruments and derivatives come from the
@@ -69,15 +72,14 @@ impl Summing<'_> {
     pub(super) fn of(&self, inputs: &[f64], states: &[f64]) -> MomentSums {
         let exogenous = self.vessel.model.undisturbed(inputs);
         let initial = [states[0], states[1], states[2]];
-        match &self.forces {
-            Some(forces) => {
-                let prior = forces.prior_information();
-                let nothing = || vec![0.0; prior.len() * prior.len()];
-                let information = forces.information(initial, &exogenous).unwrap_or_else(nothing);
-                MomentSums { degrees: vec![information], prior }
-            }
-            None => self.lifted(initial, states, &exogenous),
-        }
+        let Some(noise) = &self.noise else { return self.lifted(initial, states, &exogenous) };
+        let (model, theta) = (&self.vessel.model, &self.vessel.nominal);
+        let known = |deviation: Option<f64>| deviation.map_or(0.0, |sigma| 1.0 / (sigma * sigma));
+        let prior: Vec<f64> = model.prior_deviations().into_iter().map(known).collect();
+        let nothing = || vec![0.0; prior.len() * prior.len()];
+        let run = Simulated { theta, initial, exogenous: &exogenous };
+        let information = summed_information(model, &run, noise).unwrap_or_else(nothing);
+        MomentSums { degrees: vec![information], prior }
     }
 
     fn lifted(&self, initial: [f64; 3], states: &[f64], exogenous: &[f64]) -> MomentSums {
@@ -103,7 +105,7 @@ impl Summing<'_> {
     pub(super) fn of_piece(&self, piece: &Piece) -> MomentSums {
         let exogenous = self.vessel.model.undisturbed(&piece.inputs);
         let initial = [piece.speed_m_s, 0.0, 0.0];
-        if self.is_of_forces() {
+        if self.is_of_segments() {
             return self.of(&piece.inputs, &initial);
         }
         let states = simulate_one(&self.vessel.model, &self.vessel.nominal, initial, &exogenous);

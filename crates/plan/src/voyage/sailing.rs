@@ -233,7 +233,7 @@ impl Prepared {
         Ok(Information {
             predicted_log_det: known(promise),
             realised_log_det: known(information),
-            whole_log_det: (!summing.is_of_forces()).then(whole).and_then(known),
+            whole_log_det: (!summing.is_of_segments()).then(whole).and_then(known),
             efficiency: known(libm::exp((information - promise) / p as f64)),
             design_efficiency: self.design_efficiency(&summing, legs, &predicted),
             dimension: p as u64,
@@ -258,7 +258,7 @@ impl Prepared {
         let after = sailed.samples.get(range.end).map(|s| s.state);
         let after = after.or(sailed.ends.last().map(|(_, state)| *state)).unwrap_or_default();
         let mut states: Vec<f64> = sample.iter().map(|s| s.state).chain([after]).flatten().collect();
-        if summing.is_of_forces() {
+        if summing.is_of_segments() {
             let [along, across] =
                 turned_back(self.brief.task.known_current_m_s, sample.first().map_or(0.0, |s| s.pose.psi));
             (states[0], states[1]) = (states[0] - along, states[1] - across);

@@ -132,6 +132,39 @@ impl Model {
         self.forces.as_ref().map_or(&[], |model| model.forces.parameters())
     }
 
+    /// Whether increments are linear in the parameters: sums of regressors, which `ls`, `iv` and instruments are made of.
+    pub fn has_regressors(&self) -> bool {
+        self.forces.is_none()
+    }
+
+    /// Length of the ship \[m\], where it is known.
+    pub fn length_m(&self) -> Option<f64> {
+        self.forces.as_ref().map(|model| model.forces.description().ship.length_m)
+    }
+
+    /// The standard deviation of each parameter's prior; `None` without one.
+    pub fn prior_deviations(&self) -> Vec<Option<f64>> {
+        let of_terms = self.degrees.iter().flat_map(|degree| degree.terms.iter().map(|_| None));
+        of_terms.chain(self.free().iter().map(|parameter| parameter.prior)).collect()
+    }
+
+    /// Whether input `i` drives a propeller whose thrust law holds ahead only.
+    pub fn is_ahead_only(&self, i: usize) -> bool {
+        self.forces.as_ref().is_some_and(|model| model.forces.is_ahead_only(i))
+    }
+
+    /// Whether an input acts late with the parameters `theta`, by a dead time.
+    pub fn has_dead_time(&self, theta: &[f64]) -> bool {
+        self.forces.as_ref().is_some_and(|model| model.forces.has_dead_time(theta))
+    }
+
+    /// Whether a thruster or rudder of its own describes the lag of input `i`.
+    pub fn has_own_lag(&self, i: usize, theta: &[f64]) -> bool {
+        let driven =
+            |model: &Arc<ForceModel>| model.forces.lags(theta).iter().any(|(driven, _)| *driven == i);
+        self.forces.as_ref().is_some_and(driven)
+    }
+
     /// The measured disturbances.
     pub fn measured(&self) -> &[Variable] {
         &self.variables[3 + self.inputs..self.variables.len() - self.derived.len()]

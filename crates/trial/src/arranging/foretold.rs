@@ -15,7 +15,7 @@ use ship::engine::{Streams, check_diverged, simulate_one};
 use ship::model::Source;
 
 use super::{Arranging, generated_limits};
-use crate::moments::{Estimated, Expected, ForcesPrediction, OutputErrorMoments, leading};
+use crate::moments::{Estimated, Expected, leading};
 
 /// Errors that estimates of many trials of the same experiment have: medians over estimates drawn from their predicted
 /// distribution, to first order in their errors. Where the true parameters are known, priors pull every estimate the same way.
@@ -132,20 +132,11 @@ impl Arranging<'_> {
     fn informed(&self, runs: &[PlannedRun]) -> Option<Vec<Option<Information>>> {
         let (noise, expected) = (self.noise()?, self.moments.output_error.as_ref()?);
         let (model, theta) = (&self.vessel.model, self.ordered(&expected.parameters)?);
-        let mut all: Vec<Option<Information>> = if model.forces.is_some() {
-            let prediction = ForcesPrediction::with(self.vessel, theta, noise).ok()?;
-            let of = |(initial, exogenous): &PlannedRun| {
-                let OutputErrorMoments { f, p, .. } = prediction.of_experiment(*initial, exogenous)?;
-                let meat = p.map_or_else(|| f.clone(), |p| f.iter().zip(&p).map(|(f, p)| f + p).collect());
-                Some(Information { information: f, meat })
-            };
-            runs.iter().map(of).collect()
-        } else {
-            let all = runs.iter().map(|run| Simulated { theta: &theta, initial: run.0, exogenous: &run.1 });
-            let predicted = output_informations(model, &all.collect::<Vec<_>>(), &noise);
-            let of = |p: OutputInformation| Information { meat: p.middle(), information: p.information };
-            predicted.into_iter().map(|predicted| predicted.map(of)).collect()
-        };
+        let all = runs.iter().map(|run| Simulated { theta: &theta, initial: run.0, exogenous: &run.1 });
+        let predicted = output_informations(model, &all.collect::<Vec<_>>(), &noise);
+        let of = |p: OutputInformation| Information { meat: p.middle(), information: p.information };
+        let mut all: Vec<Option<Information>> =
+            predicted.into_iter().map(|predicted| predicted.map(of)).collect();
         if let (Some(prior), Some(run)) = (&self.moments.prior, runs.first()) {
             // Priors count once for the experiment.
             let samples = (run.1.len() / model.exogenous().max(1)) as f64;

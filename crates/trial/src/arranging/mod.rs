@@ -131,7 +131,7 @@ impl Arranging<'_> {
 
     /// Neighbours of a round, and rounds.
     fn searched(&self) -> (usize, usize) {
-        if self.vessel.model.forces.is_some() { SEARCHED_OF_FORCES } else { SEARCHED }
+        if self.vessel.model.has_regressors() { SEARCHED } else { SEARCHED_OF_FORCES }
     }
 
     /// Whether the motion from `initial` under `inputs` keeps the limits.

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use design::{
-    Bounds, Candidates, Criterion, CriterionName, Dictionary, NoDesign, Norm, Options, Rivals,
+    Bounds, Candidates, Criterion, CriterionName, Degree, Dictionary, NoDesign, Norm, Options, Rivals,
     WeightedFigure, solve_within,
 };
 use refusal::Invalid;
@@ -49,7 +49,7 @@ impl Moments {
             degrees: self.degrees.clone(),
             maneuvers: self.maneuvers.iter().map(|m| m.name.clone()).collect(),
             sample_rate_hz: self.sample_rate_hz,
-            intercepts: estimated.has_intercepts() && !self.is_of_forces(),
+            intercepts: estimated.has_intercepts() && self.have_regressors(),
             information,
         })
     }
@@ -183,9 +183,15 @@ impl Moments {
         Ok(candidates)
     }
 
-    /// Refuses a ship with forces for instrumental variables.
+    /// Whether they have regressors, and intercepts beside the parameters.
+    pub fn have_regressors(&self) -> bool {
+        let bare = |degree: &Degree| degree.regressors.len() == degree.parameters.len();
+        self.degrees.is_empty() || !self.degrees.iter().all(bare)
+    }
+
+    /// Refuses moments without regressors for instrumental variables.
     fn check_terms(&self) -> Result<(), Invalid> {
-        if !self.is_of_forces() {
+        if self.have_regressors() {
             return Ok(());
         }
         Err(Invalid::new(
@@ -203,7 +209,7 @@ impl Moments {
         };
         for degree in &self.degrees {
             let (regressors, parameters) = (degree.regressors.len(), degree.parameters.len());
-            let intercepts = usize::from(!self.is_of_forces());
+            let intercepts = usize::from(self.have_regressors());
             if parameters == 0 || regressors != parameters + intercepts {
                 let value = format!("{regressors} regressors and {parameters} parameters");
                 let thing = format!("`data.degrees` {}", degree.name);

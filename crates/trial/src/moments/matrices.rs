@@ -185,7 +185,7 @@ fn validation_weights(
         let what = || diverges(&format!("validation maneuver `{}`", maneuver.name));
         let weights = prediction_weights(model, theta, run.initial, &model.undisturbed(&run.inputs))
             .ok_or_else(|| Unpredictable::Vessel(what()))?;
-        sum.iter_mut().zip(&weights).for_each(|(s, o)| *s += samples as f64 * o);
+        sum.iter_mut().zip(&weights).for_each(|(s, o)| *s += o);
         total += samples as f64;
     }
     Ok((total > 0.0).then(|| sum.iter().map(|s| s / total).collect()))

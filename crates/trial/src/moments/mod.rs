@@ -3,7 +3,8 @@
 
 mod dictionary;
 mod matrices;
-mod physical;
+mod prediction;
+mod prior;
 
 use std::collections::BTreeMap;
 
@@ -21,7 +22,8 @@ use ship::model::{DegreeOfFreedom, Model, Source, Vessel};
 
 pub use dictionary::{CriterionOf, Estimated, NoCriterion, leading, malformed};
 pub use matrices::{DegreeMoments, FreeRunModel, ManeuverMoments, OutputErrorMoments, Pool, Unpredictable};
-pub use physical::{ForcesPrediction, Prediction, PriorInformation, numbers};
+pub use prediction::Prediction;
+pub use prior::PriorInformation;
 
 /// The lifted moment matrices of every maneuver.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -175,8 +177,13 @@ pub fn check_constants(model: &Model) -> Result<(), Invalid> {
     }
 }
 
-/// The rows and columns of the moments of `model`.
+/// The rows and columns of the moments of `model`: those of each degree of freedom, or of all parameters where they multiply no
+/// regressors.
 pub fn structure(model: &Model) -> Vec<Degree> {
+    if !model.has_regressors() {
+        let names = || model.parameter_names().map(str::to_owned).collect();
+        return vec![Degree { name: FORCES.to_owned(), regressors: names(), parameters: names() }];
+    }
     let of = |(d, degree): (DegreeOfFreedom, &ship::model::Degree)| Degree {
         name: d.name().to_owned(),
         regressors: degree.terms.iter().map(|t| t.text.clone()).chain(["1".to_owned()]).collect(),
@@ -185,8 +192,15 @@ pub fn structure(model: &Model) -> Vec<Degree> {
     DegreeOfFreedom::ALL.into_iter().zip(&model.degrees).map(of).collect()
 }
 
-/// Names of the parameters with an intercept per degree of freedom, in the order of output error's matrices.
+/// Name of the block of all parameters.
+const FORCES: &str = "forces";
+
+/// Names of the parameters, with an intercept per degree of freedom where there are regressors, in the order of output error's
+/// matrices.
 pub(crate) fn rows(model: &Model) -> Vec<String> {
+    if !model.has_regressors() {
+        return model.parameter_names().map(str::to_owned).collect();
+    }
     let of = |(d, degree): (DegreeOfFreedom, &ship::model::Degree)| {
         degree.parameters.iter().cloned().chain([format!("intercept ({})", d.name())]).collect::<Vec<_>>()
     };

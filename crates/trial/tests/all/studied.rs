@@ -10,7 +10,6 @@ use estimation::predictor::{Flow, NoiseModel};
 use estimation::runs::{AdditionalUnknowns, RunEstimators};
 use maneuver::{DictionaryFile, Generator};
 use numerics::Watch;
-use regression::runs::RunInstruments;
 use regression::{InstrumentKind, MeanRemoval, Noise};
 use ship::engine::{Axes, Current, Disturbances, Measurement, Run, Streams, Wind, simulate_one};
 use ship::model::{Source, Vessel};
@@ -86,13 +85,10 @@ fn simulated(vessel: &Vessel, generator: &Generator) -> Vec<SimulatedRun> {
 fn moments(vessel: &Vessel, generator: &Generator, runs: &[Run]) -> Moments {
     let expected = Expected::new(vessel, NOISE, 20.0).unwrap();
     let free = FreeRunModel::new(vessel, Some(generator)).unwrap();
-    let prediction = Prediction::new(&vessel.model, Some(&expected), Some(&free));
-    let (parts, mut pool) = (prediction.runs(runs), Pool::default());
-    for batch in RunInstruments::new(vessel, InstrumentKind::Nominal).batches(&parts) {
-        let (prepared, members) = batch.unwrap();
-        let found = prediction.moments(&prepared.batch(), members).unwrap();
-        found.into_iter().try_for_each(|(pooled, own)| pool.add(pooled, own)).unwrap();
-    }
+    let prediction = Prediction::new(vessel, InstrumentKind::Nominal, Some(&expected), Some(&free));
+    let mut pool = Pool::default();
+    let found = prediction.moments(runs).unwrap();
+    found.into_iter().try_for_each(|(pooled, own)| pool.add(pooled, own)).unwrap();
     Moments {
         vessel: vessel.name.clone(),
         sample_rate_hz: vessel.sample_rate_hz,
@@ -560,8 +556,7 @@ fn law_criteria_of_moments_relate_as_their_definitions_do() {
 fn law_a_measured_run_counts_by_its_segments() {
     let (vessel, generator) = (vessel(), generator(&vessel()));
     let measured = campaign(1).remove(0).run;
-    let model = &vessel.model;
-    let parts = Prediction::new(model, None, None).runs(std::slice::from_ref(&measured));
+    let parts = Prediction::runs(std::slice::from_ref(&measured));
     assert_eq!(parts.len(), 3);
     let ends = [(0, 80), (80, 280), (280, 400)];
     for (part, (from, to)) in parts.iter().zip(ends) {
@@ -572,7 +567,7 @@ fn law_a_measured_run_counts_by_its_segments() {
         assert_eq!(part.initial, initial);
     }
     let dictionary = simulated(&vessel, &generator).remove(1).run;
-    assert_eq!(Prediction::new(model, None, None).runs(std::slice::from_ref(&dictionary)), [dictionary]);
+    assert_eq!(Prediction::runs(std::slice::from_ref(&dictionary)), [dictionary]);
 }
 
 #[test]
