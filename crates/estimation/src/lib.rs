@@ -26,9 +26,10 @@ pub use recommendation::{
     Share, TRUSTED, relative_norms,
 };
 pub use sensitivity::{
-    OutputInformation, Simulated, output_information, output_informations, prediction_weights,
+    OutputInformation, Simulated, output_information, output_informations, prediction_weights, state_slopes,
     summed_information,
 };
 pub use validate::{
-    EstimateView, FreeRun, RunScore, ValidationRuns, free_runs, not_relative, parameter_error, rmse_norm,
+    EstimateView, FreeRun, RunScore, ValidationRuns, free_runs, not_relative, one_step_errors,
+    parameter_error, rmse_norm,
 };

@@ -1,8 +1,11 @@
 use numerics::{Arithmetic, GROUPS, LANES, Lane, Number, Numbers, Row, Wide, vectorized};
 use refusal::listed;
+use regression::pooled::{Part, Regression};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use ship::engine::{Compiled, Run, RunView, Weather, check_diverged, diverged_lanes, replay, simulate};
+use ship::engine::{
+    Compiled, Replayed, Run, RunView, Weather, check_diverged, diverged_lanes, replay, simulate,
+};
 use ship::model::{Model, Vessel};
 
 use crate::{EstimateStatus, Estimator, RunEstimate, ScoreStatus};
@@ -421,4 +424,18 @@ impl StateDeviations {
         let of = |squares: f64| (squares / (n - 1.0)).sqrt() * ((n - 1.0) / n).sqrt();
         if self.rows > 1 { self.squares.map(of) } else { [0.0; 3] }
     }
+}
+
+/// What a step from each measured state of `part` leaves of the next one: u, v \[m/s\] and r \[rad/s\], a row per sample. Inputs are
+/// linear between samples unless they are held; where there are regressors, they are held.
+pub fn one_step_errors(model: &Model, theta: &[f64], part: &Part, are_inputs_held: bool) -> [Vec<f64>; 3] {
+    let Some(moved) = &model.forces else {
+        let (regression, layout) = (Regression::of(model, &part.whole()), model.layout());
+        return [0, 1, 2].map(|d: usize| regression.degrees[d].residuals(&theta[layout.terms(d)]).collect());
+    };
+    let course = (&part.exogenous[..], model.exogenous().max(1));
+    let replayed = Replayed::new(moved, theta, course, are_inputs_held);
+    let states = part.measured.as_chunks::<3>().0;
+    let left = |k: usize, d: usize| states[k + 1][d] - replayed.step(k, states[k])[d];
+    [0, 1, 2].map(|d| (0..part.samples()).map(|k| left(k, d)).collect())
 }

@@ -96,7 +96,7 @@ pub(super) fn check_range(vessel: &Vessel, inputs: &[f64], what: impl Fn() -> St
         None => ("its `range` in the vessel's file", "correct the range"),
         Some(_) => ("about what the logs of the model cover", "allow more with --allow=beyond-range"),
     };
-    if inputs[i] < low && vessel.model.forces.as_ref().is_some_and(|model| model.forces.is_ahead_only(i)) {
+    if inputs[i] < low && vessel.model.is_ahead_only(i) {
         return Err(Invalid::new(
             what(),
             format!("{} = {} {}", variable.name, inputs[i], variable.unit),

@@ -325,7 +325,7 @@ impl<'a> Comparison<'a> {
         let one = |standing, ships: &[Ship<'b>]| Contestant { standing, place: None, ships: ships.to_vec() };
         let mut contestants = vec![one(model.standing(), several)];
         // Models of several kinds, not of one search
-        let kinds = several.len() > 1 && several.iter().any(|ship| ship.model.forces.is_some());
+        let kinds = several.len() > 1 && several.iter().any(|ship| !ship.model.has_regressors());
         let alone = several.iter().enumerate().filter(|_| kinds);
         contestants.extend(alone.map(|(i, ship)| Contestant {
             place: Some(i as u64 + 1),

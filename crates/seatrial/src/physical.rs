@@ -1,10 +1,11 @@
 //! Ships as physics, fitted to runs.
 
 use estimation::fitting::{Channels, Estimates, Fit, Inputs, Prior, Problem, Settings, Starts, Unfit};
+use estimation::one_step_errors;
 use estimation::pooled::{Covariance, Delivered, RecordingConstant, Score, covered};
 use refusal::Invalid;
 use regression::pooled::{Part, PooledRuns};
-use ship::engine::{Replayed, replay};
+use ship::engine::replay;
 use ship::forces::Forces;
 use ship::model::Vessel;
 use study::documents::{FittedForces, FittedParameter, ModelDocument, Reference, SailedSums};
@@ -252,12 +253,11 @@ impl Physical<'_> {
             for part in parts {
                 let states = replay(model, &fit.theta, part.view().initial, &part.exogenous, held);
                 score.add_states(&states, part.view());
-                for error in self.steps(fit, part, held) {
-                    count += 1;
-                    (0..3).for_each(|d| {
-                        left[d] += error[d];
-                        squares[d] += error[d] * error[d];
-                    });
+                let errors = one_step_errors(model, &fit.theta, part, held);
+                count += part.samples() as u64;
+                for (d, error) in errors.iter().enumerate() {
+                    left[d] += error.iter().sum::<f64>();
+                    squares[d] += error.iter().map(|error| error * error).sum::<f64>();
                 }
             }
             samples += count as f64;
@@ -277,19 +277,6 @@ impl Physical<'_> {
             surroundings: Vec::new(),
             covered: covered(model, &parts),
         }
-    }
-
-    /// What a step from each measured state leaves of the next one.
-    fn steps(&self, fit: &Fit, part: &Part, held: bool) -> Vec<[f64; 3]> {
-        let Some(moved) = &self.vessel.model.forces else { return Vec::new() };
-        let width = self.vessel.model.exogenous().max(1);
-        let replayed = Replayed::new(moved, &fit.theta, (&part.exogenous, width), held);
-        let states = part.measured.as_chunks::<3>().0;
-        let step = |k: usize| {
-            let next = replayed.step(k, states[k]);
-            [0, 1, 2].map(|d| states[k + 1][d] - next[d])
-        };
-        (0..part.samples()).map(step).collect()
     }
 }
 

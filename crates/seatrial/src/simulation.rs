@@ -293,7 +293,7 @@ impl MonteCarlo<'_> {
     /// # Errors
     /// An estimator that takes no forces; a simulation that diverges; runs that are too short.
     pub fn realize(&self, design: usize, runs: Range<usize>, kept: usize) -> Result<Realized, StudyError> {
-        self.estimators.check_forces()?;
+        self.estimators.check().map_err(Invalid::from)?;
         let together = self.together(runs.len());
         let parts = parts_of(runs, together, |runs| self.some(design, runs, kept));
         parts.into_iter().try_fold(Realized::default(), |mut all, part| {
@@ -331,7 +331,7 @@ impl MonteCarlo<'_> {
     /// # Errors
     /// See [`Self::realize`].
     pub fn scores(&self, design: usize, runs: Range<usize>) -> Result<Vec<RunScore>, StudyError> {
-        self.estimators.check_forces()?;
+        self.estimators.check().map_err(Invalid::from)?;
         if self.estimators.estimators != [Estimator::Iv] {
             return Ok(self.realize(design, runs, 0)?.scores);
         }

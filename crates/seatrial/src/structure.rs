@@ -123,7 +123,7 @@ fn with_core(vessel: &Vessel) -> Result<(Vessel, Roles), Invalid> {
     let reversing: Vec<usize> =
         (3..).zip(&vessel.actuators).filter(|(_, actuator)| astern(actuator)).map(|(i, _)| i).collect();
     let (model, roles) = core(&vessel.model, &roles, &reversing)?;
-    if model.degrees == vessel.model.degrees && vessel.model.forces.is_none() {
+    if model.degrees == vessel.model.degrees && vessel.model.has_regressors() {
         return Ok((Vessel { model, ..vessel.clone() }, roles));
     }
     let count = model.parameters();

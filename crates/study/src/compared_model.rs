@@ -44,7 +44,7 @@ impl Tried {
     #[must_use]
     pub fn at_rate_of(mut self, path: &Path) -> Self {
         if let (true, Some(rate_hz)) = (self.models.is_empty(), rate_of(path)) {
-            let ships = self.vessels.iter_mut().filter(|vessel| vessel.model.forces.is_some());
+            let ships = self.vessels.iter_mut().filter(|vessel| !vessel.model.has_regressors());
             ships.for_each(|vessel| {
                 *vessel = vessel.clone().at_rate(rate_hz).unwrap_or_else(|_| vessel.clone())
             });

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use estimation::predictor::{InitialState, NoiseModel};
-use estimation::runs::RunEstimators;
+use estimation::runs::{RunEstimators, Unsuited};
 use estimation::{EstimateStatus, Estimator, against_nominal};
 use files::{Provenance, Staged, stage_document};
 use regression::pooled::{PooledRuns, Recorded};
@@ -208,7 +208,7 @@ impl EstimateArguments {
             };
             doubtful.check(file, is_used)?;
         }
-        let usual = if vessel.model.forces.is_some() {
+        let usual = if !vessel.model.has_regressors() {
             Estimator::OutputError
         } else if unstated {
             Estimator::PredictionError
@@ -225,9 +225,10 @@ impl EstimateArguments {
             additional: self.additional.unknown(),
             levels,
         };
-        let taken = estimators.estimators.iter().try_for_each(|estimator| estimator.check(vessel));
-        taken.map_err(|e| Failure::invalid(&self.flags.vessel, &e))?;
-        estimators.check_forces().map_err(|e| Failure::invalid(file, &e))?;
+        estimators.check().map_err(|e| match e {
+            Unsuited::Vessel(e) => Failure::invalid(&self.flags.vessel, &e),
+            Unsuited::Runs(e) => Failure::invalid(file, &e),
+        })?;
         helm.check(file, &estimators.estimators)?;
         self.additional.check(&estimators.estimators)?;
         let asks = estimators.asks();

@@ -100,7 +100,7 @@ impl MonteCarloArguments {
             validation: validation(&of.vessel, config, files.campaign)?,
             truth: of.vessel.value.iter().copied().collect(),
         };
-        study.estimators.check_forces().map_err(|e| Failure::invalid(files.campaign, &e))?;
+        study.estimators.check().map_err(|e| Failure::invalid(files.campaign, &e.into()))?;
         note_plays(&study.campaign, &mut provenance);
         self.check_room(&study, files.campaign, out)?;
         let done = Counting { study: &study, files: &files, bounds: config.bounds(), quiet: common.quiet };

@@ -225,9 +225,7 @@ impl Task for MeritArguments {
         let out = common.main_output(MERIT, read())?;
         let table = member(&out, MERIT, "merit.parquet", read())?;
         let vessel = read_any_simulated(&self.vessel, &mut provenance)?;
-        let of_forces =
-            || vessel.model.forces.as_ref().map(|forces| forces.forces.description().ship.length_m);
-        let length_m = self.length_m.or_else(of_forces);
+        let length_m = self.length_m.or_else(|| vessel.model.length_m());
         let Some(length_m) = length_m.filter(|length_m| *length_m > 0.0 && *length_m <= 1e3) else {
             let given = length_m.map_or("none".to_owned(), |length| length.to_string());
             let expected = "more than 0, at most 1000 m; correct it";

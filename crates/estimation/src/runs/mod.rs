@@ -1,7 +1,7 @@
 //! Estimates of single runs, by every estimator.
 
+mod forces;
 mod outcome;
-mod physical;
 mod searched;
 
 use regression::pooled::{PartView, Regression};
@@ -17,6 +17,7 @@ use crate::{EstimateCovariance, EstimateStatus, Estimator, RunEstimate};
 use outcome::{Regressed, RunOutcome, refined};
 
 pub use crate::estimator::{AdditionalUnknowns, Intercepts, UnknownCurrent};
+pub use forces::Unsuited;
 pub use outcome::RunError;
 
 /// Estimates runs one by one, each by every requested estimator.
@@ -87,11 +88,7 @@ impl RunEstimators<'_> {
     /// # Errors
     /// See [`RunEstimators::estimates`].
     pub fn estimates_from(&self, runs: &[Run], near: Option<&[Near]>) -> Result<Vec<RunEstimate>, RunError> {
-        if let Some(moved) = &self.vessel.model.forces {
-            return Ok(self.by_forces(moved, runs)?.into_iter().map(|(row, _)| row).collect());
-        }
-        let results = self.results(runs, near)?;
-        Ok(self.rows(&results, runs).into_iter().map(|(row, _)| row).collect())
+        Ok(self.each(runs, near)?.into_iter().map(|(row, _)| row).collect())
     }
 
     /// The same, each with its covariance.
@@ -102,10 +99,18 @@ impl RunEstimators<'_> {
         &self,
         runs: &[Run],
     ) -> Result<Vec<(RunEstimate, EstimateCovariance)>, RunError> {
+        self.each(runs, None)
+    }
+
+    fn each(
+        &self,
+        runs: &[Run],
+        near: Option<&[Near]>,
+    ) -> Result<Vec<(RunEstimate, EstimateCovariance)>, RunError> {
         if let Some(moved) = &self.vessel.model.forces {
             return self.by_forces(moved, runs);
         }
-        let results = self.results(runs, None)?;
+        let results = self.results(runs, near)?;
         let rows = self.rows(&results, runs).into_iter();
         Ok(rows.map(|(row, covariance)| (row, covariance.map(<[f64]>::to_vec))).collect())
     }
@@ -124,7 +129,7 @@ impl RunEstimators<'_> {
     /// See [`RunEstimators::estimates`].
     pub fn delivered(&self, run: &Run, name: &str) -> Result<Option<(RunEstimate, Delivered)>, RunError> {
         let (runs, model) = (std::slice::from_ref(run), &self.vessel.model);
-        let Some(estimator) = self.estimators.first().copied().filter(|_| model.forces.is_none()) else {
+        let Some(estimator) = self.estimators.first().copied().filter(|_| model.has_regressors()) else {
             return Ok(None);
         };
         let results = self.results(runs, None)?;
@@ -218,7 +223,7 @@ impl RunEstimators<'_> {
     /// exactly zero.
     pub fn asks(&self) -> bool {
         let stated = self.levels.is_some_and(|levels| levels.measurement.iter().all(|std| *std > 0.0));
-        stated && self.vessel.model.forces.is_none()
+        stated && self.vessel.model.has_regressors()
     }
 
     /// Seconds of a test per row and thread, order of magnitude; see [`crate::Estimator::seconds_per_row`].

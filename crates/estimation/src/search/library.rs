@@ -206,7 +206,7 @@ pub fn core(model: &Model, roles: &Roles, reversing: &[usize]) -> Result<(Model,
     let (model, roles) = with_astern(model, roles.clone(), reversing)?;
     let (model, roles) = with_channels(&model, &roles)?;
     let rudders = roles.of(ChannelRole::Rudder);
-    if model.forces.is_none() && rudders.is_empty() && roles.differences.is_empty() {
+    if model.has_regressors() && rudders.is_empty() && roles.differences.is_empty() {
         return Ok((model, roles));
     }
     let name = |variable: &usize| model.variables[*variable].name.as_str();

@@ -9,13 +9,14 @@
 
 use numerics::{LANES, Lane, lanes};
 use regression::Noise;
+use ship::engine::RunView;
 use ship::model::{ForceModel, Model};
 
 use super::dynamics::{Flow, NoiseModel};
 use super::products::Products;
 use super::sweep::{Sensitivities, Step, add_draws, backward, sweep};
 use super::{Recordings, Unknowns};
-use crate::fitting::{SimulatedRun, WhiteNoise};
+use crate::fitting::{Inputs, SimulatedRun, WhiteNoise};
 
 /// Information of one run about the parameters, those of terms with intercepts, per sample: n × n matrices, row-major, symmetric,
 /// in the order of [`ship::model::ParameterLayout`].
@@ -150,6 +151,41 @@ pub fn prediction_weights(model: &Model, theta: &[f64], initial: [f64; 3], rows:
     let entry = |e: usize| samples * (share * counted[e / n] * counted[e % n] * squares[e]);
     let sum: Vec<f64> = (0..n * n).map(entry).collect();
     sum.iter().all(|x| x.is_finite()).then_some(sum)
+}
+
+/// Derivatives of the states of `run` by so many parameters: of all samples from the first on, of u, v and r. Intercepts of zero are
+/// among them where that are more than `theta` has. `None` where they are not finite.
+pub fn state_slopes(
+    model: &Model,
+    theta: &[f64],
+    count: usize,
+    run: &RunView,
+    are_inputs_held: bool,
+) -> Option<Vec<[Vec<f64>; 3]>> {
+    let RunView { initial, exogenous, .. } = *run;
+    let rows = 0..=run.samples();
+    if let Some(moved) = &model.forces {
+        let inputs = if are_inputs_held { Inputs::Held } else { Inputs::Linear };
+        let simulated = Simulated { theta, initial, exogenous }.of_forces(model, moved);
+        let by_theta = simulated.slopes_by(&moved.forces, theta, inputs)?.by_theta;
+        let of = |k: usize| [0, 1, 2].map(|d| by_theta[(3 * k + d) * theta.len()..][..theta.len()].to_vec());
+        return Some(rows.map(of).collect());
+    }
+    let model = model.with_intercepts();
+    let layout = model.layout();
+    // The model contains the constant; its error is that of an intercept of zero.
+    let unknowns = [layout.woven(theta, [0.0; 3]), vec![0.0; 3]].concat();
+    let joint = count == layout.parameters();
+    let counts = layout.are_intercepts().map(|intercept| joint || !intercept);
+    let free: Vec<usize> = counts.enumerate().filter_map(|(i, counts)| counts.then_some(i)).collect();
+    let recordings =
+        Recordings { measured: run.measured, ..Recordings::simulated(&model, initial, exogenous) };
+    let sensitivities = Sensitivities::of(&recordings, &unknowns, &free, true);
+    let of = |k: usize| {
+        let all: Vec<[f64; 3]> = (0..free.len()).map(|i| sensitivities.by(k, i)).collect();
+        [0, 1, 2].map(|d| all.iter().map(|by| by[d]).collect::<Vec<f64>>())
+    };
+    Some(rows.map(of).collect())
 }
 
 /// The information of a run, or of many in lanes, about the parameters: sums over samples, n × n each.

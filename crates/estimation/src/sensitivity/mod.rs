@@ -21,7 +21,7 @@ use ship::model::Model;
 pub use dynamics::{Drift, Flow, ForceNoise, NoiseModel};
 pub(crate) use dynamics::{Dynamics, Local, Motion, current_of, vessel_state, with_states};
 pub use information::{
-    OutputInformation, Simulated, output_information, output_informations, prediction_weights,
+    OutputInformation, Simulated, output_information, output_informations, prediction_weights, state_slopes,
     summed_information,
 };
 pub(crate) use information::{RunInformation, channels};

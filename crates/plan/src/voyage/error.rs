@@ -194,7 +194,7 @@ pub(super) fn percent_off(vessel: &Vessel, parameters: &[f64]) -> BTreeMap<Strin
     let off = |(p, nominal): (&f64, &f64)| {
         if *nominal == 0.0 { 0.0 } else { (1e4 * (p / nominal - 1.0)).round() / 100.0 }
     };
-    let is_given = |nominal: f64| nominal != 0.0 || vessel.model.forces.is_none();
+    let is_given = |nominal: f64| nominal != 0.0 || vessel.model.has_regressors();
     let names = vessel.model.parameter_names().map(str::to_owned);
     let all = names.zip(parameters.iter().zip(&vessel.nominal));
     all.filter(|(_, (_, nominal))| is_given(**nominal)).map(|(name, values)| (name, off(values))).collect()
@@ -202,7 +202,7 @@ pub(super) fn percent_off(vessel: &Vessel, parameters: &[f64]) -> BTreeMap<Strin
 
 /// The numbers of a ship with forces; none of terms per sample.
 pub(super) fn numbers(vessel: &Vessel, parameters: &[f64]) -> BTreeMap<String, f64> {
-    let given = parameters.iter().filter(|_| vessel.model.forces.is_some());
+    let given = parameters.iter().filter(|_| !vessel.model.has_regressors());
     vessel.model.parameter_names().map(str::to_owned).zip(given.copied()).collect()
 }
 

@@ -133,7 +133,7 @@ impl Vessel {
     /// # Errors
     /// Names `what`.
     pub fn check_terms(&self, what: &str) -> Result<(), Invalid> {
-        if self.model.forces.is_none() {
+        if self.model.has_regressors() {
             return Ok(());
         }
         Err(Invalid::new(

@@ -172,9 +172,7 @@ impl FittedForces {
 /// The lag of an input \[s\] where it is not that of a thruster, which describes it itself.
 pub(super) fn own_lag(vessel: &Vessel, input: usize) -> Option<f64> {
     let lag_s = Some(vessel.actuators[input].lag_s).filter(|lag| *lag > 0.0)?;
-    let moved = vessel.model.forces.as_ref();
-    let driven = moved
-        .is_some_and(|moved| moved.forces.lags(&vessel.nominal).iter().any(|(driven, _)| *driven == input));
+    let driven = vessel.model.has_own_lag(input, &vessel.nominal);
     (!driven).then_some(lag_s)
 }
 

@@ -83,7 +83,7 @@ impl PlanFile {
 
 /// `deviations` of `vessel`: numbers of a ship with forces stay within their bounds.
 fn kept(vessel: &Vessel, deviations: Deviations) -> Deviations {
-    let bounds = vessel.model.forces.is_some().then(|| vessel.model.bounds()).flatten();
+    let bounds = Some(&vessel.model).filter(|model| !model.has_regressors()).and_then(|model| model.bounds());
     deviations.within(bounds)
 }
 
@@ -301,13 +301,13 @@ pub fn uncertain(
     task: Task,
 ) -> Result<Task, Error> {
     let Some(errors) = config.safety.standard_errors else { return Ok(task) };
-    let (deviations, from) = match (read_model(model)?, vessel.model.forces.is_some()) {
+    let (deviations, from) = match (read_model(model)?, vessel.model.has_regressors()) {
         (Some(document), _) => {
             let lacking = || lacking([file, model], errors, "which has none");
             (covariant(model, vessel, &document, errors)?.ok_or_else(lacking)?, ErrorsFrom::Covariance)
         }
-        (None, true) => (by_priors(model, vessel, errors)?, ErrorsFrom::Priors),
-        (None, false) => return Err(lacking([file, model], errors, "which is no model.json")),
+        (None, false) => (by_priors(model, vessel, errors)?, ErrorsFrom::Priors),
+        (None, true) => return Err(lacking([file, model], errors, "which is no model.json")),
     };
     Ok(Task { deviations: kept(vessel, deviations), errors_from: Some(from), ..task })
 }
@@ -325,8 +325,7 @@ fn covariant(
     document: &ModelDocument,
     errors: f64,
 ) -> Result<Option<Deviations>, Error> {
-    let of_forces = document.forces.as_ref().map(|forces| &forces.covariance);
-    let Some(covariance) = of_forces.or(document.covariance.as_ref()) else { return Ok(None) };
+    let Some(covariance) = document.errors_of_parameters() else { return Ok(None) };
     let place = |name: &str| covariance.names.iter().position(|row| row == name);
     let places: Vec<Option<usize>> = vessel.model.parameter_names().map(place).collect();
     let entry = |a: &Option<usize>, b: &Option<usize>| match (a, b) {
@@ -346,12 +345,12 @@ fn covariant(
 
 /// Within so many standard deviations of the priors of a ship with forces.
 fn by_priors(path: &Path, vessel: &Vessel, errors: f64) -> Result<Deviations, Error> {
-    let parameters = vessel.model.forces.as_ref().map_or(&[][..], |moved| moved.forces.parameters());
-    let deviations = parameters.iter().map(|parameter| {
-        parameter.prior.ok_or_else(|| {
+    let priors = vessel.model.prior_deviations().into_iter();
+    let deviations = vessel.model.parameter_names().zip(priors).map(|(name, prior)| {
+        prior.ok_or_else(|| {
             let expected = "a `prior`, which `safety.standard_errors` of plan.toml counts in";
             let remedy = "state one, fix the number, or take `safety.parameter_error`";
-            Error::refuse(path, format!("parameter `{}`", parameter.name), "no prior", expected, remedy)
+            Error::refuse(path, format!("parameter `{name}`"), "no prior", expected, remedy)
         })
     });
     Ok(Deviations::independent(&deviations.collect::<Result<Vec<f64>, _>>()?, errors))

@@ -124,7 +124,7 @@ pub fn read_planned(path: &Path, provenance: &mut Provenance) -> Result<Vessel, 
 }
 
 fn without_dead_time(path: &Path, vessel: Vessel) -> Result<Vessel, Error> {
-    if vessel.model.forces.as_ref().is_some_and(|moved| moved.forces.has_dead_time(&vessel.nominal)) {
+    if vessel.model.has_dead_time(&vessel.nominal) {
         let (found, expected) = ("a dead time above 0 s", "none: simulations give inputs as they act");
         return Err(Error::refuse(path, "`dead_time_s`", found, expected, "remove it for this stage"));
     }

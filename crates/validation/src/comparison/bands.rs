@@ -1,12 +1,11 @@
-use estimation::fitting::{Inputs, SimulatedRun};
 use estimation::pooled::{Covariance, Covered};
-use estimation::predictor::{Recordings, Sensitivities};
+use estimation::state_slopes;
 use numerics::statistics::Z;
 use numerics::times;
 use regression::pooled::Part;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use ship::model::{ForceModel, Model};
+use ship::engine::RunView;
 
 use super::simulated::Ship;
 
@@ -71,34 +70,12 @@ impl Inside {
 pub(super) struct Banded<'a> {
     ship: Ship<'a>,
     known: EstimatedErrors<'a>,
-    structure: Structure<'a>,
-}
-
-/// How a model's states follow from its parameters.
-enum Structure<'a> {
-    /// By terms per sample, with intercepts beside the parameters; `free` are those that the covariance has.
-    Terms { model: Box<Model>, unknowns: Vec<f64>, free: Vec<usize> },
-    /// By forces.
-    Forces(&'a ForceModel),
 }
 
 impl<'a> Banded<'a> {
     /// The bands of `ship`.
     pub fn new(ship: Ship<'a>, known: EstimatedErrors<'a>) -> Self {
-        let structure = match &ship.model.forces {
-            Some(moved) => Structure::Forces(moved),
-            None => {
-                let model = ship.model.with_intercepts();
-                let layout = model.layout();
-                // The model contains the constant; its error is that of an intercept of zero.
-                let unknowns = [layout.woven(ship.theta, [0.0; 3]), vec![0.0; 3]].concat();
-                let joint = known.covariance.is_some_and(|all| all.names.len() == layout.parameters());
-                let counts = layout.are_intercepts().map(|intercept| joint || !intercept);
-                let free = counts.enumerate().filter_map(|(i, counts)| counts.then_some(i)).collect();
-                Structure::Terms { model: Box::new(model), unknowns, free }
-            }
-        };
-        Self { ship, known, structure }
+        Self { ship, known }
     }
 
     /// Half-widths of the bands over `window`; `None` where its derivatives by the parameters are not finite.
@@ -107,29 +84,10 @@ impl<'a> Banded<'a> {
             return Some(vec![self.known.rmse.map(|rmse| Z * rmse); window.samples() + 1]);
         };
         let exogenous = self.ship.exogenous(window);
-        let initial = window.view().initial;
-        let rows = 0..=window.samples();
-        match &self.structure {
-            Structure::Terms { model, unknowns, free } => {
-                let simulated = Recordings::simulated(model, initial, &exogenous);
-                let recordings = Recordings { measured: &window.measured, ..simulated };
-                let sensitivities = Sensitivities::of(&recordings, unknowns, free, true);
-                let of = |k: usize| {
-                    let all: Vec<[f64; 3]> = (0..free.len()).map(|i| sensitivities.by(k, i)).collect();
-                    [0, 1, 2].map(|d| all.iter().map(|by| by[d]).collect::<Vec<f64>>())
-                };
-                Some(rows.map(|k| self.half(covariance, &of(k))).collect())
-            }
-            Structure::Forces(moved) => {
-                let (width, sample_s) = (self.ship.model.exogenous(), moved.sample_s);
-                let run = SimulatedRun { initial, inputs: &exogenous, width, sample_s };
-                let inputs = if are_inputs_held { Inputs::Held } else { Inputs::Linear };
-                let rates = run.slopes_by(&moved.forces, self.ship.theta, inputs)?;
-                let n = self.ship.theta.len();
-                let of = |k: usize| [0, 1, 2].map(|d: usize| rates.by_theta[(3 * k + d) * n..][..n].to_vec());
-                Some(rows.map(|k| self.half(covariance, &of(k))).collect())
-            }
-        }
+        let run = RunView::measured(&window.measured, &exogenous);
+        let (model, theta) = (self.ship.model, self.ship.theta);
+        let slopes = state_slopes(model, theta, covariance.names.len(), &run, are_inputs_held)?;
+        Some(slopes.iter().map(|by| self.half(covariance, by)).collect())
     }
 
     /// From the derivatives of u, v and r by the parameters of `covariance`.

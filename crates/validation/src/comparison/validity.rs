@@ -1,12 +1,13 @@
+use estimation::one_step_errors;
 use estimation::pooled::Covered;
 use numerics::statistics::{MeanTrajectory, Z};
-use regression::pooled::{Part, PooledRuns, Recorded, Regression};
+use regression::pooled::{Part, PooledRuns, Recorded};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use ship::engine::{Replayed, RunView};
+use ship::engine::RunView;
 use ship::model::{DegreeOfFreedom, Model, Variable};
 
-use super::simulated::{Contestant, Ship, Simulated};
+use super::simulated::{Contestant, Simulated};
 
 /// Length of a stretch \[s\]: long enough that the motion passes through zero and returns.
 pub const STRETCH_S: f64 = 60.0;
@@ -236,25 +237,12 @@ fn free_run(window: &Part, states: &[f64]) -> [Vec<f64>; 3] {
 fn one_step(first: &Contestant, window: &Part, are_inputs_held: bool) -> [Vec<f64>; 3] {
     let mut mean = [(); 3].map(|()| MeanTrajectory::default());
     for ship in &first.ships {
-        let forces = residuals(ship, window, are_inputs_held);
+        let exogenous = ship.exogenous(window).into_owned();
+        let part = Part { exogenous, ..window.clone() };
+        let forces = one_step_errors(ship.model, ship.theta, &part, are_inputs_held);
         mean.iter_mut().zip(&forces).for_each(|(mean, force)| mean.add(force));
     }
     mean.map(|mean| mean.mean().to_vec())
-}
-
-/// Δy − φᵀθ of surge, sway and yaw; of forces what their step leaves of the next measured state.
-fn residuals(ship: &Ship, window: &Part, are_inputs_held: bool) -> [Vec<f64>; 3] {
-    let exogenous = ship.exogenous(window);
-    if let Some(moved) = &ship.model.forces {
-        let course = (&*exogenous, ship.model.exogenous().max(1));
-        let replayed = Replayed::new(moved, ship.theta, course, are_inputs_held);
-        let states = window.measured.as_chunks::<3>().0;
-        let left = |k: usize, d: usize| states[k + 1][d] - replayed.step(k, states[k])[d];
-        return [0, 1, 2].map(|d| (0..window.samples()).map(|k| left(k, d)).collect());
-    }
-    let part = Part { exogenous: exogenous.into_owned(), ..window.clone() };
-    let (regression, layout) = (Regression::of(ship.model, &part.whole()), ship.model.layout());
-    [0, 1, 2].map(|d: usize| regression.degrees[d].residuals(&ship.theta[layout.terms(d)]).collect())
 }
 
 fn of_states(

@@ -80,7 +80,7 @@ pub fn columns(vessel: &Vessel) -> Columns<Row> {
 
 /// What has a condition number of its own: each degree of freedom; the numbers of a ship with forces together.
 fn blocks(vessel: &Vessel) -> &'static [&'static str] {
-    if vessel.model.forces.is_some() { &["forces"] } else { &["surge", "sway", "yaw"] }
+    if vessel.model.has_regressors() { &["surge", "sway", "yaw"] } else { &["forces"] }
 }
 
 /// Whether the table `file` has all parameters of `vessel`.
@@ -205,7 +205,7 @@ pub fn unidentified(
 
 /// The parameter that the run does not excite.
 fn unexcited(vessel: &Vessel, row: &Row) -> String {
-    if vessel.model.forces.is_some() {
+    if !vessel.model.has_regressors() {
         return format!(
             "parameter `{}`: found no run and no prior that determines it, expected one; add a maneuver that does, or a `prior`, \
              or fix it",

@@ -26,6 +26,23 @@ impl Estimator {
     }
 }
 
+/// What estimates cannot be made of, by the part at fault.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Unsuited {
+    /// The vessel.
+    Vessel(Invalid),
+    /// The runs, or what is said of them.
+    Runs(Invalid),
+}
+
+impl From<Unsuited> for Invalid {
+    fn from(refused: Unsuited) -> Self {
+        match refused {
+            Unsuited::Vessel(invalid) | Unsuited::Runs(invalid) => invalid,
+        }
+    }
+}
+
 /// The noise that errors of a ship with forces are predicted from.
 fn white(levels: Option<&NoiseModel>) -> Result<WhiteNoise, Invalid> {
     let refused = |found: &str, remedy: &str| {
@@ -56,26 +73,29 @@ fn white(levels: Option<&NoiseModel>) -> Result<WhiteNoise, Invalid> {
 }
 
 impl RunEstimators<'_> {
-    /// Refuses what estimates of runs of a ship with forces cannot do.
+    /// Refuses estimators that the vessel's model does not have, and of a ship with forces what estimates of runs cannot do.
     ///
     /// # Errors
-    /// Another estimator than output error; noise that is not stated or not white; a start that is not known; unknowns besides
-    /// her numbers.
-    pub fn check_forces(&self) -> Result<(), Invalid> {
-        if self.vessel.model.forces.is_none() {
+    /// Of the vessel: an estimator. Of the runs: noise that is not stated or not white; a start that is not known; unknowns besides
+    /// her parameters.
+    pub fn check(&self) -> Result<(), Unsuited> {
+        let refused = self.estimators.iter().try_for_each(|estimator| estimator.check(self.vessel));
+        refused.map_err(Unsuited::Vessel)?;
+        if self.vessel.model.has_regressors() {
             return Ok(());
         }
-        self.estimators.iter().try_for_each(|estimator| estimator.check(self.vessel))?;
         if self.initial != InitialState::Known {
             let (start, expected) =
                 ("measured ones", "simulated runs, whose start is known, of a ship with forces");
-            return Err(Invalid::new("runs", start, expected, "fit them by `estimate --fit together`"));
+            let remedy = "fit them by `estimate --fit together`";
+            return Err(Unsuited::Runs(Invalid::new("runs", start, expected, remedy)));
         }
         if self.additional != AdditionalUnknowns::default() {
-            let expected = "the numbers of a ship with forces alone";
-            return Err(Invalid::new("unknowns", "additional ones", expected, "leave out their flags"));
+            let expected = "the parameters of a ship with forces alone";
+            let invalid = Invalid::new("unknowns", "additional ones", expected, "leave out their flags");
+            return Err(Unsuited::Runs(invalid));
         }
-        white(self.levels.as_ref()).map(|_| ())
+        white(self.levels.as_ref()).map(|_| ()).map_err(Unsuited::Runs)
     }
 
     pub(super) fn by_forces(
@@ -83,7 +103,7 @@ impl RunEstimators<'_> {
         moved: &ForceModel,
         runs: &[Run],
     ) -> Result<Vec<(RunEstimate, EstimateCovariance)>, RunError> {
-        self.check_forces().map_err(RunError::Forces)?;
+        self.check().map_err(|refused| RunError::Forces(refused.into()))?;
         let noise = white(self.levels.as_ref()).map_err(RunError::Forces)?;
         let single = Single { vessel: self.vessel, moved, noise };
         let estimates: Vec<_> = runs.par_iter().map(|run| single.estimate(run)).collect();
