@@ -7,7 +7,7 @@ use refusal::Invalid;
 use regression::MeanRemoval;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use trial::arranging::Foretold;
+use trial::arranging::{Foretold, Promised};
 use trial::campaign::{Designed, check_shares};
 use trial::moments::{HeldParameter, SampledFrom, UnreachedMotion};
 
@@ -212,6 +212,9 @@ pub struct Sequence {
     /// The errors that its estimate is to have, where that is by output error.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub foretold: Option<Foretold>,
+    /// What each trial that it was compared with promises, by its own sequence: the one that was taken first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub promised: Vec<Promised>,
 }
 
 /// One maneuver of a sequence.

@@ -231,6 +231,7 @@ impl From<Arranged> for Sequence {
             value: arranged.value,
             statement: statements::sequence(&arranged),
             foretold: arranged.foretold,
+            promised: arranged.promised,
         }
     }
 }
@@ -371,6 +372,7 @@ impl RefinedFiles<'_> {
             accuracy: None,
             sequence: Some(Sequence {
                 foretold: None,
+                promised: Vec::new(),
                 parts: vec![SequencePart { maneuver: NAME.into(), samples }],
                 samples,
                 value: forward.log_value(samples),

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use design::{Accuracy, Criterion, Design, Method, Restricted, Status, Whole};
 use ship::model::Source;
-use trial::arranging::{Arranged, Kept};
+use trial::arranging::{Arranged, Foretold, Kept, Promised, TrialKind};
 use trial::moments::{Promise, SampledFrom, SampledShips, UnreachedMotion};
 use trial::refining::Refinement;
 
@@ -162,19 +162,43 @@ pub(super) fn sequence(arranged: &Arranged) -> String {
             format!("; between maneuvers it reaches {:.3} where {} allows {}", e.found, e.limit, e.allowed)
         }
     };
+    let taken = match arranged.promised.first().map(|promised| promised.trial) {
+        None | Some(TrialKind::Arranged) => String::new(),
+        Some(other) => format!("{}, which promises less error than what was found. ", capital(named(other))),
+    };
+    let also: Vec<String> = arranged.promised.iter().skip(1).filter_map(promised).collect();
+    let also = if also.is_empty() { String::new() } else { format!(" Others: {}.", also.join("; ")) };
     format!(
-        "The best of {} sequences that a local search judged with the state carried over: worth {:.1} % more time than \
-         the same shares in the dictionary's order; not proved best{limits}.{}",
+        "{taken}The best of {} sequences that a local search judged with the state carried over: worth {:.1} % more time than \
+         the same shares in the dictionary's order; not proved best{limits}.{}{also}",
         arranged.tried,
         100.0 * arranged.gain,
-        arranged.foretold.map_or(String::new(), |foretold| format!(
-            " Foretold: a median parameter error of {:.3}{}.",
-            foretold.parameter_error,
-            foretold
-                .simulation_error
-                .map_or(String::new(), |e| format!(", a median simulation error of {e:.3}"))
-        ))
+        arranged.foretold.map_or(String::new(), |foretold| format!(" Foretold: {}.", in_words(&foretold)))
     )
+}
+
+fn named(trial: TrialKind) -> &'static str {
+    match trial {
+        TrialKind::Arranged => "what the search found",
+        TrialKind::Shares => "the shares in the dictionary's order",
+        TrialKind::Random => "the best of 100 random trials",
+        TrialKind::Practice => "today's practice",
+    }
+}
+
+fn capital(text: &str) -> String {
+    text[..1].to_uppercase() + &text[1..]
+}
+
+/// What another trial promises.
+fn promised(one: &Promised) -> Option<String> {
+    Some(format!("{}, {}", named(one.trial), in_words(&one.errors?)))
+}
+
+fn in_words(foretold: &Foretold) -> String {
+    let simulation = foretold.simulation_error;
+    let simulation = simulation.map_or(String::new(), |e| format!(", a median simulation error of {e:.3}"));
+    format!("a median parameter error of {:.3}{simulation}", foretold.parameter_error)
 }
 
 /// About refined inputs.

@@ -7,14 +7,14 @@ use estimation::pooled::{Covariance, Uncertain};
 use estimation::{OutputInformation, Simulated, output_informations, parameter_error};
 use numerics::lanes::interleave;
 use numerics::statistics::median;
-use numerics::{LANES, scaled_inverse, times};
+use numerics::{LANES, congruence, dot, scaled_inverse, times};
 use regression::{Batch, MeanRemoval, Noise, meat, moments};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::engine::{Streams, check_diverged, simulate_one};
 use ship::model::Source;
 
-use super::{Arranging, generated_limits};
+use super::{Arranging, TrialKind, generated_limits};
 use crate::moments::{Estimated, Expected, leading};
 
 /// Errors that estimates of many trials of the same experiment have: medians over estimates drawn from their predicted
@@ -28,6 +28,24 @@ pub struct Foretold {
     pub simulation_error: Option<f64>,
     /// How many estimates were drawn.
     pub draws: u32,
+}
+
+/// What a trial promises.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Promised {
+    /// Which trial.
+    pub trial: TrialKind,
+    /// Its errors; null where it does not tell every parameter.
+    pub errors: Option<Foretold>,
+}
+
+impl Promised {
+    /// By what trials are compared: the product of both errors, infinite without any.
+    pub(super) fn product(&self) -> f64 {
+        let product = |errors: Foretold| errors.parameter_error * errors.simulation_error.unwrap_or(1.0);
+        self.errors.map_or(f64::INFINITY, product)
+    }
 }
 
 /// Estimates that are drawn, and the seed of their random numbers.
@@ -61,7 +79,7 @@ impl Arranging<'_> {
                 .filter_map(|(place, pull)| Some(((*place)?, pull)))
                 .for_each(|(i, pull)| center[i] += pull);
         }
-        let entries = numerics::congruence(n, &inverse, &meat);
+        let entries = congruence(n, &inverse, &meat);
         let entries = entries.into_iter().map(|entry| entry / samples as f64).collect();
         let covariance = Covariance { joint: true, names: rows.clone(), entries, parts: None };
         let estimates = Uncertain::new(self.vessel, center, &covariance)?;
@@ -124,8 +142,44 @@ impl Arranging<'_> {
 
     fn output_error(&self, runs: &[PlannedRun]) -> Vec<Option<f64>> {
         let Some(known) = self.informed(runs) else { return vec![None; runs.len()] };
-        let judge = |Information { information: f, meat }| self.judge(vec![f.len().isqrt()], &f, Some(&meat));
-        known.into_iter().map(|known| known.and_then(judge)).collect()
+        known.into_iter().map(|known| self.both_errors(&known?)).collect()
+    }
+
+    fn judged(&self, Information { information: f, meat }: &Information) -> Option<f64> {
+        self.judge(vec![f.len().isqrt()], f, Some(meat))
+    }
+
+    /// The criterion, joined by the error of free runs where both count, each in time that it is worth.
+    fn both_errors(&self, known: &Information) -> Option<f64> {
+        let value = self.judged(known)?;
+        let Some(g) = self.weights().filter(|_| self.is_joint()) else { return Some(value) };
+        let n = known.information.len().isqrt();
+        let covariance = congruence(n, &scaled_inverse(n, &known.information)?, &known.meat);
+        let error = dot(g, &covariance);
+        (error > 0.0).then(|| value / self.criterion.degree() - libm::log(error))
+    }
+
+    /// What the values of sequences are divided by for the time that they are worth.
+    pub(super) fn degree(&self) -> f64 {
+        if self.is_joint() { 2.0 } else { self.criterion.degree() }
+    }
+
+    /// G of the validation maneuvers.
+    fn weights(&self) -> Option<&[f64]> {
+        self.moments.output_error.as_ref()?.g.as_deref()
+    }
+
+    /// Whether sequences are judged by the errors of parameters and of predictions.
+    pub(super) fn is_joint(&self) -> bool {
+        self.estimated == Estimated::OutputError && self.weights().is_some()
+    }
+
+    /// The criterion's own value of a run.
+    pub(super) fn criterion_of(&self, run: &PlannedRun) -> Option<f64> {
+        if !self.is_joint() {
+            return None;
+        }
+        self.judged(&self.informed(std::slice::from_ref(run))?.pop()??)
     }
 
     /// What output-error estimates of experiments of equal length know, per sample.

@@ -1,6 +1,12 @@
 //! The order and lengths of a design's maneuvers, evaluated with the state carried over between them.
+//!
+//! Sequences of an output-error estimate that is to predict are judged by both of its errors: that of the parameters by the
+//! criterion, and that of free runs over the validation maneuvers. The search then begins with the best of the shares in order, of
+//! their pieces interleaved and of random orders of these, and what it finds is compared with the shares in order, with the best of
+//! random trials and with today's practice: the trial that promises the smallest errors is taken.
 
 mod foretold;
+mod others;
 
 use std::collections::BTreeMap;
 
@@ -15,7 +21,7 @@ use ship::model::Vessel;
 use crate::campaign::{Parts, Plan, shared_out};
 use crate::moments::{Estimated, Moments};
 
-pub use foretold::Foretold;
+pub use foretold::{Foretold, Promised};
 
 /// The data for evaluating a sequence of maneuvers.
 pub struct Arranging<'a> {
@@ -50,6 +56,22 @@ pub struct Arranged {
     pub limits: Kept,
     /// The errors that its output-error estimate is to have; none of other estimates, or in a current that lasts.
     pub foretold: Option<Foretold>,
+    /// What each trial that was compared promises, the one that is taken first; empty where nothing is foretold.
+    pub promised: Vec<Promised>,
+}
+
+refusal::choices! {
+    /// A trial that a design is compared with.
+    pub enum TrialKind {
+        /// What the search found.
+        Arranged = "arranged",
+        /// The shares, in the dictionary's order.
+        Shares = "shares",
+        /// The best of random trials.
+        Random = "random",
+        /// Today's practice: the maneuvers that are written by hand, one after another.
+        Practice = "practice",
+    }
 }
 
 /// Whether the limits are kept between maneuvers.
@@ -68,6 +90,8 @@ pub(crate) fn generated_limits(generator: &Generator) -> Option<&Limits> {
     (0..generator.maneuvers().len()).rev().find_map(|q| generator.limits(q))
 }
 
+/// The lowest value that a gain is stated over.
+const LOWEST: f64 = -1e3;
 /// Neighbours that are evaluated in one round, and most rounds of the search.
 const SEARCHED: (usize, usize) = (48, 90);
 /// Of a ship with forces, of which one sequence takes ten times as long.
@@ -97,14 +121,22 @@ impl Arranging<'_> {
         order.sort_by(|a, b| sensitivities[*b].total_cmp(&sensitivities[*a]).then(a.cmp(b)));
         let joining: Vec<usize> = order.into_iter().take(JOINING).map(|q| places[q]).collect();
         let mut parts = Parts::default();
+        let shares = now.clone();
         let start = self.values(std::slice::from_ref(&now), &mut parts)?[0];
         let (mut value, mut step, mut idle, mut tried) = (start, samples / 8, 0, 1);
+        if self.is_joint() {
+            let starts = self.starts(&now, &least)?;
+            let values = self.values(&starts, &mut parts)?;
+            tried += values.len();
+            if let Some(best) = best_of(&values).filter(|best| values[*best] > value) {
+                (now, value) = (starts[best].clone(), values[best]);
+            }
+        }
         for round in 0..self.searched().1 {
             let neighbours = self.neighbours(&now, (&joining, &least), step, round as u32);
             let values = self.values(&neighbours, &mut parts)?;
             tried += values.len();
-            let best = (0..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b]));
-            match best.filter(|best| values[*best] > value + 1e-9 * value.abs().max(1.0)) {
+            match best_of(&values).filter(|best| values[*best] > value + 1e-9 * value.abs().max(1.0)) {
                 Some(best) => (now, value, idle) = (neighbours[best].clone(), values[best], 0),
                 None => idle += 1,
             }
@@ -121,12 +153,23 @@ impl Arranging<'_> {
             let remedy = "lengthen the trial, fix parameters, or leave it out";
             return Err(Invalid::new("--arrange", value, "one", remedy));
         }
-        let gain = libm::exp((value - start) / self.criterion.degree()) - 1.0;
+        let compared = if self.is_joint() {
+            self.compared(now.clone(), shares, &least, &mut parts)?
+        } else {
+            Vec::new()
+        };
+        let promised = compared.iter().map(|(_, promised)| *promised).collect();
+        if let Some((plan, _)) = compared.into_iter().next() {
+            now = plan;
+        }
+        let value = self.values(std::slice::from_ref(&now), &mut parts)?[0];
+        let gain = libm::exp((value - start.max(LOWEST)) / self.degree()) - 1.0;
         let (initial, inputs) = parts.joined(&now);
-        let foretold = self.foretold((initial, self.vessel.model.undisturbed(&inputs)));
+        let run = (initial, self.vessel.model.undisturbed(&inputs));
+        let (foretold, value) = (self.foretold(run.clone()), self.criterion_of(&run).unwrap_or(value));
         let limits = self.kept(&(initial, inputs));
         let name = |(q, n): &(usize, usize)| (self.generator.maneuvers()[*q].name.clone(), *n);
-        Ok(Arranged { parts: now.iter().map(name).collect(), value, gain, tried, limits, foretold })
+        Ok(Arranged { parts: now.iter().map(name).collect(), value, gain, tried, limits, foretold, promised })
     }
 
     /// Neighbours of a round, and rounds.
@@ -171,7 +214,7 @@ impl Arranging<'_> {
             let mut plan = now.clone();
             for _ in 0..1 + draw(3) {
                 let (from, to) = (draw(plan.len()), draw(plan.len()));
-                match draw(5) {
+                match draw(if self.is_joint() { 8 } else { 5 }) {
                     0 => plan.swap(from, to),
                     1 => {
                         let part = plan.remove(from);
@@ -183,6 +226,18 @@ impl Arranging<'_> {
                         plan[from].1 -= taken;
                         plan.insert(to, (new, taken));
                     }
+                    // Half a piece at another place, a piece once more, and another maneuver in its place
+                    5 => {
+                        let half = plan[from].1 / 2;
+                        plan[from].1 -= half;
+                        plan.insert(to, (plan[from].0, half));
+                    }
+                    6 => {
+                        let (copied, taken) = (plan[from].0, plan[from].1.min(plan[to].1 / 2));
+                        plan[to].1 -= taken;
+                        plan.insert(draw(plan.len() + 1), (copied, taken));
+                    }
+                    7 => plan[from].0 = joining[draw(joining.len())],
                     _ => {
                         let taken = plan[from].1.min(1 + draw(step));
                         plan[from].1 -= taken;
@@ -238,6 +293,11 @@ impl Arranging<'_> {
         let groups: Vec<Vec<f64>> = runs.par_chunks(LANES).map(|group| self.group(group)).collect();
         Ok(groups.into_iter().flatten().collect())
     }
+}
+
+/// Where the largest of `values` stands.
+fn best_of(values: &[f64]) -> Option<usize> {
+    (0..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b]))
 }
 
 /// Removes parts of no samples from `plan` and merges neighbours of the same maneuver unless it is played `whole`.

@@ -12,4 +12,5 @@ pub use maneuvers::{Judged, LeftOut, Maneuvers, Reached, Tally, judge};
 pub(crate) use realizations::even_lengths;
 pub use realizations::{Campaign, Settings, random_segments};
 pub use sea::{Group, OwnLoop, Refusal, Sea, SimulatedRun, States, Wanted};
+pub(crate) use together::practice;
 pub use together::{Experiment, Together};

@@ -123,7 +123,7 @@ impl Together<'_> {
 /// A round has the maneuvers that are written by hand, in the dictionary's order and at their own lengths. Rounds are repeated and the
 /// last one is cut; a round longer than the experiment is shortened, all its maneuvers alike. Tables of inputs are played whole or left
 /// out.
-pub(super) fn practice(generator: &Generator, samples: usize) -> Result<(Plan, Parts), String> {
+pub(crate) fn practice(generator: &Generator, samples: usize) -> Result<(Plan, Parts), String> {
     let written = 0..generator.written();
     if written.len() < 2 {
         let has = generator.maneuvers()[written]
