@@ -51,7 +51,7 @@ pub fn guessed(ship: &MainDimensions) -> Result<Written, Invalid> {
     let file = VesselFile {
         name: Some(format!("Guessed ship of {} m", ship.length_m)),
         sample_rate_hz: Some(rate(speed / ship.length_m)),
-        input: inputs(ship.length_m, revolutions),
+        input: inputs(ship, revolutions),
         ..VesselFile::of_forces(guess.description)
     };
     // Her dimensions were given: what is unusual of them is said, and passes.
@@ -74,13 +74,14 @@ fn rate(lengths: f64) -> f64 {
     decades.clone().find(|rate| *rate >= SAMPLES * lengths).unwrap_or(500.0)
 }
 
-fn inputs(length_m: f64, revolutions: f64) -> Vec<InputSpec> {
-    let faster = (FULL_SCALE_M / length_m).max(1.0).sqrt();
+fn inputs(ship: &MainDimensions, revolutions: f64) -> Vec<InputSpec> {
+    let faster = (FULL_SCALE_M / ship.length_m).max(1.0).sqrt();
+    let rate = ship.rudder_rate_deg_s.map_or(RUDDER_RATE * faster, f64::to_radians);
     let rudder = InputSpec {
         name: "delta".to_owned(),
         unit: "rad".to_owned(),
         range: Some([-RUDDER, RUDDER]),
-        rate_per_s: Some(digits(RUDDER_RATE * faster)),
+        rate_per_s: Some(digits(rate)),
         ..InputSpec::default()
     };
     let propeller = InputSpec {
@@ -143,7 +144,8 @@ pub struct NewArguments {
     #[arg(long, value_name = "PRESET|vessel.toml", required_unless_present = "guess")]
     vessel: Option<String>,
     /// A ship from her main dimensions, by textbook formulas, with a prior for every free parameter: length_m, beam_m, draught_m
-    /// and block; if known, also density_kg_m3, speed_m_s, mass_kg, propeller_diameter_m, rudder_area_m2, rudder_height_m
+    /// and block; if known, also density_kg_m3, speed_m_s, mass_kg, propeller_diameter_m, rudder_area_m2, rudder_height_m,
+    /// rudder_rate_deg_s, x_g_m
     #[arg(long, value_name = "KEY=VALUE,…", conflicts_with_all = ["vessel", "logs", "chart"])]
     guess: Option<String>,
     /// The ship geometrically similar to --vessel, a preset, file or fitted model with forces: length_m, and density_kg_m3 of
