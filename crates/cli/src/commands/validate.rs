@@ -207,7 +207,8 @@ pub struct MeritArguments {
     /// Length between perpendiculars [m]; that of the ship's forces without it
     #[arg(long, value_name = "M")]
     length_m: Option<f64>,
-    /// Simulates a model with so many draws of its parameters from their covariance
+    /// Simulates the ship with so many draws of her parameters: of a model from their covariance, else from their priors, as
+    /// 400 are where her true parameters are not known
     #[arg(long, value_name = "N", conflicts_with = "trajectories", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     draws: Option<u32>,
     /// Adds the derivative of every figure by every parameter of the model, for `design --criterion figures`
@@ -217,6 +218,8 @@ pub struct MeritArguments {
 
 /// What the document is usually called.
 const MERIT: &str = "merit.json";
+/// Draws of a ship whose parameters are known by their priors alone.
+const DRAWS: u32 = 400;
 
 impl Task for MeritArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
@@ -238,7 +241,14 @@ impl Task for MeritArguments {
         let file = self.dictionary.as_ref().or(self.trajectories.as_ref()).unwrap_or(&self.vessel);
         let refused = |e| Failure::invalid(file, &e);
         let mut merits = Merits::new(&vessel, generator.as_ref(), length_m).map_err(refused)?;
-        match (&self.trajectories, self.draws) {
+        let is_guess = vessel.model.prior_deviations().iter().any(Option::is_some)
+            && vessel
+                .value
+                .iter()
+                .zip(&vessel.nominal)
+                .all(|(value, nominal)| value.is_none_or(|v| v == *nominal));
+        let draws = self.draws.or((is_guess && read_model(&self.vessel)?.is_none()).then_some(DRAWS));
+        match (&self.trajectories, draws) {
             (Some(file), _) => {
                 let reader = inputs::trajectories(file, "trajectories", &vessel, &mut provenance)?;
                 let are_logged = !reader.true_states();
@@ -256,13 +266,13 @@ impl Task for MeritArguments {
             })?,
             (None, Some(draws)) => {
                 let seed = common.seed.unwrap_or(1);
-                merits.simulate_drawn(&self.covariance()?, draws, seed).map_err(refused)?;
+                merits.simulate_drawn(&self.covariance(&vessel)?, draws, seed).map_err(refused)?;
             }
         }
         if self.slopes {
             merits.differentiate().map_err(|e| Failure::invalid(&self.vessel, &e))?;
         }
-        let given = [("length_m", json!(length_m)), ("draws", json!(self.draws))];
+        let given = [("length_m", json!(length_m)), ("draws", json!(draws))];
         provenance.settings.extend(given.map(|(key, value)| (key.to_owned(), value)));
         let file = self.trajectories.as_ref().unwrap_or(file);
         let merits = merits.found().map_err(|e| Failure::NoAnswer(format!("{}: {e}", file.display())));
@@ -277,10 +287,12 @@ impl Task for MeritArguments {
 }
 
 impl MeritArguments {
-    /// What the model's file says of its parameters.
-    fn covariance(&self) -> Result<Covariance, Failure> {
-        read_model(&self.vessel)?.and_then(|model| model.errors_of_parameters().cloned()).ok_or_else(|| {
-            let expected = "a model with one, as `estimate --fit together` writes it";
+    /// What is known of the parameters: by the model's file, or by their priors.
+    fn covariance(&self, vessel: &Vessel) -> Result<Covariance, Failure> {
+        let of_model = read_model(&self.vessel)?.and_then(|model| model.errors_of_parameters().cloned());
+        of_model.or_else(|| Covariance::of_priors(&vessel.model)).ok_or_else(|| {
+            let expected =
+                "a model with one, as `estimate --fit together` writes it, or priors of a ship's parameters";
             Failure::refuse(&self.vessel, "`covariance`", "none", expected, "leave out --draws")
         })
     }

@@ -50,6 +50,19 @@ pub struct Covariance {
     pub parts: Option<u64>,
 }
 
+impl Covariance {
+    /// That of what the priors of a model's parameters know, each by itself; `None` without any.
+    pub fn of_priors(model: &Model) -> Option<Self> {
+        let known = model.parameter_names().zip(model.prior_deviations());
+        let known: Vec<(&str, f64)> = known.filter_map(|(name, prior)| Some((name, prior?))).collect();
+        let n = known.len();
+        let mut entries = vec![0.0; n * n];
+        known.iter().enumerate().for_each(|(i, (_, deviation))| entries[i * (n + 1)] = deviation * deviation);
+        let names = known.iter().map(|(name, _)| (*name).to_owned()).collect();
+        (n > 0).then_some(Self { joint: true, names, entries, parts: None })
+    }
+}
+
 /// What the increments of one recording gain on the terms: a steady force, current or sensor error of that day.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use estimation::pooled::Uncertain;
 use maneuver::merit::{Figure, Hull, Record, SailedFigures, figures};
 use maneuver::{Generator, Standard};
+use rayon::prelude::*;
 use refusal::Invalid;
 use ship::engine::{Run, Streams, check_runaway, simulate_command};
 use ship::model::Vessel;
@@ -45,6 +46,15 @@ impl From<Unsimulated> for Invalid {
 /// How long before a maneuver its approach may begin, in times in which the ship covers her length.
 const LEAD: f64 = 3.0;
 
+/// Share of draws without figures up to which the others' interval counts.
+const FAILED: f64 = 0.05;
+
+/// Draws that are simulated before they are counted.
+const TOGETHER: usize = 64;
+
+/// A run, and its figures.
+type SailedRun = (Record, Result<SailedFigures, Invalid>);
+
 /// What is gathered of a maneuver.
 #[derive(Default)]
 struct Gathered {
@@ -56,9 +66,10 @@ struct Gathered {
     sailed: String,
     /// The figures of every run that has them.
     figures: Vec<Vec<Figure>>,
-    /// Runs that lack them, and why the first does.
+    /// Runs that lack them, why the first does, and how many for each reason, by the words without their numbers.
     without: u64,
     reason: Option<Invalid>,
+    reasons: BTreeMap<String, (u64, String)>,
     /// Those of them whose simulation diverges.
     diverged: u64,
     track: Option<ShipTrack>,
@@ -72,7 +83,24 @@ impl Gathered {
     /// Counts a run without figures.
     fn lacks(&mut self, why: Invalid) {
         self.without += 1;
+        let words = why.to_string();
+        let kind = words.chars().filter(|c| !c.is_numeric()).collect();
+        self.reasons.entry(kind).or_insert((0, words)).0 += 1;
         self.reason.get_or_insert(why);
+    }
+
+    /// Whether so few draws fail that the others' interval is that of all.
+    fn is_interval_known(&self) -> bool {
+        self.without as f64 <= FAILED * (self.figures.len() as f64 + self.without as f64)
+    }
+
+    /// Why runs lack figures: of several reasons each with the number of its runs.
+    fn why(&self) -> Option<String> {
+        let each = || self.reasons.values().map(|(runs, words)| format!("{runs} of them: {words}"));
+        match self.reasons.len() {
+            0 | 1 => self.reason.as_ref().map(ToString::to_string),
+            _ => Some(each().collect::<Vec<_>>().join("; ")),
+        }
     }
 }
 
@@ -179,23 +207,44 @@ impl<'a> Merit<'a> {
     }
 
     fn simulate_one(&mut self, place: usize, parameters: &[f64], run: i32) -> Result<(), Unsimulated> {
-        let Some((generator, index)) = self.generator.zip(self.gathered[place].index) else { return Ok(()) };
-        let (standard, record) = undisturbed(self.hull.vessel, generator, index, parameters)?;
-        let sailed = figures(Some(standard), &record, &self.hull);
-        self.note(place, "model", run, &record, sailed);
+        let Some(sailed) = self.sailed(place, parameters) else { return Ok(()) };
+        let (record, merit) = sailed?;
+        self.note(place, "model", run, &record, merit);
         Ok(())
+    }
+
+    /// What the undisturbed ship with `parameters` does in a maneuver, and its figures; none without a dictionary.
+    fn sailed(&self, place: usize, parameters: &[f64]) -> Option<Result<SailedRun, Unsimulated>> {
+        let (generator, index) = self.generator.zip(self.gathered[place].index)?;
+        let sailed = undisturbed(self.hull.vessel, generator, index, parameters);
+        Some(sailed.map(|(standard, record)| {
+            let merit = figures(Some(standard), &record, &self.hull);
+            (record, merit)
+        }))
     }
 
     /// Simulates them with parameters that are drawn `draws` times from what an estimate leaves uncertain. Draws that diverge or
     /// cannot hold a maneuver are counted as runs without figures.
     pub fn simulate_drawn(&mut self, uncertain: &Uncertain, draws: u32, seed: u64) {
         let streams = Streams::new(seed, "merit");
-        for draw in 0..draws {
-            let parameters = uncertain.drawn(&streams, draw);
-            for place in 0..self.gathered.len() {
-                if let Err(why) = self.simulate_one(place, &parameters, draw as i32) {
-                    self.gathered[place].diverged += u64::from(matches!(why, Unsimulated::Diverged(_)));
-                    self.gathered[place].lacks(why.into());
+        for first in (0..draws).step_by(TOGETHER) {
+            let some = first..draws.min(first + TOGETHER as u32);
+            let sailed = some.clone().into_par_iter().map(|draw| {
+                let parameters = uncertain.drawn(&streams, draw);
+                (0..self.gathered.len()).map(|place| self.sailed(place, &parameters)).collect::<Vec<_>>()
+            });
+            let sailed: Vec<Vec<_>> = sailed.collect();
+            for (draw, places) in some.zip(sailed) {
+                for (place, sailed) in places.into_iter().enumerate() {
+                    match sailed {
+                        None => {}
+                        Some(Ok((record, merit))) => self.note(place, "model", draw as i32, &record, merit),
+                        Some(Err(why)) => {
+                            self.gathered[place].diverged +=
+                                u64::from(matches!(why, Unsimulated::Diverged(_)));
+                            self.gathered[place].lacks(why.into());
+                        }
+                    }
                 }
             }
         }
@@ -269,8 +318,8 @@ impl<'a> Merit<'a> {
                 runs: one.figures.len() as u64,
                 without: one.without,
                 diverged: one.diverged,
-                reason: one.reason.as_ref().map(ToString::to_string),
-                figures: FigureMerit::all(&one.figures, of_parameters),
+                reason: one.why(),
+                figures: FigureMerit::all(&one.figures, (of_parameters, one.is_interval_known())),
                 remarks: one.remarks.values().map(|remark| counted(remark, one.figures.len())).collect(),
                 track: one.track.clone().unwrap_or_default(),
             };

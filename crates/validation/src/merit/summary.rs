@@ -59,7 +59,8 @@ pub struct FigureMerit {
     pub corrected: Option<f64>,
     /// Its standard deviation; null of a single run.
     pub std: Option<f64>,
-    /// Lower end of the 95 % interval: of the mean, or of 95 % of the models that the data leave possible; null of a single run.
+    /// Lower end of the 95 % interval: of the mean, or of 95 % of the models that the data leave possible; null of a single
+    /// run, and where more than 5 % of these have no figures.
     pub low: Option<f64>,
     /// Upper end.
     pub high: Option<f64>,
@@ -145,24 +146,28 @@ impl ManeuverMerit {
 }
 
 impl FigureMerit {
-    /// Those of every run, of which some may lack some.
-    pub(super) fn all(runs: &[Vec<Figure>], of_parameters: bool) -> Vec<Self> {
+    /// Those of every run, of which some may lack some; whether runs are draws `of` parameters, and whether few enough of them failed.
+    pub(super) fn all(runs: &[Vec<Figure>], of: (bool, bool)) -> Vec<Self> {
         let mut known: Vec<&Figure> = Vec::new();
         for figure in runs.iter().flatten() {
             if known.iter().all(|one| one.name != figure.name) {
                 known.push(figure);
             }
         }
-        let of = |name: &str| runs.iter().flatten().filter(|figure| figure.name == name).collect::<Vec<_>>();
-        known.into_iter().map(|figure| Self::new(&of(figure.name), of_parameters)).collect()
+        let named =
+            |name: &str| runs.iter().flatten().filter(|figure| figure.name == name).collect::<Vec<_>>();
+        known.into_iter().map(|figure| Self::new(&named(figure.name), of)).collect()
     }
 
-    fn new(runs: &[&Figure], of_parameters: bool) -> Self {
+    fn new(runs: &[&Figure], (of_parameters, is_interval_known): (bool, bool)) -> Self {
         let figure = runs[0];
         let values: Vec<f64> = runs.iter().map(|figure| figure.value).collect();
         let is_corrected = runs.iter().any(|figure| figure.corrected.is_some());
         let still: Vec<f64> = runs.iter().map(|figure| figure.corrected.unwrap_or(figure.value)).collect();
-        let ends_of = |values: &[f64]| if of_parameters { middle(values) } else { mean_interval(values) };
+        let ends_of = |values: &[f64]| match of_parameters {
+            true => middle(values).filter(|_| is_interval_known),
+            false => mean_interval(values),
+        };
         let value = mean(&values).unwrap_or(f64::NAN);
         let corrected = mean(&still).filter(|_| is_corrected);
         let (values, ends) = (&values, ends_of(&values));
