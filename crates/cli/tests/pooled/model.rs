@@ -1,6 +1,9 @@
 //! `model.json`: the delivered model is the validated one, and every stage accepts it as a vessel.
 
+use std::sync::OnceLock;
+
 use serde_json::Value;
+use tempfile::TempDir;
 
 use crate::search::unsealed;
 use crate::support::*;
@@ -11,8 +14,19 @@ const MODEL: &str = "estimate --structure own --vessel vessel.toml --trajectorie
 const COMPARE: &str = "validate --model model.json --trajectories campaign.parquet --runs random/0 --window-s 25 \
      --out validation.json";
 
+/// The small study's campaign with a model of three runs.
+fn modelled() -> TempDir {
+    static MODELLED: OnceLock<Study> = OnceLock::new();
+    let study = MODELLED.get_or_init(|| {
+        let folder = with(&["campaign.parquet"]);
+        run(&folder, MODEL).succeeds();
+        Study::of(&folder)
+    });
+    study.with(&["campaign.parquet", "estimates.parquet", "estimate.json", "model.json"])
+}
+
 /// The values of a model with `change` made to each, its seal taken away.
-fn with_values(folder: &tempfile::TempDir, change: impl Fn(&str, f64) -> f64) {
+fn with_values(folder: &TempDir, change: impl Fn(&str, f64) -> f64) {
     let mut model = json(folder, "model.json");
     model["seal"] = Value::Null;
     for degree in model["data"]["degrees"].as_array_mut().unwrap() {
@@ -70,8 +84,7 @@ fn law_least_squares_of_the_document_is_the_model_that_least_squares_delivers() 
 
 #[test]
 fn a_model_stands_for_a_vessel_in_every_stage() {
-    let folder = with(&["campaign.parquet"]);
-    run(&folder, MODEL).succeeds();
+    let folder = modelled();
     run(
         &folder,
         "simulate dictionary --model model.json --dictionary dictionary.toml --out dictionary.parquet",
@@ -105,9 +118,8 @@ fn a_model_stands_for_a_vessel_in_every_stage() {
 
 #[test]
 fn a_model_that_is_of_no_use_is_called_so() {
-    let folder = with(&["campaign.parquet"]);
-    run(&folder, MODEL).succeeds();
-    let statements = |folder: &tempfile::TempDir| -> Vec<String> {
+    let folder = modelled();
+    let statements = |folder: &TempDir| -> Vec<String> {
         run(folder, COMPARE).succeeds();
         let data = json(folder, "validation.json")["data"]["recordings"].clone();
         data["statements"].as_array().unwrap().iter().map(|s| s.as_str().unwrap().to_owned()).collect()
@@ -125,8 +137,7 @@ fn a_model_that_is_of_no_use_is_called_so() {
 
 #[test]
 fn where_a_model_leaves_what_it_was_fitted_on_is_told() {
-    let folder = with(&["campaign.parquet"]);
-    run(&folder, MODEL).succeeds();
+    let folder = modelled();
     let mut model = json(&folder, "model.json");
     model["seal"] = Value::Null;
     model["data"]["covered"][0]["high"] = 0.9.into();
@@ -165,8 +176,7 @@ fn where_a_model_leaves_what_it_was_fitted_on_is_told() {
 
 #[test]
 fn models_and_logs_that_do_not_go_together_are_refused() {
-    let folder = with(&["campaign.parquet"]);
-    run(&folder, MODEL).succeeds();
+    let folder = modelled();
     put(&folder, "other.toml", include_str!("../../../../pipelines/kvlcc2/vessel.toml"));
     refused(
         &folder,
@@ -220,8 +230,7 @@ fn a_model_of_an_earlier_estimate_does_not_stay_beside_one_without() {
 
 #[test]
 fn logs_of_another_structure_say_which_channel_is_missing() {
-    let folder = with(&["campaign.parquet"]);
-    run(&folder, MODEL).succeeds();
+    let folder = modelled();
     let text = std::fs::read_to_string(folder.path().join("model.json")).unwrap();
     let seal = json(&folder, "model.json")["seal"].to_string();
     // A model that needs a channel which the logs lack.

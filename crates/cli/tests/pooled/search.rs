@@ -1,5 +1,7 @@
 //! `estimate --structure library`: a structure found from runs, and refusals.
 
+use std::sync::OnceLock;
+
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -40,6 +42,17 @@ fn in_roles(folder: &TempDir, roles: &[&str]) {
     put(folder, "vessel.toml", &text);
 }
 
+/// What a search finds for a ship without the linear term in surge and the quadratic one, which would replace it; and what it says.
+fn lacking() -> &'static (Study, String) {
+    static LACKING: OnceLock<(Study, String)> = OnceLock::new();
+    LACKING.get_or_init(|| {
+        let folder = measured("0.01");
+        without(&folder, &["X_u", "X_uu"]);
+        let said = run(&folder, &format!("{SEARCH} {RUNS} --allow=mixed --out estimate.json")).succeeds();
+        (Study::of(&folder), said.stdout)
+    })
+}
+
 fn mean(errors: &Value) -> f64 {
     ["fit_u", "fit_v", "fit_r"].map(|fit| errors[fit].as_f64().unwrap()).iter().sum::<f64>() / 3.0
 }
@@ -51,31 +64,19 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
     run(&folder, &line).succeeds();
     let exact = json(&folder, "estimate.json")["data"]["search"]["nested"].clone();
     assert!(mean(&exact["search"]) > mean(&exact["base"]) - 1.0, "{exact}");
-    // Without the quadratic term, which would replace it.
-    without(&folder, &["X_u", "X_uu"]);
-    let said = run(&folder, &format!("{line} --allow=mixed")).succeeds();
+    let (lacking, said) = lacking();
+    let folder = lacking.with(&["campaign.parquet", "design.json", "estimate.json", "model.json"]);
     let document = json(&folder, "estimate.json");
     let nested = &document["data"]["search"]["nested"];
     // As good as with the exact structure.
     assert!(mean(&nested["search"]) > mean(&exact["search"]) - 1.0, "{nested}");
     assert!(nested["base"].is_null() || mean(&nested["base"]) < mean(&nested["search"]) - 10.0, "{nested}");
-    assert!(said.stdout.contains("mean fit"), "{said}");
+    assert!(said.contains("mean fit"), "{said}");
     let terms = document["data"]["search"]["terms"].as_array().unwrap();
     let found = terms.iter().find(|t| t["degree"] == "surge" && t["term"] == "u").unwrap();
     assert!(found["base"] == false && found["value"].as_f64().unwrap() < 0.0, "{found}");
     let recordings = nested["recordings"].as_array().unwrap();
     assert_eq!(recordings.len(), 6);
-    // A list of terms replaces the library.
-    candidates(&folder, "surge = [\"u\", \"u |u|\", \"1\"]\n");
-    run(&folder, &format!("{line} --allow=mixed")).succeeds();
-    let listed = json(&folder, "estimate.json")["data"]["search"]["terms"].as_array().unwrap().len();
-    let degrees = json(&folder, "model.json")["data"]["degrees"].clone();
-    let written = degrees.as_array().unwrap().iter().map(|d| d["parameters"].as_array().unwrap().len());
-    assert_eq!(listed, written.sum::<usize>());
-    candidates(&folder, "surge = [\"u w\"]\n");
-    refused(&folder, 3, &format!("{line} --allow=mixed"), &["vessel.toml", "`w`"]);
-    candidates(&folder, "");
-    run(&folder, &format!("{line} --allow=mixed")).succeeds();
     // The model is validated by recordings that were left out; none is as long as a stretch.
     let model = json(&folder, "model.json");
     assert_eq!(model["data"]["rejected"], false);
@@ -83,7 +84,7 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
     assert!(model["data"]["covariance"].is_null(), "{model}");
     assert!(terms.iter().all(|term| term["low"].is_null() && term["high"].is_null()), "{terms:?}");
     let told = "held back by a ridge; predictions have bands, parameters have no errors";
-    assert!(said.stdout.contains(told) && model["data"]["statements"].to_string().contains(told), "{said}");
+    assert!(said.contains(told) && model["data"]["statements"].to_string().contains(told), "{said}");
     assert!(
         model["data"]["statements"].to_string().contains("not rejected by the recordings that were left out")
     );
@@ -94,8 +95,7 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
         assert!(page.contains(piece), "{piece}");
     }
     // The delivered model is what stands in the document, and others can run it.
-    let line = "validate --model model.json --trajectories campaign.parquet --window-s 25 --allow=mixed";
-    run(&folder, &format!("{line} --out validation.json")).succeeds();
+    run(&folder, &format!("{TRY} --model model.json")).succeeds();
     // Bands are from the errors on left-out recordings, and contain most of the fitted samples.
     let bands = json(&folder, "validation.json")["data"]["recordings"]["bands"].clone();
     for inside in ["inside_u", "inside_v", "inside_r"] {
@@ -106,6 +106,15 @@ fn a_term_that_the_structure_lacks_is_made_up_for_and_one_that_it_has_costs_litt
     let values: Vec<&Value> =
         values.flat_map(|d| d["parameters"].as_array().unwrap()).map(|p| &p["value"]).collect();
     assert_eq!(values, terms.iter().map(|t| &t["value"]).collect::<Vec<_>>());
+    // A list of terms replaces the library.
+    candidates(&folder, "surge = [\"u\", \"u |u|\", \"1\"]\n");
+    run(&folder, &format!("{line} --allow=mixed")).succeeds();
+    let listed = json(&folder, "estimate.json")["data"]["search"]["terms"].as_array().unwrap().len();
+    let degrees = json(&folder, "model.json")["data"]["degrees"].clone();
+    let written = degrees.as_array().unwrap().iter().map(|d| d["parameters"].as_array().unwrap().len());
+    assert_eq!(listed, written.sum::<usize>());
+    candidates(&folder, "surge = [\"u w\"]\n");
+    refused(&folder, 3, &format!("{line} --allow=mixed"), &["vessel.toml", "`w`"]);
 }
 
 /// She never goes astern, so that |u| v is u v in every sample: no design would distinguish them either.
@@ -167,10 +176,8 @@ fn law_the_ridge_is_chosen_on_windows_whatever_the_score_is_taken_on() {
 
 #[test]
 fn few_terms_do_what_many_do() {
-    let folder = measured("0.01");
-    without(&folder, &["X_u", "X_uu"]);
+    let folder = lacking().0.with(&["campaign.parquet", "design.json", "estimate.json"]);
     let line = format!("{SEARCH} {RUNS} --allow=mixed --out estimate.json");
-    run(&folder, &line).succeeds();
     let many = json(&folder, "estimate.json")["data"]["search"].clone();
     let few = line.replace("library", "few");
     run(&folder, &format!("{few} --bootstrap 2 --threads 1")).succeeds();
@@ -213,13 +220,19 @@ fn few_terms_do_what_many_do() {
 
 /// A search for models to be averaged, among few terms so that it is fast.
 fn averaged() -> (TempDir, String) {
-    let folder = measured("0.01");
-    without(&folder, &["X_u", "X_uu"]);
-    in_roles(&folder, &["", "", "rudder"]);
-    let terms =
-        "surge = [\"u\", \"u |u|\", \"v r\"]\nsway = [\"v |v|\", \"r |r|\"]\nyaw = [\"v |v|\", \"r |r|\"]\n";
-    candidates(&folder, terms);
-    (folder, format!("{SEARCH} {RUNS} --allow=mixed --out estimate.json").replace("library", "average"))
+    static AVERAGED: OnceLock<Study> = OnceLock::new();
+    let line = format!("{SEARCH} {RUNS} --allow=mixed --out estimate.json").replace("library", "average");
+    let found = AVERAGED.get_or_init(|| {
+        let folder = measured("0.01");
+        without(&folder, &["X_u", "X_uu"]);
+        in_roles(&folder, &["", "", "rudder"]);
+        let terms =
+            "surge = [\"u\", \"u |u|\", \"v r\"]\nsway = [\"v |v|\", \"r |r|\"]\nyaw = [\"v |v|\", \"r |r|\"]\n";
+        candidates(&folder, terms);
+        run(&folder, &format!("{line} --threads 3")).succeeds();
+        Study::of(&folder)
+    });
+    (found.with(&["campaign.parquet", "design.json", "estimate.json", "model.json"]), line)
 }
 
 /// Writes `data` as an average, or as the model of one.
@@ -238,11 +251,10 @@ fn several_models_are_found_averaged_and_tried_together() {
     let (folder, line) = averaged();
     let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
     let files = || ["estimate.json", "model.json"].map(read);
+    let several = files();
     let said = run(&folder, &format!("{line} --threads 1")).succeeds();
     assert!(said.stdout.contains("the average with recordings left out: fit u"), "{said}");
-    let alone = files();
-    run(&folder, &format!("{line} --threads 3")).succeeds();
-    assert!(alone == files(), "other bytes with other threads");
+    assert!(several == files(), "other bytes with other threads");
     let found = json(&folder, "estimate.json")["data"]["search"].clone();
     let nested = &found["nested"]["average"];
     // The single model has the exact structure among its terms, and so have the others.
@@ -279,8 +291,7 @@ fn several_models_are_found_averaged_and_tried_together() {
 
 #[test]
 fn law_an_average_of_equal_models_is_that_model_and_others_are_refused() {
-    let (folder, line) = averaged();
-    run(&folder, &line).succeeds();
+    let (folder, _) = averaged();
     let data = json(&folder, "model.json")["data"].clone();
     let member = data["members"][1].clone();
     let with = |change: &dyn Fn(&mut Value)| {
@@ -334,7 +345,6 @@ fn an_average_of_too_few_is_refused() {
 #[test]
 fn what_is_written_takes_no_place_of_what_is_read() {
     let (folder, line) = averaged();
-    run(&folder, &line).succeeds();
     let line = line.replace("average", "library");
     let model = line.replace("vessel.toml", "model.json");
     refused(&folder, 2, &model, &["--out", "model.json", "also an input"]);

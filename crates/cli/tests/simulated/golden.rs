@@ -5,7 +5,7 @@ use std::fs;
 use serde_json::{Map, Value, json};
 
 use crate::support::*;
-use crate::{STAGES, small};
+use crate::told;
 
 /// A number of a document by its JSON pointer.
 const NUMBERS: [(&str, &str); 8] = [
@@ -20,11 +20,8 @@ const NUMBERS: [(&str, &str); 8] = [
 ];
 
 fn numbers() -> Map<String, Value> {
-    let folder = small();
-    STAGES.iter().for_each(|stage| drop(run(&folder, stage).succeeds()));
     let of = |(file, pointer): (&str, &str)| {
-        let value =
-            json(&folder, file).pointer(pointer).unwrap_or_else(|| panic!("{file}: {pointer}")).clone();
+        let value = told(file).pointer(pointer).unwrap_or_else(|| panic!("{file}: {pointer}")).clone();
         (format!("{file}{pointer}"), value)
     };
     NUMBERS.into_iter().map(of).collect()

@@ -9,7 +9,9 @@ mod refusals;
 mod study;
 
 use std::fs;
+use std::sync::OnceLock;
 
+use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::support::*;
@@ -46,4 +48,20 @@ pub fn small() -> TempDir {
     }
     edit(&folder, "logs.toml", "repeats = 5", "repeats = 2");
     folder
+}
+
+/// [`small`] with all that its stages write.
+pub fn made() -> &'static Study {
+    static MADE: OnceLock<Study> = OnceLock::new();
+    MADE.get_or_init(|| {
+        let folder = small();
+        STAGES.iter().for_each(|stage| drop(run(&folder, &format!("{stage} --threads 3")).succeeds()));
+        assert!(folder.path().join("figures/published-norm.svg").is_file());
+        Study::of(&folder)
+    })
+}
+
+/// A document of [`made`].
+pub fn told(name: &str) -> Value {
+    serde_json::from_slice(made().bytes(name)).unwrap()
 }

@@ -30,6 +30,11 @@ pub fn logged(from: &str, to: &str) -> TempDir {
     folder
 }
 
+/// Fewer maneuvers for the next trial of the study `mine`: most of the time would go to them.
+pub fn few_candidates(folder: &TempDir) {
+    edit(folder, "mine/next/dictionary.toml", "candidates = 200", "candidates = 60");
+}
+
 /// The samples in `out/measured/ingest.json`.
 fn samples(folder: &TempDir) -> u64 {
     json(folder, "out/measured/ingest.json")["data"]["samples"].as_u64().unwrap()
@@ -43,6 +48,7 @@ fn logs_come_to_their_page_by_two_commands() {
     let folder = logged("heading", "heading");
     let ran = run(&folder, NEW).succeeds();
     assert!(ran.stdout.contains("55 logs") && ran.stdout.contains("0 channels missing"), "{ran}");
+    few_candidates(&folder);
     run(&folder, "run mine --out out --quiet").succeeds();
     let page = String::from_utf8(bytes(&folder, "out/measured/report.html")).unwrap();
     assert!(page.contains("<svg"), "measured is shown against simulated");
@@ -50,8 +56,6 @@ fn logs_come_to_their_page_by_two_commands() {
     assert!(page.contains("The next trial") && page.contains("Predicted, this trial"));
     let whole = bytes(&folder, "mine/next/campaign.toml");
     edit(&folder, "mine/next/campaign.toml", "std_u_m_s = ", "std_u_m_s = -");
-    // Few maneuvers are enough from here on.
-    edit(&folder, "mine/next/dictionary.toml", "candidates = 200", "candidates = 60");
     let without = run(&folder, "run mine --out out --quiet").succeeds();
     assert!(without.stdout.contains("without next-moments, next-design"), "{without}");
     assert!(

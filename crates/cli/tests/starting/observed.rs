@@ -9,7 +9,7 @@ use std::process::{Command, Output};
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::logs::logged;
+use crate::logs::{few_candidates, logged};
 use crate::planned::small_with;
 use crate::support::*;
 
@@ -42,7 +42,7 @@ fn charted() -> TempDir {
 fn of_logs() -> TempDir {
     let folder = logged("heading", "heading");
     run(&folder, "new mine --vessel model-ship --logs logs").succeeds();
-    edit(&folder, "mine/next/dictionary.toml", "candidates = 200", "candidates = 60");
+    few_candidates(&folder);
     folder
 }
 
