@@ -494,7 +494,7 @@ impl ModelParameter {
 
 impl Document for ModelDocument {
     const ID: &'static str = "model";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
     const UNITS: Units = &[
         ("Hz", "sample_rate_hz"),
         (
