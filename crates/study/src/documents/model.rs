@@ -501,6 +501,8 @@ impl Document for ModelDocument {
             "1",
             "samples stretches factor part condition windows pieces prior_weight cost steps prior_share inflation weight",
         ),
+        ("1", "p_value evidence share units prime_value"),
+        ("the unit beside it", "visible_from"),
         ("s", "stretch_s lag_s hold_s window_s"),
         ("the channel's unit a second", "rate_per_s"),
         ("the parameter's unit", "value standard_error least_squares truth bounds prior prior_deviation"),
