@@ -92,6 +92,8 @@ def literal(values: list[str]) -> str:
 def default(schema: Schema) -> str:
     """What stands for a key that may be absent and is."""
     kind = schema.get("type")
+    if isinstance(schema.get("default"), str):
+        return json.dumps(schema["default"])
     if "anyOf" in schema or isinstance(kind, list):
         return "None"
     if kind in ("array", "object"):

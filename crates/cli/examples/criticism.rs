@@ -113,8 +113,15 @@ fn rejections(
         let some = |some: &[(&SimulatedRun, &Vec<f64>)]| {
             let views: Vec<RunView> = some.iter().map(|(run, _)| run.run.view()).collect();
             let woven = some.iter().map(|(_, theta)| model.layout().woven(theta, [0.0; 3]));
-            let subject =
-                Subject { model: &model, runs: &views, rate_hz, known_start: true, levels, names: &[] };
+            let subject = Subject {
+                model: &model,
+                runs: &views,
+                rate_hz,
+                known_start: true,
+                levels,
+                names: &[],
+                signs: &[],
+            };
             criticise_each(&subject, &woven.collect::<Vec<_>>())
         };
         Ok(pairs.par_chunks(TOGETHER).flat_map_iter(some).flatten().collect())
@@ -123,7 +130,15 @@ fn rejections(
         let runs = pooled(some);
         let found = Pool::new(vessel).estimate(&runs.cut(None), Estimator::Iv).ok()?;
         let views: Vec<RunView> = some.iter().map(|run| run.run.view()).collect();
-        let subject = Subject { model: &model, runs: &views, rate_hz, known_start: true, levels, names: &[] };
+        let subject = Subject {
+            model: &model,
+            runs: &views,
+            rate_hz,
+            known_start: true,
+            levels,
+            names: &[],
+            signs: &[],
+        };
         criticise(&subject, &found.parameters(&model)?)
     };
     let pooled: Vec<Criticism> = lacking.par_chunks_exact(TOGETHER).filter_map(together).collect();

@@ -4,7 +4,8 @@
 //! `cargo run --release -p identification --example noise -- <what> <runs> <seed> [<ship or disturbance> …]` with
 //! `size`: how often the exact model is rejected, and how often intervals contain the truth, for `prediction-error`
 //! and `output-error`; `power`: how often a model that lacks two terms is rejected, and whether one of them is named
-//! first; `stated`: the same with stated noise; `short`: `size` for runs of a quarter of the length; `right` and
+//! first; `yaw`: the same for `r |r|` alone; `inverted`: how often each input is named that is logged with the other sign, and
+//! any that is logged right; `stated`: the same with stated noise; `short`: `size` for runs of a quarter of the length; `right` and
 //! `right-short`: both without intervals; `pooled`: size of eight runs together.
 
 use std::collections::BTreeMap;
@@ -12,12 +13,14 @@ use std::time::Instant;
 
 use estimation::Estimator;
 use estimation::criticism::{Criticism, Subject, Verdict, criticise, criticise_each};
+use estimation::pooled::{Judgement, Pool, Resampling, estimate};
 use estimation::predictor::{Drift, Flow, ForceNoise, InitialState, NoiseModel};
 use estimation::runs::{AdditionalUnknowns, RunEstimators};
 use maneuver::{DictionaryFile, Generator};
 use numerics::statistics::{clustered_share, wilson};
 use rayon::prelude::*;
 use regression::MeanRemoval;
+use regression::pooled::PooledRuns;
 use ship::engine::{Compiled, Run, RunView, Segment, Streams};
 use ship::model::{Model, Source, Term, Vessel};
 
@@ -106,6 +109,8 @@ struct Ship {
     vessel: Vessel,
     /// The true model when the fitted one lacks two terms.
     richer: (Model, Vec<f64>),
+    /// The same with `r |r|` alone.
+    quadratic: (Model, Vec<f64>),
     initial: [f64; 3],
     inputs: Vec<f64>,
     known_start: bool,
@@ -126,7 +131,8 @@ fn paper(share: usize) -> Result<Ship, Box<dyn std::error::Error>> {
     }
     Ok(Ship {
         name: "paper",
-        richer: richer(&vessel, -0.4, -0.3)?,
+        richer: richer(&vessel, &[(1, "v |v|", -0.4), (2, "r |r|", -0.3)])?,
+        quadratic: richer(&vessel, &[(2, "r |r|", -0.3)])?,
         vessel,
         initial: initial.unwrap_or_default(),
         inputs,
@@ -151,7 +157,8 @@ fn twin(share: usize) -> Result<Ship, Box<dyn std::error::Error>> {
     }
     Ok(Ship {
         name: "twin",
-        richer: richer(&vessel, -0.35, -1.1)?,
+        richer: richer(&vessel, &[(1, "v |v|", -0.35), (2, "r |r|", -1.1)])?,
+        quadratic: richer(&vessel, &[(2, "r |r|", -1.1)])?,
         vessel,
         initial: [2.0, 0.0, 0.0],
         inputs,
@@ -161,16 +168,19 @@ fn twin(share: usize) -> Result<Ship, Box<dyn std::error::Error>> {
     })
 }
 
-/// The vessel with `v |v|` and `r |r|`.
-fn richer(vessel: &Vessel, sway: f64, yaw: f64) -> Result<(Model, Vec<f64>), Box<dyn std::error::Error>> {
+/// The vessel with `more` terms: degree, text and value.
+fn richer(
+    vessel: &Vessel,
+    more: &[(usize, &str, f64)],
+) -> Result<(Model, Vec<f64>), Box<dyn std::error::Error>> {
     let names: Vec<&str> = vessel.model.variables.iter().map(|v| v.name.as_str()).collect();
     let (mut model, layout) = (vessel.model.clone(), vessel.model.layout());
     let theta = vessel.parameters(Source::Value)?;
     let mut values: [Vec<f64>; 3] = [0, 1, 2].map(|d| theta[layout.terms(d)].to_vec());
-    for (d, text, value) in [(1, "v |v|", sway), (2, "r |r|", yaw)] {
-        model.degrees[d].parameters.push(text.to_owned());
-        model.degrees[d].terms.push(Term::parse(text, &names)?);
-        values[d].push(value);
+    for (d, text, value) in more {
+        model.degrees[*d].parameters.push((*text).to_owned());
+        model.degrees[*d].terms.push(Term::parse(text, &names)?);
+        values[*d].push(*value);
     }
     Ok((model, values.concat()))
 }
@@ -261,12 +271,14 @@ impl Ship {
         let truth: Vec<f64> = self.vessel.value.iter().copied().flatten().collect();
         let (model, theta) = match what {
             "power" | "stated" => (&self.richer.0, &self.richer.1),
+            "yaw" => (&self.quadratic.0, &self.quadratic.1),
             _ => (&self.vessel.model, &truth),
         };
         let runs: Vec<Run> =
             (0..runs).into_par_iter().map(|run| self.recorded(model, theta, sea, seed, run)).collect();
         match what {
             "pooled" => self.pooled(&runs, &truth),
+            "inverted" => self.inverted(&runs),
             _ => {
                 let stated = (what == "stated").then(|| sea.levels(self.vessel.sample_rate_hz));
                 let mut lines = self.verdicts(&runs, &truth, stated);
@@ -286,7 +298,7 @@ impl Ship {
         levels: Option<NoiseModel>,
     ) -> Subject<'a> {
         let rate_hz = self.vessel.sample_rate_hz;
-        Subject { model, runs, rate_hz, known_start: self.known_start, levels, names: &[] }
+        Subject { model, runs, rate_hz, known_start: self.known_start, levels, names: &[], signs: &[] }
     }
 
     fn verdicts(&self, runs: &[Run], truth: &[f64], stated: Option<NoiseModel>) -> Vec<String> {
@@ -302,6 +314,30 @@ impl Ship {
             })
             .collect();
         summary(&found)
+    }
+
+    /// How often each input is named by the estimate of all of a run, and nothing else.
+    fn inverted(&self, runs: &[Run]) -> Vec<String> {
+        let (width, names) = (self.vessel.model.exogenous(), self.vessel.model.input_names());
+        let judgement = Judgement { replicates: 0, seed: 1 };
+        let named = |run: &Run, negated: Option<usize>| -> Vec<String> {
+            let mut run = run.clone();
+            let negate = |input| run.exogenous.iter_mut().skip(input).step_by(width).for_each(|x| *x = -*x);
+            negated.into_iter().for_each(negate);
+            let (pool, runs) = (Pool::new(&self.vessel), PooledRuns::new(vec![run], &BTreeMap::new()));
+            let found =
+                estimate(&pool, &runs, Estimator::OutputError, &judgement, Resampling::Given(&[])).ok();
+            let criticism = found.and_then(|found| found.criticism);
+            criticism.iter().flat_map(Criticism::wrong_signs).map(|sign| sign.name.clone()).collect()
+        };
+        let count = |negated: Option<usize>| {
+            let expected: Vec<String> =
+                negated.iter().map(|i| format!("`{}` acts with the opposite sign", names[*i])).collect();
+            let right = runs.par_iter().filter(|run| named(run, negated) == expected).count();
+            let what = negated.map_or("none", |i| names[i]);
+            format!("{what} inverted: so named {}", share(right, runs.len()))
+        };
+        std::iter::once(None).chain((0..names.len()).map(Some)).map(count).collect()
     }
 
     fn pooled(&self, runs: &[Run], truth: &[f64]) -> Vec<String> {

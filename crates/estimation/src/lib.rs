@@ -19,8 +19,8 @@ pub mod search;
 mod sensitivity;
 mod validate;
 
+pub use criticism::against_nominal;
 pub use estimator::{EstimateCovariance, EstimateStatus, Estimator, RunEstimate, ScoreStatus};
-pub use pooled::statements::against_nominal;
 pub use recommendation::{
     Contender, MOST_WITHOUT_ESTIMATE, Other, PairedDifference, Quantiles, Recommendation, RepeatedEstimates,
     Share, TRUSTED, relative_norms,

@@ -1,7 +1,7 @@
 use maud::{Markup, display, html};
 use study::documents::{
-    Absent, AbsentForce, ConstrainedParameter, Criticism, DegreeTrust, EstimatorScore, ForceCriticism,
-    FoundNoise, LateActuator, LeftOutScores, SourceErrors, TriedSign, Trust, Verdict,
+    Absent, ConstrainedParameter, Criticism, DegreeTrust, EstimatorScore, FoundNoise, LeftOutScores,
+    SourceErrors, Suspect, Trust, Verdict,
 };
 
 use crate::measured::{MeasuredStudy, free_runs};
@@ -15,12 +15,12 @@ pub(super) fn trust(measured: &MeasuredStudy) -> Section {
     let forces = measured.model.as_ref().and_then(|model| model.forces.as_ref());
     let criticism = forces.and_then(|forces| forces.criticism.as_ref());
     let body = match (&measured.trust, criticism) {
-        (None, Some(found)) => wrong_forces(found),
+        (None, Some(found)) => html! { (statements(&found.statements)) (faults(found)) },
         (None, None) => missing("Trust is", "estimate.json", "estimate --fit together"),
         (Some(found), _) => html! {
             (about(found))
             (statements(&found.statements))
-            @if let Some(criticism) = &found.criticism { (missing_terms(criticism)) }
+            @if let Some(criticism) = &found.criticism { (faults(criticism)) }
             (tests(found))
             @for degree in &found.degrees { (parameters(degree)) }
             @if !found.constrained.is_empty() { (constrained(&found.constrained)) }
@@ -151,78 +151,25 @@ fn runs(runs: &[SourceErrors]) -> Markup {
     }
 }
 
-/// Signs first; lags and forces only where these are right.
-fn wrong_forces(found: &ForceCriticism) -> Markup {
-    let parts = if found.whole_windows { "windows" } else { "pieces of windows" };
+/// Number of candidates that are always shown.
+const SHOWN: usize = 5;
+
+/// The candidates: wrong signs, then the likeliest first; those without evidence are folded.
+fn faults(found: &Criticism) -> Markup {
+    let likely = found.absent.iter().take_while(|a| found.rejected && a.candidate).count();
+    let (first, others) = found.absent.split_at(likely.max(SHOWN).min(found.absent.len()));
+    let how = match found.units {
+        Some(_) => {
+            "Each sign is turned by itself, and the ship is fitted again. Then every candidate is added with a number of 0: its score is \
+             what the fitted numbers cannot explain of the errors. Cost: by how much the candidate would lower it."
+        }
+        None => {
+            "Score tests of whitened errors of what the model does not have, the likeliest first; values with standard errors as they \
+             would be if it were added. Signs of channels: how many times as nominal values say they act."
+        }
+    };
     html! {
         h3 { "What is wrong with the model" }
-        (statements(&found.statements))
-        @if !found.signs.is_empty() { (signs(&found.signs)) }
-        @if !found.late.is_empty() { (late(&found.late)) }
-        @if !found.absent.is_empty() { (absent(found)) }
-        p.note {
-            "Each sign is turned by itself, and the ship is fitted again. Then every candidate is added with a number of 0: its score is \
-             what the fitted numbers cannot explain of the errors. Cost: by how much the candidate would lower it. p: how often any \
-             of all candidates would seem so likely in a right model; " (found.units) " " (parts) " count as independent."
-        }
-        @if !found.hidden.is_empty() {
-            p.note { "Not to be told from the model's own forces: " (coded(&found.hidden.join(", "))) "." }
-        }
-    }
-}
-
-fn signs(all: &[TriedSign]) -> HtmlTable<&TriedSign> {
-    HtmlTable::of(all)
-        .compact()
-        .mark("main", |sign| sign.wrong)
-        .name("Turned", |sign| coded(&sign.turned))
-        .number("Cost", |sign| sign.share.map_or("diverges".to_owned(), |share| percent(-share)))
-        .number("Windows that fit better", |sign| format!("{} of {}", sign.windows_better, sign.windows))
-        .number("p", |sign| probability(sign.p_value))
-}
-
-fn late(all: &[LateActuator]) -> HtmlTable<&LateActuator> {
-    let best = |actuator: &LateActuator| match (&actuator.kind, actuator.time_s) {
-        (Some(kind), Some(time)) => format!("{kind} of {} s", three(time)),
-        _ => "–".to_owned(),
-    };
-    HtmlTable::of(all)
-        .compact()
-        .name("Input", |actuator| html! { code { (actuator.input) } })
-        .number("Acts later by [s]", |actuator| {
-            format!("{} ± {}", three(actuator.late_s), three(actuator.standard_error))
-        })
-        .number("Cost", |actuator| percent(-actuator.share))
-        .number("p", |actuator| probability(actuator.p_value))
-        .text("Fits best as", best)
-}
-
-/// Forces that are shown.
-const SHOWN: usize = 6;
-
-fn absent(found: &ForceCriticism) -> HtmlTable<&AbsentForce> {
-    let likely = found.absent.iter().take_while(|force| force.candidate).count();
-    let first = &found.absent[..likely.max(SHOWN).min(found.absent.len())];
-    HtmlTable::of(first)
-        .compact()
-        .mark("main", |force| force.candidate)
-        .name("Not in the model", |force| html! { code { (force.term) } })
-        .text("Degree", |force| force.degree.as_str())
-        .number("If added", |force| format!("{} ± {}", three(force.value), three(force.standard_error)))
-        .text("Unit", |force| unit(&force.unit))
-        .number("Cost", |force| percent(-force.share))
-        .number("p", |force| probability(force.p_value))
-}
-
-/// Number of candidates that are always shown.
-const SHOWN_FORCES: usize = 5;
-
-/// The candidates, the likeliest first; those without evidence are folded.
-fn missing_terms(found: &Criticism) -> Markup {
-    let likely = found.absent.iter().take_while(|a| found.rejected && a.candidate).count();
-    let (first, others) = found.absent.split_at(likely.max(SHOWN_FORCES).min(found.absent.len()));
-    html! {
-        h3 { "What the model lacks" }
         (candidates(found, first))
         @if !others.is_empty() {
             details {
@@ -231,36 +178,41 @@ fn missing_terms(found: &Criticism) -> Markup {
             }
         }
         p.note {
-            "Score tests of whitened errors of what the model does not have, the likeliest first; values with standard errors as they \
-             would be if it were added. p: how often any of all candidates would seem so likely in a right model. Seen from: the \
-             least that these recordings would nearly always have shown."
+            (how) " p: how often any of all candidates would seem so likely in a right model. Seen from: the least that these recordings \
+             would nearly always have shown."
+            @if let Some(units) = found.units { " " (units) " windows, or pieces of them, count as independent." }
         }
         @if !found.hidden.is_empty() {
             p.note { "Not to be told from the model's own terms: " (coded(&found.hidden.join(", "))) "." }
         }
-        (noise(found))
+        @if found.noise_u.is_some() { (noise(found)) }
     }
 }
 
 fn candidates<'a>(found: &Criticism, absent: &'a [Absent]) -> HtmlTable<&'a Absent> {
-    HtmlTable::of(absent)
+    let mut table = HtmlTable::of(absent)
         .compact()
         .mark("main", |a| found.rejected && a.candidate)
-        .name("Not in the model", |a| match a.degree {
-            Some(_) => html! { code { (a.name) } },
-            None => html! { (a.name) },
+        .name("Not in the model", |a| match (a.kind, a.share) {
+            (Suspect::Term, _) => html! { code { (a.name) } },
+            (Suspect::Late, Some(_)) => html! { code { (a.name) } " acts later by" },
+            _ => coded(&a.name),
         })
         .text("Degree", |a| a.degree.as_deref().unwrap_or("all"))
         .number("If added", added)
-        .text("Unit", |a| unit(&a.unit))
-        .number("p", |a| probability(a.p_value))
-        .number("Seen from", |a| three(a.visible_from))
+        .text("Unit", |a| unit(&a.unit));
+    if found.units.is_some() {
+        table = table.number("Cost", |a| a.share.map_or("diverges".to_owned(), |share| percent(-share)));
+    }
+    table.number("p", |a| probability(a.p_value)).number("Seen from", |a| three_or_dash(a.visible_from))
 }
 
-/// `−0.400 ± 0.030`; north and east of a current.
+/// `−0.400 ± 0.030`; north and east of a current; a dash of a sign for which the ship was fitted again.
 fn added(absent: &Absent) -> String {
     let each = absent.value.iter().zip(&absent.standard_error);
-    each.map(|(value, error)| format!("{} ± {}", three(*value), three(*error))).collect::<Vec<_>>().join(", ")
+    let each: Vec<String> =
+        each.map(|(value, error)| format!("{} ± {}", three(*value), three(*error))).collect();
+    or_dash(Some(each.join(", ")).filter(|values| !values.is_empty()))
 }
 
 /// The noise that the errors were whitened with: its kind, its levels, and by how much others are less likely.
@@ -269,8 +221,8 @@ fn noise(found: &Criticism) -> Markup {
         p.note {
             "Noise " (if found.stated_noise { "stated" } else { "found" })
             @if let Some(noise) = &found.noise { ", " (noise.kind.words()) }
-            ": u " (three(found.noise_u)) " m/s, v "
-            (three(found.noise_v)) " m/s, r " (three(found.noise_r)) " rad/s, current " (three(found.current_std)) " m/s"
+            ": u " (three_or_dash(found.noise_u)) " m/s, v " (three_or_dash(found.noise_v)) " m/s, r "
+            (three_or_dash(found.noise_r)) " rad/s, current " (three_or_dash(found.current_std)) " m/s"
             @if let Some(time) = found.current_time_s { " changing within " (three(time)) " s" }
             @for drift in found.noise.iter().flat_map(|noise| &noise.drifts) {
                 ", " (drift.of) " " (drift.state) " " (three(drift.std)) " " (drift.unit) " over " (three(drift.time_s)) " s"

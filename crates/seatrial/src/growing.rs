@@ -2,16 +2,15 @@
 
 use std::sync::Arc;
 
-use estimation::fitting::{
-    AbsentTerm, Channels, Criticism, Fit, LEVEL, Problem, RecordingView, Settings, Unfit,
-};
+use estimation::criticism::{Absent, Criticism, LEVEL, Suspect};
+use estimation::fitting::{Channels, Fit, Problem, RecordingView, Settings, Unfit};
 use refusal::Invalid;
 use regression::pooled::Part;
 use ship::forces::{Channel, Description, Forces, Parameter, TermSpec};
-use ship::model::{ForceModel, Vessel};
+use ship::model::{DegreeOfFreedom, ForceModel, Vessel};
 use study::documents::{FittedParameter, ModelDocument, TriedForce};
 
-use crate::criticism::{channels, degree};
+use crate::criticism::channels;
 
 /// Most folds that recordings are dealt into.
 const FOLDS: usize = 6;
@@ -97,17 +96,12 @@ impl ForwardSelection<'_> {
     }
 
     /// How the second of `ships`, which has `absent`, follows recordings that were left out of its fit and of that of the first.
-    fn tried(
-        &self,
-        ships: [&Vessel; 2],
-        (absent, parameter): (&AbsentTerm, String),
-        fit: &Fit,
-    ) -> TriedForce {
+    fn tried(&self, ships: [&Vessel; 2], (absent, parameter): (&Absent, String), fit: &Fit) -> TriedForce {
         let folds = FOLDS.min(self.sources.len());
         let gain = self.gain(ships, folds, fit);
         TriedForce {
-            degree: degree(absent).to_owned(),
-            term: absent.term.clone(),
+            degree: absent.degree.clone().unwrap_or_default(),
+            term: absent.name.clone(),
             parameter,
             share_left_out: gain.map(|(share, _)| share),
             standard_error: gain.map(|(_, error)| error),
@@ -154,20 +148,23 @@ impl ForwardSelection<'_> {
 }
 
 /// What is most likely missing, or why nothing is added.
-fn most_likely(criticism: &Criticism) -> Result<&AbsentTerm, String> {
-    if criticism.has_wrong_sign() {
+fn most_likely(criticism: &Criticism) -> Result<&Absent, String> {
+    if criticism.wrong_signs().next().is_some() {
         return Err("no force is added while a sign is wrong".to_owned());
     }
-    let late = criticism.late.first().filter(|late| criticism.rejects() && late.p_value < LEVEL);
-    let first = criticism.terms.first().filter(|term| term.candidate);
-    match (first, late) {
-        (Some(first), Some(late)) if late.share > first.share => Err(format!(
+    match criticism.absent.first().filter(|absent| absent.p_value < LEVEL) {
+        Some(late) if late.kind == Suspect::Late => Err(format!(
             "no force is added while `{}` acts late by more than any force would explain",
-            late.input
+            late.name
         )),
-        (Some(first), _) => Ok(first),
-        (None, _) => Err("no further force is missing beyond chance".to_owned()),
+        Some(first) if first.kind == Suspect::Term => Ok(first),
+        _ => Err("no further force is missing beyond chance".to_owned()),
     }
+}
+
+/// The place of the equation that a term is missing in.
+fn place(absent: &Absent) -> usize {
+    DegreeOfFreedom::ALL.iter().position(|d| absent.degree.as_deref() == Some(d.name())).unwrap_or(0)
 }
 
 fn forces_of(vessel: &Vessel) -> Result<&Forces, Unfit> {
@@ -184,7 +181,7 @@ fn carried(new: &Forces, old: &Forces, theta: &[f64]) -> Vec<f64> {
 }
 
 /// `vessel` with another force, whose number is 0 with a prior.
-fn with(vessel: &Vessel, named: (&AbsentTerm, &str), channels: &[Channel]) -> Result<Vessel, Invalid> {
+fn with(vessel: &Vessel, named: (&Absent, &str), channels: &[Channel]) -> Result<Vessel, Invalid> {
     let Some(moved) = &vessel.model.forces else { return Ok(vessel.clone()) };
     let description = richer(moved.forces.description(), named, channels)?;
     let forces = Forces::new(&description, channels)?;
@@ -202,23 +199,23 @@ fn with(vessel: &Vessel, named: (&AbsentTerm, &str), channels: &[Channel]) -> Re
 /// The ship with a term whose prior is the usual one of such terms, or as wide as the number that its score promises.
 fn richer(
     description: &Description,
-    (absent, parameter): (&AbsentTerm, &str),
+    (absent, parameter): (&Absent, &str),
     channels: &[Channel],
 ) -> Result<Description, Invalid> {
     let zero = Some(0.0);
-    let (nominal, prime) = if absent.prime.is_some() { (None, zero) } else { (zero, None) };
+    let (nominal, prime) = if absent.prime_value.is_some() { (None, zero) } else { (zero, None) };
     let spec = TermSpec {
         parameter: parameter.to_owned(),
-        term: absent.term.clone(),
+        term: absent.name.clone(),
         nominal,
         prime,
         ..TermSpec::default()
     };
     let mut all = description.clone();
-    all.terms_mut()[absent.degree].push(spec);
-    let promised = (absent.value / absent.prime.unwrap_or(1.0)).abs();
+    all.terms_mut()[place(absent)].push(spec);
+    let promised = absent.prime_value.unwrap_or(absent.value[0]).abs();
     // What is usual holds for motion alone.
-    let driven = absent.term.split(' ').any(|p| channels.iter().any(|channel| channel.name == plain(p)));
+    let driven = absent.name.split(' ').any(|p| channels.iter().any(|channel| channel.name == plain(p)));
     let usual = (!driven).then(|| usual(&all, parameter, channels)).flatten();
     all.with_priors(&[(parameter.to_owned(), usual.unwrap_or(promised))], channels)
 }
@@ -237,14 +234,14 @@ fn usual(all: &Description, parameter: &str, channels: &[Channel]) -> Option<f64
 }
 
 /// `N_u_v` of `u v` in yaw, `Y_v_absr` of `v |r|` in sway; with `_more` where the ship has such a name.
-fn name(absent: &AbsentTerm, ship: &Vessel) -> String {
+fn name(absent: &Absent, ship: &Vessel) -> String {
     let part = |factor: &str| match factor.strip_prefix('|').and_then(|factor| factor.split_once('|')) {
         Some((name, power)) => format!("abs{name}{power}"),
         None => factor.replace('/', "per"),
     };
     let parts: Vec<String> =
-        absent.term.split_whitespace().map(|factor| part(factor).replace(['^', '*'], "")).collect();
-    let mut name = format!("{}_{}", ["X", "Y", "N"][absent.degree], parts.join("_"));
+        absent.name.split_whitespace().map(|factor| part(factor).replace(['^', '*'], "")).collect();
+    let mut name = format!("{}_{}", ["X", "Y", "N"][place(absent)], parts.join("_"));
     while names(ship).any(|other| other == name) {
         name.push_str("_more");
     }

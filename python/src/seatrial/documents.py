@@ -88,6 +88,8 @@ Standing = Literal["model", "average of models", "model of the average", "other 
 State = Literal["u", "v", "r"]
 #: What became of a step.
 StepState = Literal["done", "missed", "spoiled", "under-way", "ahead"]
+#: What a candidate is.
+Suspect = Literal["term", "late", "current", "sign"]
 #: What becomes of a model that runs are asked about.
 Verdict = Literal["not-rejected", "rejected", "none"]
 #: What is odd about a channel.
@@ -114,50 +116,35 @@ class Ability:
 
 @dataclass(frozen=True, kw_only=True)
 class Absent:
-    """Something that the model lacks."""
+    """Something that the model lacks or has wrong."""
 
-    #: A term, `lag of the inputs`, `delay of the inputs` or `current`.
+    #: What it is; a term where this is absent.
+    kind: Suspect = "term"
+    #: A term, `lag of the inputs`, `delay of the inputs`, an input that acts late, `current`, or a sign in words.
     name: str
     #: `surge`, `sway` or `yaw`; null for what acts in all.
     degree: str | None = None
     #: Unit of the values.
     unit: str
-    #: What it would be if it were added: one value, north and east of a current.
+    #: What it would be if it were added: one value, north and east of a current, seconds; of a sign how many times as
+    #: the nominal values say the channel acts, and nothing where the ship was fitted again.
     value: list[float]
     #: Standard error of each.
     standard_error: list[float]
-    #: The least that these runs would nearly always have shown.
-    visible_from: float
+    #: The value in the prime system, where it has one.
+    prime_value: float | None = None
+    #: By which share the cost of a fit of forces would fall; below 0 where it rises.
+    share: float | None = None
+    #: The least that these runs would nearly always have shown; null of a sign.
+    visible_from: float | None = None
     #: How probable it is under the model that anything that was looked for seems as likely.
     p_value: float
-    #: −2 log of the probability of it alone, by which candidates are ranked.
+    #: −2 log of the probability of it alone.
     evidence: float
-    #: Whether it may be what is missing: no other is likelier by far.
+    #: Whether it may be what is missing: no other is likelier by far. Whether a sign is wrong.
     candidate: bool
-
-
-@dataclass(frozen=True, kw_only=True)
-class AbsentForce:
-    """A force that the ship may lack: a number times a product."""
-
-    #: `surge`, `sway` or `yaw`.
-    degree: str
-    #: The product, as a term is written.
-    term: str
-    #: The number if it were added, in SI units.
-    value: float
-    #: The standard error of that.
-    standard_error: float
-    #: Its SI unit.
-    unit: str
-    #: The number in the prime system; null with channels that it does not scale.
-    prime_value: float | None = None
-    #: By which share the cost would fall.
-    share: float
-    #: How probable it is in a right model that anything tested seems as likely.
-    p_value: float
-    #: Whether it may be what is missing: nothing else lowers the cost by much more.
-    candidate: bool
+    #: What to do if it is so.
+    remedy: str | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -738,38 +725,40 @@ class Covered:
 
 @dataclass(frozen=True, kw_only=True)
 class Criticism:
-    """What the runs say about the structure of a model."""
+    """What the runs say about the structure of a model: one of terms, whose errors are whitened, or one of forces."""
 
     #: Whether something is missing beyond chance.
     rejected: bool
     #: What becomes of the model.
     verdict: Verdict
     #: How probable it is under the model that anything looked for seems as likely to be missing; null where nothing
-    #: could be looked for.
+    #: could be looked for, and of forces where a sign is wrong.
     p_value: float | None = None
     #: Whether the noise was stated; else it was found by its likelihood.
     stated_noise: bool
-    #: Noise of the measured u.
-    noise_u: float
+    #: Noise of the measured u; absent where errors were not whitened, as for forces.
+    noise_u: float | None = None
     #: Of v.
-    noise_v: float
+    noise_v: float | None = None
     #: Of r.
-    noise_r: float
+    noise_r: float | None = None
     #: Standard deviation of each component of the current.
-    current_std: float
+    current_std: float | None = None
     #: Over which the current changes, 100,000 where it stays; null for one that is new at every sample.
     current_time_s: float | None = None
     #: Of what kind the noise is; absent where it was stated.
     noise: FoundNoise | None = None
     #: Errors over the noise: 1 where the noise explains them.
-    error_ratio: float
+    error_ratio: float | None = None
+    #: Windows or pieces of them that count as independent; absent where errors were whitened.
+    units: int | None = None
     #: Whether the whitened errors of u, v, r are white.
     whiteness: list[Whiteness]
     #: Recordings that contradict the others, the farthest first, up to half of them.
     apart: list[Apart] = field(default_factory=list)
     #: An input that answers what was measured at the same sample; absent where none does.
     feedback: Feedback | None = None
-    #: What was looked for, the most likely first.
+    #: What was looked for: wrong signs, then the most likely first.
     absent: list[Absent]
     #: What could not be told from the terms that there are.
     hidden: list[str]
@@ -1347,7 +1336,7 @@ class FittedForces:
     #: The publication of captive values, if they were given.
     captive_source: str | None = None
     #: What is wrong with the ship by these recordings; null where that was not asked.
-    criticism: ForceCriticism | None = None
+    criticism: Criticism | None = None
     #: Forces that were tried as additions, one after the other; the description has those that were added.
     tried: list[TriedForce] = field(default_factory=list)
 
@@ -1407,35 +1396,6 @@ class FollowedStep:
     within_m: float
     #: Why its maneuver is spoiled; absent where it is not.
     why: str | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class ForceCriticism:
-    """What is wrong with a fitted ship, by the recordings that she was fitted to."""
-
-    #: Whether something is wrong beyond chance.
-    rejected: bool
-    #: How probable it is in a right model that anything tested seems as likely to be missing; null where a sign is
-    #: wrong.
-    p_value: float | None = None
-    #: Parts of the recordings that count as independent.
-    units: int
-    #: Whether these are whole windows; else pieces of them.
-    whole_windows: bool
-    #: Signs of geometry that were turned, the one with the lowest cost first.
-    signs: list[TriedSign]
-    #: Inputs, the one that lowers the cost most first. None where a sign is wrong.
-    late: list[LateActuator]
-    #: Forces that may be missing, the likeliest first. None where a sign is wrong.
-    absent: list[AbsentForce]
-    #: Number of forces that were tested.
-    tested: int
-    #: Forces that cannot be told from the ship's own.
-    hidden: list[str]
-    #: Why lags and forces were not tested; null where they were.
-    not_tested: str | None = None
-    #: The verdict and what follows, in words.
-    statements: list[str]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1720,30 +1680,6 @@ class InstrumentResidual:
     strongest: float
     #: Probability of a larger one, of all lags and instruments tried, under independence.
     p_value: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class LateActuator:
-    """An input that may act later than the model has it."""
-
-    #: The input.
-    input: str
-    #: By how much it acts later \[s\]; below 0 earlier.
-    late_s: float
-    #: The standard error of that \[s\].
-    standard_error: float
-    #: By which share the cost would fall.
-    share: float
-    #: How probable it is in a right model that anything tested seems as likely.
-    p_value: float
-    #: What fits best where that is certain: `dead time` or `lag`.
-    kind: str | None = None
-    #: Its time \[s\].
-    time_s: float | None = None
-    #: By which share the cost falls with it.
-    share_fitted: float | None = None
-    #: The same with the other kind.
-    share_of_other: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -3723,24 +3659,6 @@ class TriedForce:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TriedSign:
-    """A sign of the ship's geometry that was turned, after which she was fitted again."""
-
-    #: What was turned, in words.
-    turned: str
-    #: By which share the cost falls; below 0 where it rises, null where no simulation is finite.
-    share: float | None = None
-    #: Windows that are followed better.
-    windows_better: int
-    #: All windows.
-    windows: int
-    #: How probable it is by chance that any of the signs seems as wrong.
-    p_value: float
-    #: Whether the recordings speak for the turned sign.
-    wrong: bool
-
-
-@dataclass(frozen=True, kw_only=True)
 class Trust:
     """How far one pooled estimate can be trusted."""
 
@@ -4060,7 +3978,7 @@ KINDS = {
     "ingest/1": "IngestDocument",
     "map/1": "MapDocument",
     "merit/1": "MeritDocument",
-    "model/1": "ModelDocument",
+    "model/2": "ModelDocument",
     "moments/1": "MomentsDocument",
     "plan/2": "PlanDocument",
     "run/2": "RunDocument",

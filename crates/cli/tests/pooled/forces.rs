@@ -378,42 +378,45 @@ fn exchanged_thrusters_are_named_and_a_late_rudder_is_told_with_its_time() {
     let swapped = otter().replace("\"n1\"\nx_m", "\"n\"\nx_m").replace("\"n2\"\nx_m", "\"n1\"\nx_m");
     put(&folder, "vessel.toml", &swapped.replace("\"n\"\nx_m", "\"n2\"\nx_m"));
     let said = run(&folder, &line).succeeds();
-    assert!(said.stdout.contains("a sign is wrong") && said.stdout.contains("not tested"), "{said}");
+    assert!(said.stdout.contains("model rejected") && said.stdout.contains("not tested"), "{said}");
     let found = json(&folder, "model.json");
     let own = &found["data"]["forces"]["criticism"];
     assert_eq!((&found["data"]["rejected"], &own["p_value"]), (&true.into(), &Value::Null));
-    let first = &own["signs"][0];
-    assert_eq!((&first["wrong"], own["absent"].as_array().unwrap().len()), (&true.into(), 0));
-    assert!(
-        first["turned"].as_str().unwrap().contains("exchanged, the inputs of `port` and `starboard`"),
-        "{own}"
-    );
+    let all = own["absent"].as_array().unwrap();
+    assert!(all[0]["candidate"] == true && all.iter().all(|absent| absent["kind"] == "sign"), "{own}");
+    let name = all[0]["name"].as_str().unwrap();
+    assert!(name.contains("are exchanged, the inputs of `port` and `starboard`"), "{own}");
     // Simulations hold inputs during samples, so in simulated runs none acts late. In a table without true states, which is a log,
     // inputs are linear between samples: held ones act half a sample late.
     let folder = long_trial();
     put(&folder, "vessel.toml", GUESS);
     run(&folder, &format!("{POOL} --prior 0.01 --out estimate.json")).succeeds();
-    let late = json(&folder, "model.json")["data"]["forces"]["criticism"]["late"][0].clone();
+    let late = || {
+        let all = json(&folder, "model.json")["data"]["forces"]["criticism"]["absent"].clone();
+        let late = |absent: &&Value| absent["kind"] == "late" && absent["name"] == "delta";
+        all.as_array().unwrap().iter().find(late).unwrap().clone()
+    };
+    let right = late();
     assert!(
-        late["late_s"].as_f64().unwrap().abs() < 0.01 && late["p_value"].as_f64().unwrap() > 0.05,
-        "{late}"
+        right["value"][0].as_f64().unwrap().abs() < 0.01 && right["p_value"].as_f64().unwrap() > 0.05,
+        "{right}"
     );
     let table = folder.path().join("d.parquet");
     craft::read(&table, "trajectories").without(&["u", "v", "r"]).write(&table);
     let said = run(&folder, &format!("{POOL} --prior 0.01 --out estimate.json")).succeeds();
-    let found = json(&folder, "model.json");
-    let late = &found["data"]["forces"]["criticism"]["late"][0];
-    let off = late["late_s"].as_f64().unwrap() - 0.25;
-    assert!(
-        late["input"] == "delta" && off.abs() < 0.05 && late["p_value"].as_f64().unwrap() < 0.05,
-        "{late}"
-    );
+    let late = late();
+    let off = late["value"][0].as_f64().unwrap() - 0.25;
+    assert!(off.abs() < 0.05 && late["p_value"].as_f64().unwrap() < 0.05, "{late}");
     assert!(said.stdout.contains("`delta` acts 0.2"), "{said}");
     run(&folder, "validate --model model.json --trajectories d.parquet --allow=mixed --window-s 50 --out validation.json")
         .succeeds();
     run(&folder, "report --study . --results . --allow=mixed --out report.html").succeeds();
     let page = String::from_utf8(bytes(&folder, "report.html")).unwrap();
-    assert!(page.contains("What is wrong with the model") && page.contains("Fits best as"), "{}", page.len());
+    assert!(
+        page.contains("What is wrong with the model") && page.contains("acts later by"),
+        "{}",
+        page.len()
+    );
 }
 
 /// Published values of KVLCC2, which the simulated runs follow.

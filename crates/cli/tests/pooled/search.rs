@@ -322,7 +322,7 @@ fn law_an_average_of_equal_models_is_that_model_and_others_are_refused() {
     refused(&folder, 3, &try_it, &["`data.members[0].weight`", "0.9", "equal weights"]);
     // As averages were written before.
     put(&folder, "average.json", "{\"schema\": \"average/1\", \"seal\": null}");
-    let again = ["average.json", "average/1", "model/1", "made again by: seatrial estimate"];
+    let again = ["average.json", "average/1", "model/2", "made again by: seatrial estimate"];
     refused(&folder, 3, "export --model average.json --to c --out exported/", &again);
     // Each of its models is exported.
     run(&folder, "export --model model.json --to c --out exported/").succeeds();

@@ -192,7 +192,7 @@ fn a_recording_of_another_ship_is_named_and_two_ships_pooled_give_no_model_to_tr
 }
 
 #[test]
-fn a_rudder_that_counts_to_the_other_side_is_named_by_the_signs_of_its_parameters() {
+fn a_rudder_that_counts_to_the_other_side_is_named_with_its_remedy() {
     let case = crate::support::repository().join("../shared/cases-2/140-rudder-inverted-estimate");
     if !case.is_dir() {
         println!("skipped: there is no {}", case.display());
@@ -214,22 +214,22 @@ fn a_rudder_that_counts_to_the_other_side_is_named_by_the_signs_of_its_parameter
         (ran.stdout, json(&folder, "estimate.json")["data"]["trust"]["statements"].to_string())
     };
     let (line, said) = pooled("");
-    for piece in
-        ["another sign than the nominal value", "`Y_uud`", "`N_uud`", "all that `delta` has a part in turned"]
-    {
+    let wrong = "`delta` acts with the opposite sign";
+    for piece in [wrong, "`Y_uud`", "`N_uud`", "set `sign = -1`"] {
         assert!(said.contains(piece) && line.contains(piece), "{line}{said}");
     }
+    assert!(said.contains(&format!("model rejected (p < 0.0001): {wrong}")), "{said}");
     let search = format!("estimate --structure library {made} --folds 3 --out estimate.json");
-    let (turned, searched) = ("another sign than the nominal value", run(&folder, &search).succeeds().stdout);
-    assert!(searched.contains(turned), "{searched}");
-    let (line, said) = pooled(", sign = -1");
-    assert!(!said.contains("another sign") && !line.contains("another sign"), "{line}{said}");
     let searched = run(&folder, &search).succeeds().stdout;
-    assert!(!searched.contains(turned), "{searched}");
+    assert!(searched.contains(wrong), "{searched}");
+    let (line, said) = pooled(", sign = -1");
+    assert!(!said.contains("opposite sign") && !line.contains("opposite sign"), "{line}{said}");
+    let searched = run(&folder, &search).succeeds().stdout;
+    assert!(!searched.contains(wrong), "{searched}");
     // No maneuver alone tells of a thrust that never changes.
     edit(&folder, "vessel.toml", "nominal = 0.02958", "fixed = true");
     run(&folder, "ingest --config ingest.toml --vessel vessel.toml --out t.parquet").succeeds();
     let single =
         run(&folder, &format!("estimate --fit each {made} --estimator ls --out single.parquet")).succeeds();
-    assert!(single.stdout.contains(turned), "{single}");
+    assert!(single.stdout.contains(wrong), "{single}");
 }

@@ -1,6 +1,10 @@
+use numerics::distributions::log_chi_square_tail;
 use numerics::{LANES, Lane};
+use refusal::listed;
 use ship::engine::Compiled;
 use ship::model::{Degree, DegreeOfFreedom, Model, Term, Variable};
+
+use super::verdict::{Absent, Suspect, sign_remedy};
 
 /// Terms of surge to second order: even under exchange of port and starboard. Those of third order are too similar.
 const EVEN: [&str; 5] = ["u", "u |u|", "v r", "v^2", "r^2"];
@@ -33,6 +37,7 @@ impl Effect {
 
 #[derive(Clone, Debug)]
 pub(super) struct CandidateEffect {
+    pub kind: Suspect,
     pub degree: Option<DegreeOfFreedom>,
     /// Its name: `r |r|`, `lag`, `current`.
     pub name: String,
@@ -77,7 +82,8 @@ impl Lifted {
             place += lifted_degree.terms.len();
             for (name, term) in absent(model, degree, &names) {
                 let (unit, unknowns) = (model.unit(degree, &term), vec![vec![others.len()]]);
-                candidates.push(CandidateEffect { degree: Some(degree), unit, name, unknowns });
+                let kind = Suspect::Term;
+                candidates.push(CandidateEffect { kind, degree: Some(degree), unit, name, unknowns });
                 push(lifted_degree, term, &mut others, &mut place);
             }
             for (effect, columns) in Effect::ALL.into_iter().zip(&mut effects) {
@@ -87,15 +93,15 @@ impl Lifted {
             }
         }
         let [lag, delay, north, east] = effects;
-        let mut add = |name: &str, unit: &str, unknowns: Vec<Vec<usize>>| {
+        let mut add = |kind, name: &str, unit: &str, unknowns: Vec<Vec<usize>>| {
             let (name, unit) = (name.to_owned(), unit.to_owned());
-            candidates.push(CandidateEffect { degree: None, name, unit, unknowns });
+            candidates.push(CandidateEffect { kind, degree: None, name, unit, unknowns });
         };
         if model.inputs > 0 {
-            add("lag of the inputs", "s", vec![lag]);
-            add("delay of the inputs", "samples", vec![delay]);
+            add(Suspect::Late, "lag of the inputs", "s", vec![lag]);
+            add(Suspect::Late, "delay of the inputs", "samples", vec![delay]);
         }
-        add("current", "m/s", vec![north, east]);
+        add(Suspect::Current, "current", "m/s", vec![north, east]);
         Self { model: lifted, known, others, candidates }
     }
 
@@ -114,11 +120,12 @@ fn push(degree: &mut Degree, term: Term, others: &mut Vec<usize>, place: &mut us
     *place += 1;
 }
 
-/// Terms of the library that `degree` of `model` lacks; the constant if it has none.
+/// Terms of the library that `degree` of `model` lacks, and logged channels that no term has.
 fn absent(model: &Model, degree: DegreeOfFreedom, names: &[&str]) -> Vec<(String, Term)> {
     let terms = &model.degrees[degree as usize].terms;
     let texts: &[&str] = if degree == DegreeOfFreedom::Surge { &EVEN } else { &ODD };
-    let parsed = texts.iter().filter_map(|text| Some(((*text).to_owned(), Term::parse(text, names).ok()?)));
+    let texts = texts.iter().copied().chain(unused(model).map(|variable| names[variable]));
+    let parsed = texts.filter_map(|text| Some((text.to_owned(), Term::parse(text, names).ok()?)));
     let sorted = |term: &Term| {
         let mut factors: Vec<(usize, bool)> = term.factors.iter().map(|f| (f.variable, f.modulus)).collect();
         factors.sort_unstable();
@@ -127,6 +134,24 @@ fn absent(model: &Model, degree: DegreeOfFreedom, names: &[&str]) -> Vec<(String
     // Fixed and tied terms are tested too: they may be fixed or tied wrongly.
     let has = |term: &Term| terms.iter().any(|known| known.tied.is_empty() && sorted(known) == sorted(term));
     parsed.filter(|(_, term)| !has(term)).collect()
+}
+
+/// Channels that neither a term nor a derived channel has. Those of [`Effect`], which follow, are none.
+fn unused(model: &Model) -> impl Iterator<Item = usize> + '_ {
+    let of_terms = |variable: usize| {
+        let mut factors =
+            model.degrees.iter().flat_map(|degree| &degree.terms).flat_map(|term| &term.factors);
+        factors.any(|factor| factor.variable == variable)
+    };
+    let derived = move |variable: usize| {
+        model
+            .derived
+            .iter()
+            .any(|channel| channel.variable == variable || channel.sources.contains(&variable))
+    };
+    let is_effect = |variable: usize| model.variables[variable].name.starts_with('_');
+    let logged = 3..model.variables.len();
+    logged.filter(move |variable| !of_terms(*variable) && !derived(*variable) && !is_effect(*variable))
 }
 
 /// The lag that is tested \[samples\]: the effects of shorter and longer ones are similar.
@@ -187,4 +212,95 @@ fn turned(heading: &Lane) -> (Lane, Lane) {
         (sin[lane], cos[lane]) = libm::sincos(heading[lane]);
     }
     (cos, sin)
+}
+
+// Channels that act with the opposite sign: a fit follows such a recording as well, so nominal values are to tell.
+
+/// Standard errors that an estimate must be away from zero for its sign to count …
+const FAR: f64 = 5.0;
+/// … and those that the nominal value must be away from it.
+const NOMINAL: f64 = 3.0;
+
+/// A parameter whose sign counts: its place, name, nominal value, and estimate with its standard error.
+type SignCounted<'a> = (usize, &'a str, f64, [f64; 2]);
+
+/// The test of each logged channel and sensor: how many times as the `nominal` values say it acts, by the parameters that its
+/// sign would turn. It is wrong if all of them are turned, and most of those that are turned are among them. `estimates` are
+/// those of the parameters of `model` with their standard errors, where both are known.
+pub(crate) fn signs(model: &Model, nominal: &[f64], estimates: &[Option<[f64; 2]>]) -> Vec<Absent> {
+    let counted = counted(model, nominal, estimates);
+    let turned = counted.iter().filter(|one| is_turned(one)).count();
+    let variables = || (3..model.variables.len() - model.derived.len()).chain(0..3);
+    let group = |variable: usize| counted.iter().filter(move |(i, ..)| turns(model, variable, *i)).collect();
+    let groups: Vec<(usize, Vec<&SignCounted>)> =
+        variables().map(|variable| (variable, group(variable))).collect();
+    let tested = || groups.iter().filter(|(_, group)| !group.is_empty());
+    let wrong =
+        tested().find(|(_, group)| group.iter().all(|one| is_turned(one)) && 2 * group.len() > turned);
+    let test = |(variable, group): &(usize, Vec<&SignCounted>)| {
+        let name = &model.variables[*variable].name;
+        let channel = if *variable < 3 { format!("y_{name}") } else { name.clone() };
+        let sum = |of: &dyn Fn(f64, [f64; 2]) -> f64| {
+            group.iter().map(|(.., m, estimate)| of(*m, *estimate)).sum::<f64>()
+        };
+        let square = sum(&|nominal, [_, error]| (nominal / error).powi(2));
+        let times = sum(&|nominal, [estimate, error]| nominal * estimate / (error * error)) / square;
+        // At most, however the estimates are correlated.
+        let error = sum(&|nominal, [_, error]| (nominal / error).abs()) / square;
+        let log_p = if times < 0.0 { log_chi_square_tail((times / error).powi(2), 1) } else { 0.0 };
+        let parameters: Vec<String> = group.iter().map(|(_, name, ..)| format!("`{name}`")).collect();
+        Absent {
+            kind: Suspect::Sign,
+            name: format!("`{channel}` acts with the opposite sign"),
+            unit: format!("times the nominal {}", listed(&parameters)),
+            visible_from: None,
+            candidate: wrong.is_some_and(|(wrong, _)| wrong == variable),
+            remedy: Some(sign_remedy(&channel)),
+            ..Absent::scored(
+                vec![times],
+                vec![error],
+                log_p,
+                (tested().count() as f64 * libm::exp(log_p)).min(1.0),
+            )
+        }
+    };
+    let is_finite = |sign: &Absent| sign.value[0].is_finite() && sign.standard_error[0].is_finite();
+    tested().map(test).filter(is_finite).collect()
+}
+
+/// The sign that is wrong by `nominal` values, else the estimates with another sign than these, in words; see [`signs`].
+pub fn against_nominal(model: &Model, nominal: &[f64], estimates: &[Option<[f64; 2]>]) -> Option<String> {
+    if let Some(wrong) = signs(model, nominal, estimates).into_iter().find(|sign| sign.candidate) {
+        return Some(wrong.sentence());
+    }
+    let turned = counted(model, nominal, estimates).into_iter().filter(is_turned);
+    let each = |(_, name, nominal, [estimate, error]): SignCounted| {
+        format!("`{name}` {estimate:.3e} ± {error:.1e}, nominal {nominal:.3e}")
+    };
+    let all: Vec<String> = turned.map(each).collect();
+    (!all.is_empty()).then(|| format!("estimates with another sign than the nominal value: {}", listed(&all)))
+}
+
+fn counted<'a>(model: &'a Model, nominal: &[f64], estimates: &[Option<[f64; 2]>]) -> Vec<SignCounted<'a>> {
+    let parameters = model.parameter_names().zip(nominal).zip(estimates).enumerate();
+    let known = parameters.filter_map(|(i, ((name, nominal), known))| Some((i, name, *nominal, (*known)?)));
+    known
+        .filter(|(.., nominal, [estimate, error])| {
+            *error > 0.0 && estimate.abs() > FAR * error && nominal.abs() > NOMINAL * error
+        })
+        .collect()
+}
+
+fn is_turned((.., nominal, [estimate, _]): &SignCounted) -> bool {
+    estimate * nominal < 0.0
+}
+
+/// Whether a turn of the sign of `variable` turns parameter `i`.
+fn turns(model: &Model, variable: usize, i: usize) -> bool {
+    let mut terms =
+        (0..).zip(&model.degrees).flat_map(|(d, degree)| degree.terms.iter().map(move |term| (d, term)));
+    terms.nth(i).is_some_and(|(d, term): (usize, _)| {
+        let factors = term.factors.iter().filter(|f| f.variable == variable && !f.modulus).count();
+        (factors + usize::from(d == variable)) % 2 == 1
+    })
 }

@@ -1,7 +1,8 @@
-//! Tests what a model lacks, by score tests of whitened errors.
+//! Tests what a model lacks or has wrong, by score tests of whitened errors.
 //!
-//! Candidates are added to the model with a parameter of zero: terms, a lag or delay of the inputs, a current. The
-//! errors of the estimate and all sensitivities pass through the same Kalman filter, which whitens the errors, at the
+//! Candidates are added to the model with a parameter of zero: terms, logged channels that no term has, a lag or delay of
+//! the inputs, a current. The signs of channels are tested by those of nominal values. For a ship with forces
+//! [`crate::fitting`] makes the same [`Criticism`] by scores of windows. The errors of the estimate and all sensitivities pass through the same Kalman filter, which whitens the errors, at the
 //! states that it predicts, never at measured ones. Both are projected onto the complement of the estimated
 //! parameters. Then T = sᵀV⁻¹s is χ² under the model, s being the products of the projected sensitivities and errors,
 //! V those of the sensitivities; sums add over runs. Joint draws of all scores correct for the number of candidates.
@@ -24,16 +25,20 @@ use crate::sensitivity::{Flow, NoiseModel, Recordings, filter, with_states};
 use library::{CandidateEffect, Lifted, with_effects};
 use noise::{Earlier, LASTING};
 use problems::{Problems, Refinement, Series, TestedEstimate, each_with_noise, with_noise};
-use residuals::{apart, feedback, waves};
+use residuals::{apart, feedback, turned, waves};
 use score::{Draws, Projected, reject_under_white, tested, under_white};
-use verdict::statements;
 
+pub use library::against_nominal;
+pub(crate) use library::signs;
 pub use noise::NoiseKind;
 pub(crate) use noise::{ENOUGH, Kinds};
 pub use problems::{Subject, restricted_likelihood};
 pub use residuals::oscillation;
 pub use score::clearer_under_white;
-pub use verdict::{Absent, Apart, Criticism, Feedback, FoundDrift, FoundNoise, LEVEL, OtherNoise, Verdict};
+pub use verdict::{
+    Absent, Apart, Criticism, Feedback, FoundDrift, FoundNoise, LEVEL, OtherNoise, Suspect, Verdict, number,
+};
+pub(crate) use verdict::{change, sign_remedy, statements};
 
 /// Tests what the model lacks by score tests of whitened errors, see [`self`]. `parameters`: θ̂ of all runs, in the
 /// order of the model. `None` if the model diverges, or the runs determine nothing.
@@ -83,7 +88,12 @@ fn verdicts(subject: &Subject, problems: &Problems, states: Vec<TestedEstimate>)
         if known && !subject.names.is_empty() {
             criticism.apart = apart(problems, &state);
         }
-        if !criticism.apart.is_empty() {
+        let is_pooled = !known && !subject.names.is_empty();
+        criticism.absent.extend(is_pooled.then(|| turned(problems, &state)).flatten());
+        criticism.absent.extend_from_slice(subject.signs);
+        let wrong = |absent: &Absent| absent.kind == Suspect::Sign && absent.candidate;
+        criticism.absent.sort_by_key(|absent| !wrong(absent));
+        if !criticism.apart.is_empty() || known && subject.signs.iter().any(wrong) {
             (criticism.rejected, criticism.verdict) = (true, Verdict::Rejected);
         }
         criticism.statements = statements(&criticism, under_white);
@@ -113,13 +123,14 @@ fn judged(
         verdict: if rejected { Verdict::Rejected } else { Verdict::NotRejected },
         p_value,
         stated_noise: subject.levels.is_some(),
-        noise_u,
-        noise_v,
-        noise_r,
-        current_std,
+        noise_u: Some(noise_u),
+        noise_v: Some(noise_v),
+        noise_r: Some(noise_r),
+        current_std: Some(current_std),
         current_time_s,
+        units: None,
         noise: state.noise.as_ref().map(FoundNoise::from),
-        error_ratio: projected.variance().sqrt(),
+        error_ratio: Some(projected.variance().sqrt()),
         whiteness: whiteness.to_vec(),
         apart: Vec::new(),
         feedback: feedback(subject.model, subject.runs, series),
@@ -292,7 +303,7 @@ pub(crate) fn calibrated(
     known_start: bool,
     starts: &[Vec<f64>],
 ) -> Option<Calibrated> {
-    let subject = Subject { model, runs, rate_hz, known_start, levels: None, names: &[] };
+    let subject = Subject { model, runs, rate_hz, known_start, levels: None, names: &[], signs: &[] };
     let problems = Problems::new(&subject, true);
     let state = with_noise(&problems, 0, starts, &[])?;
     let noise = state.noise.clone()?;

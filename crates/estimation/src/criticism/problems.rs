@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use ship::engine::{RunView, SideBySide};
 use ship::model::Model;
 
+use super::Absent;
 use super::library::{Lifted, with_effects};
 use super::noise::{Earlier, Guess, Noise, NoiseKind, Turns, side_by_side};
 use crate::predictor::{Linear, linearize_each, scaled_inverse};
@@ -24,6 +25,8 @@ pub struct Subject<'a> {
     pub levels: Option<NoiseModel>,
     /// The recording of every run, to test whether recordings agree; empty to skip that test.
     pub names: &'a [&'a str],
+    /// Tests of the signs of channels that were made before.
+    pub signs: &'a [Absent],
 }
 
 #[derive(Clone, Debug)]

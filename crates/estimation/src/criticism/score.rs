@@ -108,8 +108,6 @@ impl Projected {
     }
 }
 
-/// Size in standard errors at which a trial nearly always detects an absent term.
-const SEEN: f64 = 3.9;
 /// Candidates within this distance in −2 log p of the first may be what is missing too.
 const CLOSE: f64 = 6.0;
 
@@ -129,17 +127,14 @@ pub(super) fn tested(lifted: &Lifted, draws: &Draws, projected: &Projected) -> (
 
 /// The test of `candidate`, where `most` is the evidence of the likeliest.
 fn absent(candidate: &CandidateEffect, score: &Score, p_value: f64, most: f64) -> Absent {
-    let evidence = -2.0 * score.log_p;
+    let (values, errors) = (score.values.clone(), score.standard_errors.clone());
     Absent {
+        kind: candidate.kind,
         name: candidate.name.clone(),
         degree: candidate.place().map(str::to_owned),
         unit: candidate.unit.clone(),
-        value: score.values.clone(),
-        standard_error: score.standard_errors.clone(),
-        visible_from: SEEN * score.standard_errors.iter().copied().fold(0.0, f64::max),
-        p_value,
-        evidence,
-        candidate: most - evidence <= CLOSE,
+        candidate: most + 2.0 * score.log_p <= CLOSE,
+        ..Absent::scored(values, errors, score.log_p, p_value)
     }
 }
 

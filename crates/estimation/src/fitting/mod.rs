@@ -22,7 +22,7 @@ use refusal::Invalid;
 use ship::forces::Forces;
 use thiserror::Error;
 
-pub use criticism::{AbsentTerm, Channels, Criticism, LEVEL, LateInput, Lateness, Turn, TurnedSign};
+pub use criticism::Channels;
 pub use fit::{Estimates, Fit, Parameter};
 pub use simulated::{MeasuredRun, PredictedErrors, RunInformation, SimulatedRun, StateSlopes, WhiteNoise};
 pub use sums::cost_of_rms;
@@ -369,7 +369,7 @@ pub enum Unfit {
     #[error("{0}")]
     Listed(Box<Invalid>),
     /// The search did not end, and recordings fit better with something turned over.
-    #[error("no minimum after {0} steps; the recordings fit better with {1}")]
+    #[error("no minimum after {0} steps; the recordings fit better if {1}")]
     WrongSign(usize, String),
     /// The search did not end.
     #[error("no minimum after {0} steps")]

@@ -7,12 +7,12 @@ use ship::model::DegreeOfFreedom;
 use thiserror::Error;
 
 use super::resampler::{Resampler, Resampling};
-use super::statements::{against_nominal, collinear, statements};
+use super::statements::{collinear, statements};
 use super::trust::Judge;
 use super::{
     DegreeTrust, Delivered, Estimated, Follow, Judgement, NoEstimate, Pool, Resample, SourceErrors, Unfound,
 };
-use crate::criticism::{Criticism, Subject, Verdict, criticise_after};
+use crate::criticism::{Absent, Criticism, Subject, Verdict, against_nominal, criticise_after, signs};
 use crate::predictor::{InitialState, Unknown};
 use crate::sensitivity::Flow;
 use crate::{EstimateStatus, Estimator, RunEstimate};
@@ -34,7 +34,7 @@ pub struct Pooled {
     pub sources: Vec<SourceErrors>,
     /// What to know before using the estimate, in words.
     pub statements: Vec<String>,
-    /// That of them that names estimates with another sign than the nominal value.
+    /// What is said of signs: a channel that acts with the opposite one, or estimates against their nominal values.
     pub turned: Option<String>,
     /// The whole model; none unless all degrees of freedom have an estimate.
     pub delivered: Option<Delivered>,
@@ -134,7 +134,11 @@ fn estimate_any(
     let estimated = solved(pool, parts, estimator)?;
     let judge = Judge { pool, estimated: &estimated, parts, judgement, resampling };
     let mut degrees = judge.degrees().map_err(PoolError::Unread)?;
-    let mut criticism = criticism(pool, &estimated, runs).map_err(PoolError::Unread)?;
+    let parameters = degrees.iter().flat_map(|degree| &degree.parameters);
+    let estimates: Vec<_> = parameters.map(|p| Some([p.estimate?, p.standard_error?])).collect();
+    let (model, nominal) = (&pool.vessel.model, &pool.vessel.nominal);
+    let (signs, turned) = (signs(model, nominal, &estimates), against_nominal(model, nominal, &estimates));
+    let mut criticism = criticism(pool, &estimated, runs, &signs).map_err(PoolError::Unread)?;
     let waves = criticism.as_mut().filter(|criticism| criticism.waves_s.is_some());
     let no_errors = waves.is_some();
     if let Some(criticism) = waves {
@@ -161,11 +165,11 @@ fn estimate_any(
         .into_iter()
         .chain(few_informative(pool, &estimated, parts.count()))
         .chain(beside(pool, &estimated));
-    let parameters = degrees.iter().flat_map(|degree| &degree.parameters);
-    let estimates: Vec<_> = parameters.map(|p| Some([p.estimate?, p.standard_error?])).collect();
-    let turned = against_nominal(&pool.vessel.model, &pool.vessel.nominal, &estimates);
+    // What criticism says is not said twice.
+    let is_named = criticism.as_ref().is_some_and(|criticism| criticism.wrong_signs().next().is_some());
+    let also = turned.clone().filter(|_| !is_named);
     let known: Vec<String> =
-        turned.clone().into_iter().chain(spread).chain(statements(&degrees)).chain(alike).collect();
+        also.into_iter().chain(spread).chain(statements(&degrees)).chain(alike).collect();
     Ok(Pooled {
         design: runs.design().to_owned(),
         parts: parts.count(),
@@ -356,7 +360,12 @@ fn standard_errors_any(
 const MOST_CRITICISED: usize = 200_000;
 
 /// Tests what the model lacks on the first whole recordings up to [`MOST_CRITICISED`] samples.
-fn criticism(pool: &Pool, estimated: &Estimated, runs: &dyn AnyRuns) -> Result<Option<Criticism>, Unread> {
+fn criticism(
+    pool: &Pool,
+    estimated: &Estimated,
+    runs: &dyn AnyRuns,
+    signs: &[Absent],
+) -> Result<Option<Criticism>, Unread> {
     let Some(parameters) = estimated.parameters(&pool.model) else { return Ok(None) };
     let (model, parameters) = pool.model.held_at_bounds(&parameters);
     let (mut samples, mut recordings) = (0, Vec::new());
@@ -375,6 +384,7 @@ fn criticism(pool: &Pool, estimated: &Estimated, runs: &dyn AnyRuns) -> Result<O
         known_start: false,
         levels: None,
         names: &names,
+        signs,
     };
     let mut criticism = criticise_after(&subject, &parameters, &estimated.noises);
     if let Some(tests) = criticism.as_mut().filter(|_| !allows_for_current(estimated)) {

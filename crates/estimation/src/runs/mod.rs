@@ -262,6 +262,7 @@ impl RunEstimators<'_> {
                 known_start: self.initial == InitialState::Known,
                 levels: self.levels,
                 names: &[],
+                signs: &[],
             };
             for (run, criticism) in asked.iter().zip(criticise_each(&subject, thetas)) {
                 let rejected = criticism.is_some_and(|tests| tests.rejected);

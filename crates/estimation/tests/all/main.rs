@@ -25,4 +25,3 @@ mod search;
 mod slopes;
 #[path = "../../../regression/tests/all/support/mod.rs"]
 mod support;
-mod white_noise;

@@ -181,6 +181,7 @@ fn oracle_the_restricted_likelihood_is_that_of_the_whole_covariance() {
         known_start: false,
         levels: None,
         names: &[],
+        signs: &[],
     };
     let line = Line::new(&model, &theta, &exogenous);
     let noise = [0.03, 0.05, 0.04];

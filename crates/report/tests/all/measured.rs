@@ -2,7 +2,7 @@
 
 use report::{MeasuredStudy, Study, render};
 use serde_json::json;
-use study::documents::{Compared, LeftOutScores, ModelDocument, Trust};
+use study::documents::{Absent, Compared, LeftOutScores, ModelDocument, Suspect, Trust};
 
 fn model(truth: Option<f64>) -> ModelDocument {
     let degree = |name: &str, state: &str, unit: &str| {
@@ -162,7 +162,26 @@ fn what_a_model_may_lack_is_ranked_and_the_unlikely_is_folded_away() {
     assert!(noise.iter().all(|own| folded.contains(own)), "{folded}");
     assert!(folded.contains("white noise by 123"), "{folded}");
     assert!(said(9, 0).split_once("<details>").unwrap().1.contains("4 more candidates"));
-    assert!(!said(3, 0).contains("<details>"));
+    assert!(!said(3, 0).contains("<details>") && !said(3, 0).contains(">Cost<"));
+    // A ship with forces has the same section.
+    let mut forces = trust(3, 1);
+    if let Some(found) = forces.criticism.as_mut() {
+        (found.units, found.noise_u, found.absent[0].share) = (Some(64), None, Some(0.079));
+        found.absent[2] =
+            Absent { kind: Suspect::Sign, name: "`delta` acts".to_owned(), ..Absent::default() };
+    }
+    let html = page(MeasuredStudy { trust: Some(forces), ..MeasuredStudy::default() });
+    for words in [
+        "What is wrong with the model",
+        ">Cost<",
+        "−7.9 %",
+        "64 windows",
+        "<code>delta</code> acts",
+        "diverges",
+    ] {
+        assert!(html.contains(words), "{words}");
+    }
+    assert!(!html.contains("Noise found"));
 }
 
 #[test]

@@ -293,7 +293,7 @@ impl Document for EstimateDocument {
         ),
         ("1", "over_search over_base models chosen recordings_each chosen_by_resamples searches failed"),
         ("1", "search_diverged most_added prior_weight base_cost found_cost share_left_out found_by_folds"),
-        ("1", "ratio after_another wanted reached"),
+        ("1", "ratio after_another wanted reached share units prime_value"),
         ("the unit beside it", "visible_from std"),
         (
             "the parameter's unit",

@@ -37,7 +37,7 @@ pub use ::validation::selection::{
     PublishedLimits, Selection, SelectionErrors, SelectionScores, SharesBeyond,
 };
 pub use ::validation::tally::Bounds;
-pub use estimation::criticism::{Absent, Criticism, FoundNoise, Verdict};
+pub use estimation::criticism::{Absent, Criticism, FoundNoise, Suspect, Verdict};
 pub use estimation::pooled::{DegreeTrust, FreeRunErrors, ParameterTrust, SourceErrors};
 pub use estimation::search::{Candidate, NestedAverage, NestedRecording, SizeScore};
 pub use estimation::{Estimator, Quantiles, ScoreStatus, Share};
@@ -62,8 +62,8 @@ pub use estimate::{
     ModelStructure, ParameterSummary, Trust,
 };
 pub use forces::{
-    AbsentForce, CaptiveValue, FittedForces, FittedParameter, ForceCriticism, ForcesWithoutFold, FoundForce,
-    LateActuator, SailedSum, SailedSums, SearchedForces, TriedForce, TriedSign,
+    CaptiveValue, FittedForces, FittedParameter, ForcesWithoutFold, FoundForce, SailedSum, SailedSums,
+    SearchedForces, TriedForce,
 };
 pub use ingest::{
     ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary,

@@ -494,13 +494,15 @@ impl ModelParameter {
 
 impl Document for ModelDocument {
     const ID: &'static str = "model";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
     const UNITS: Units = &[
         ("Hz", "sample_rate_hz"),
         (
             "1",
             "samples stretches factor part condition windows pieces prior_weight cost steps prior_share inflation weight",
         ),
+        ("1", "p_value evidence share units prime_value"),
+        ("the unit beside it", "visible_from"),
         ("s", "stretch_s lag_s hold_s window_s"),
         ("the channel's unit a second", "rate_per_s"),
         ("the parameter's unit", "value standard_error least_squares truth bounds prior prior_deviation"),

@@ -10,6 +10,7 @@
 mod candidates;
 mod sign_test;
 
+use numerics::distributions::log_chi_square_tail;
 use numerics::scaled_inverse;
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -18,13 +19,12 @@ use ship::forces::{Channel, Forces};
 
 use super::sums::{AT_ONCE, Reduced, WindowSums};
 use super::{Fit, Pass, Problem, Unfit, at_bound, block};
+use crate::criticism::{Absent, Criticism, LEVEL, Suspect, Verdict, change, number, statements};
 use candidates::{CandidateBlock, Column, ForceProduct, Measure, listed, products};
 use sign_test::Alternative;
 
-pub use sign_test::{LateInput, Lateness, Turn, TurnedSign};
+use sign_test::Lateness;
 
-/// A model is rejected where chance makes any candidate look as likely with less than this probability.
-pub const LEVEL: f64 = 0.05;
 /// Candidates whose gain is at least this share of the largest may be what is missing, too.
 const CLOSE: f64 = 0.8;
 /// Most inputs for which lag and dead time are compared.
@@ -58,70 +58,29 @@ impl Channels<'_> {
     }
 }
 
-/// A product that an equation lacks.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AbsentTerm {
-    /// 0 surge, 1 sway, 2 yaw.
-    pub degree: usize,
-    /// As it is written.
-    pub term: String,
-    /// Its number if it were added, in SI units.
-    pub value: f64,
-    /// The standard error of that.
-    pub standard_error: f64,
-    /// Its SI unit.
-    pub unit: String,
-    /// What one of the prime system is in SI units; none with channels that the prime system does not scale.
-    pub prime: Option<f64>,
-    /// By which share the cost would fall.
-    pub share: f64,
-    /// How probable it is in a right model that any candidate seems as likely.
-    pub p_value: f64,
-    /// Whether it may be what is missing: no other lowers the cost by much more.
-    pub candidate: bool,
-}
-
-/// What is wrong with a fitted ship.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Criticism {
-    /// Signs that were turned, the one with the lowest cost first.
-    pub signs: Vec<TurnedSign>,
-    /// Inputs, the one that lowers the cost most first. None where a sign is wrong.
-    pub late: Vec<LateInput>,
-    /// Products, those that are not chance first, and then by how much they lower the cost. None where a sign is wrong.
-    pub terms: Vec<AbsentTerm>,
-    /// Candidates that the fitted numbers explain, in words.
-    pub hidden: Vec<String>,
-    /// Independent units of the scores.
-    pub units: usize,
-    /// Whether these are whole windows; else pieces of them.
-    pub whole: bool,
-    /// How probable it is in a right model that any candidate seems as likely; none where a sign is wrong.
-    pub p_value: Option<f64>,
-}
-
-impl Criticism {
-    /// Whether a sign is wrong.
-    pub fn has_wrong_sign(&self) -> bool {
-        self.signs.iter().any(|sign| sign.wrong)
-    }
-
-    /// Whether something is wrong beyond chance.
-    pub fn rejects(&self) -> bool {
-        self.has_wrong_sign() || self.p_value.is_some_and(|p_value| p_value < LEVEL)
-    }
-}
+/// With fewer independent units for each number only gross faults show.
+const FEW: usize = 2;
 
 impl Problem<'_> {
-    /// What is wrong with the ship of this `fit`.
+    /// What is wrong with the ship of this `fit`: signs, and only where these are right what she lacks.
     ///
     /// # Errors
     /// A start of a window or a number that nothing determines.
     pub fn criticise(&self, fit: &Fit, channels: Channels) -> Result<Criticism, Unfit> {
-        let mut criticism = Criticism { signs: self.signs(fit, channels.all), ..Criticism::default() };
-        if !criticism.has_wrong_sign() {
+        let mut criticism = Criticism { absent: self.signs(fit, channels.all), ..Criticism::default() };
+        let wrong = criticism.wrong_signs().next().is_some();
+        if !wrong {
             self.scored(fit, channels, &mut criticism)?;
         }
+        sort(&mut criticism.absent);
+        criticism.rejected = wrong || criticism.p_value.is_some_and(|p_value| p_value < LEVEL);
+        criticism.verdict = if criticism.rejected { Verdict::Rejected } else { Verdict::NotRejected };
+        criticism.statements = statements(&criticism, false);
+        let numbers = self.forces.parameters().len();
+        let few = criticism.units.filter(|units| !criticism.rejected && (*units as usize) < FEW * numbers);
+        let few = few
+            .map(|u| format!("{u} independent pieces for {numbers} numbers would show gross faults alone"));
+        criticism.statements.extend(wrong.then(|| NOT_TESTED.to_owned()).or(few));
         Ok(criticism)
     }
 
@@ -131,60 +90,59 @@ impl Problem<'_> {
         let Ok((fit, _)) = Pass::new(self, None).search(theta, self.settings.most_steps) else {
             return error;
         };
-        let first = self.signs(&fit, channels.all).into_iter().find(|sign| sign.wrong);
-        first.map_or(error, |sign| Unfit::WrongSign(steps, sign.turn.to_string()))
+        let mut signs = self.signs(&fit, channels.all);
+        sort(&mut signs);
+        match signs.into_iter().next().filter(|sign| sign.candidate) {
+            Some(sign) => Unfit::WrongSign(steps, sign.name),
+            None => error,
+        }
     }
 
-    fn signs(&self, fit: &Fit, channels: &[Channel]) -> Vec<TurnedSign> {
+    fn signs(&self, fit: &Fit, channels: &[Channel]) -> Vec<Absent> {
         let alternatives = Alternative::all(self.forces, channels);
         let count = alternatives.len();
-        let mut signs: Vec<TurnedSign> =
-            alternatives.iter().map(|alternative| self.sign_test(fit, alternative, count)).collect();
-        let gain = |sign: &TurnedSign| sign.share.unwrap_or(f64::NEG_INFINITY);
-        signs.sort_by(|one, other| gain(other).total_cmp(&gain(one)));
-        signs
+        alternatives.iter().map(|alternative| self.sign_test(fit, alternative, count)).collect()
     }
 
     fn scored(&self, fit: &Fit, channels: Channels, criticism: &mut Criticism) -> Result<(), Unfit> {
         let inputs = inputs(self.forces, channels.inputs);
         let terms = channels.products(self.forces)?;
         let (blocks, measures) = self.blocks(&inputs, &terms, channels.all)?;
-        let (all, units, whole) = Pass::new(self, fit.first).scores(fit, &blocks)?;
+        let (all, units) = Pass::new(self, fit.first).scores(fit, &blocks)?;
         let testable: Vec<&Score> = all.iter().flatten().collect();
         let mut probabilities = probabilities(&testable).into_iter();
-        let judged = all.iter().map(|s| s.as_ref().zip(s.as_ref().and_then(|_| probabilities.next())));
-        let (late, others): (Vec<_>, Vec<_>) = judged.enumerate().partition(|(i, _)| *i < inputs.len());
-        criticism.p_value =
-            late.iter().chain(&others).filter_map(|(_, j)| j.map(|(_, p)| p)).reduce(f64::min);
-        let late = late.into_iter().filter_map(|(i, judged)| Some((&channels.all[inputs[i]], judged?)));
-        let late_input = |(channel, (score, p_value)): (&Channel, (&Score, f64))| {
-            let ((late_s, standard_error), share) = (score.value(), fit.share(score.gain()));
-            let input = channel.name.clone();
-            LateInput { input, late_s, standard_error, share, p_value, best: None, other: None }
-        };
-        criticism.late = late.map(late_input).collect();
-        self.compare_late(fit, channels.all, &mut criticism.late);
-        for ((product, (unit, prime)), (_, judged)) in terms.into_iter().zip(measures).zip(others) {
-            let ForceProduct { degree, text: term, .. } = product;
-            let Some((score, p_value)) = judged else {
-                criticism.hidden.push(format!("`{term}` in {}", ["surge", "sway", "yaw"][degree]));
-                continue;
-            };
-            let ((value, standard_error), share) = (score.value(), fit.share(score.gain()));
-            criticism.terms.push(AbsentTerm {
-                degree,
-                term,
-                value,
-                standard_error,
-                unit,
-                prime,
-                share,
-                p_value,
-                candidate: false,
-            });
+        let mut judged = all.iter().map(|score| {
+            let (score, p_value) = (score.as_ref()?, probabilities.next()?);
+            let (value, error) = score.value();
+            let log_p = log_chi_square_tail(score.standardised().powi(2), 1);
+            let share = Some(fit.share(score.gain()));
+            Some(Absent { share, ..Absent::scored(vec![value], vec![error], log_p, p_value) })
+        });
+        let names = inputs.iter().map(|input| channels.all[*input].name.clone());
+        let mut late: Vec<Absent> = names
+            .zip(judged.by_ref())
+            .filter_map(|(name, tested)| {
+                Some(Absent { kind: Suspect::Late, name, unit: "s".to_owned(), ..tested? })
+            })
+            .collect();
+        for ((product, (unit, prime)), tested) in terms.into_iter().zip(measures).zip(judged) {
+            let (degree, name) = (["surge", "sway", "yaw"][product.degree].to_owned(), product.text);
+            match tested {
+                Some(tested) => criticism.absent.push(Absent {
+                    prime_value: prime.map(|one| tested.value[0] / one),
+                    name,
+                    degree: Some(degree),
+                    unit,
+                    ..tested
+                }),
+                None => criticism.hidden.push(format!("`{name}` in {degree}")),
+            }
         }
-        sort(&mut criticism.terms);
-        (criticism.units, criticism.whole) = (units, whole);
+        let tested = late.iter().chain(criticism.absent.iter().filter(|absent| absent.kind == Suspect::Term));
+        criticism.p_value = tested.map(|absent| absent.p_value).reduce(f64::min);
+        criticism.units = Some(units as u64);
+        self.compare_late(fit, channels.all, &mut late);
+        criticism.absent.extend(late);
         Ok(())
     }
 
@@ -204,23 +162,35 @@ impl Problem<'_> {
         Ok((blocks, measures))
     }
 
-    fn compare_late(&self, fit: &Fit, channels: &[Channel], late: &mut [LateInput]) {
-        late.sort_by(|one, other| other.share.total_cmp(&one.share));
-        let certain = late.iter_mut().filter(|input| input.p_value < LEVEL && input.late_s > 0.0);
-        for input in certain.take(MOST_LATE) {
-            let Some(channel) = channels.iter().position(|channel| channel.name == input.input) else {
+    /// Says of inputs that act late for certain whether they do by a dead time or by a lag.
+    fn compare_late(&self, fit: &Fit, channels: &[Channel], late: &mut [Absent]) {
+        late.sort_by(|one, other| other.share.unwrap_or(0.0).total_cmp(&one.share.unwrap_or(0.0)));
+        for input in late.iter_mut().filter(|input| input.p_value < LEVEL).take(MOST_LATE) {
+            let Some(channel) = channels.iter().position(|channel| channel.name == input.name) else {
                 continue;
             };
-            let of = |kind| {
-                self.delay_test(fit, channel, kind, input.late_s).map(|(time, share)| (kind, time, share))
+            let of = |kind: Lateness| {
+                let (seconds, share) = self.delay_test(fit, channel, kind, input.value[0])?;
+                Some((
+                    format!("as a {kind} of {} s the cost changes by {}", number(seconds), change(share)),
+                    share,
+                ))
             };
-            let mut kinds: Vec<_> = [Lateness::DeadTime, Lateness::Lag].into_iter().filter_map(of).collect();
-            kinds.sort_by(|one, other| other.2.total_cmp(&one.2));
-            input.best = kinds.first().copied();
-            input.other = kinds.get(1).map(|(_, _, share)| *share);
+            let later = input.value[0] > 0.0;
+            let mut kinds: Vec<_> =
+                [Lateness::DeadTime, Lateness::Lag].into_iter().filter(|_| later).filter_map(of).collect();
+            kinds.sort_by(|one, other| other.1.total_cmp(&one.1));
+            let kinds: Vec<String> = kinds.into_iter().map(|(words, _)| words).collect();
+            let check = if later { "check its actuator and clocks" } else { "check clocks" };
+            input.remedy =
+                Some(std::iter::once(check.to_owned()).chain(kinds).collect::<Vec<_>>().join("; "));
         }
     }
 }
+
+/// Why there are no tests of lags and forces.
+const NOT_TESTED: &str =
+    "lags and missing forces are not tested: with a wrong sign they would make up for it";
 
 /// Inputs whose lateness can be tested: those that do not go around.
 fn inputs(forces: &Forces, count: usize) -> Vec<usize> {
@@ -231,13 +201,16 @@ fn inputs(forces: &Forces, count: usize) -> Vec<usize> {
     (0..count).filter(|input| !around.contains(input)).collect()
 }
 
-/// Those that are not chance first, then by their gain; marks those that may be what is missing.
-fn sort(terms: &mut [AbsentTerm]) {
-    let certain = |term: &AbsentTerm| term.p_value < LEVEL;
-    terms.sort_by(|one, other| certain(other).cmp(&certain(one)).then(other.share.total_cmp(&one.share)));
-    let most = terms.first().filter(|term| certain(term)).map(|first| first.share);
-    for term in terms.iter_mut() {
-        term.candidate = certain(term) && most.is_some_and(|most| term.share >= CLOSE * most);
+/// Those that are not chance first, signs before others, then by their gain; marks those that may be what is missing.
+fn sort(all: &mut [Absent]) {
+    let is_sign = |absent: &Absent| absent.kind == Suspect::Sign;
+    let certain = |absent: &Absent| if is_sign(absent) { absent.candidate } else { absent.p_value < LEVEL };
+    let order = |absent: &Absent| (!certain(absent), !(certain(absent) && is_sign(absent)));
+    let gain = |absent: &Absent| absent.share.unwrap_or(f64::NEG_INFINITY);
+    all.sort_by(|one, other| order(one).cmp(&order(other)).then(gain(other).total_cmp(&gain(one))));
+    let most = all.iter().find(|absent| !is_sign(absent)).map_or(0.0, gain);
+    for absent in all.iter_mut().filter(|absent| !is_sign(absent)) {
+        absent.candidate = certain(absent) && gain(absent) >= CLOSE * most;
     }
 }
 
@@ -291,14 +264,8 @@ struct Fitted {
 type Windowed<'a> = (&'a WindowSums, &'a Reduced, &'a Vec<Column>);
 
 impl Pass<'_> {
-    /// The scores of candidates, none where fitted numbers explain one; the number of units, and whether these are
-    /// windows.
-    #[allow(clippy::type_complexity)]
-    fn scores(
-        &self,
-        fit: &Fit,
-        blocks: &[CandidateBlock],
-    ) -> Result<(Vec<Option<Score>>, usize, bool), Unfit> {
+    /// The scores of candidates, none where fitted numbers explain one, and the number of units.
+    fn scores(&self, fit: &Fit, blocks: &[CandidateBlock]) -> Result<(Vec<Option<Score>>, usize), Unfit> {
         let groups: Vec<_> = self.groups.iter().zip(&fit.starts).collect();
         let each = groups.par_iter().map(|(group, starts)| self.columns(group, (&fit.theta, starts), blocks));
         let each = each.collect::<Result<Vec<_>, Unfit>>()?;
@@ -315,7 +282,7 @@ impl Pass<'_> {
             true => windows.len(),
             false => windows.iter().map(|(sums, _, _)| sums.pieces.len()).sum(),
         };
-        Ok((all, units, whole))
+        Ok((all, units))
     }
 
     fn fitted(&self, fit: &Fit, sums: &[Vec<WindowSums>], reduced: &[Vec<Reduced>]) -> Result<Fitted, Unfit> {

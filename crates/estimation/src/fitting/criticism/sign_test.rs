@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use numerics::distributions::normal_tails;
+use numerics::distributions::log_chi_square_tail;
 use ship::forces::{Channel, Description, Forces, Number, NumberSpec};
 
+use crate::criticism::{Absent, Suspect, sign_remedy};
 use crate::fitting::{Fit, Pass, Prior, Problem, RecordingView};
 
 const STEPS: usize = 10;
@@ -14,45 +15,23 @@ const SHARE: f64 = 0.05;
 /// … and chance makes any of the signs look so with less than this probability.
 const LEVEL: f64 = 0.01;
 
-/// A sign that was turned.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TurnedSign {
-    /// What was turned.
-    pub turn: Turn,
-    /// By which share the cost falls; below 0 where it rises, none where no simulation with it is finite.
-    pub share: Option<f64>,
-    /// Windows that are followed better.
-    pub better: usize,
-    /// All windows.
-    pub windows: usize,
-    /// How probable it is by chance that any of the signs seems as wrong.
-    pub p_value: f64,
-    /// Whether recordings speak for it.
-    pub wrong: bool,
-}
-
 impl Problem<'_> {
-    pub(crate) fn sign_test(&self, fit: &Fit, alternative: &Alternative, count: usize) -> TurnedSign {
+    pub(crate) fn sign_test(&self, fit: &Fit, alternative: &Alternative, count: usize) -> Absent {
         let as_written = Pass::new(self, fit.first).window_costs(fit);
-        let none = TurnedSign {
-            turn: alternative.turn.clone(),
-            share: None,
-            better: 0,
-            windows: as_written.len(),
+        let none = Absent {
+            kind: Suspect::Sign,
+            name: alternative.turn.to_string(),
             p_value: 1.0,
-            wrong: false,
+            remedy: Some(alternative.turn.remedy()),
+            ..Absent::default()
         };
         let Some((other, windows)) = self.fitted_as(fit, alternative) else { return none };
         let gains: Vec<f64> = as_written.iter().zip(&windows).map(|(old, new)| old - new).collect();
         let share = fit.share(fit.cost - other.cost);
-        let p_value = if share > 0.0 { (count as f64 * chance(&gains)).min(1.0) } else { 1.0 };
-        TurnedSign {
-            share: Some(share),
-            better: gains.iter().filter(|gain| **gain > 0.0).count(),
-            p_value,
-            wrong: share >= SHARE && p_value < LEVEL,
-            ..none
-        }
+        let log_p = if share > 0.0 { log_chance(&gains) } else { 0.0 };
+        let p_value = (count as f64 * libm::exp(log_p)).min(1.0);
+        let candidate = share >= SHARE && p_value < LEVEL;
+        Absent { share: Some(share), evidence: -2.0 * log_p, p_value, candidate, ..none }
     }
 
     /// The fit of the ship `alternative`, from the numbers of `fit` or those before it, whichever cost less, and the costs of its windows.
@@ -116,19 +95,20 @@ fn changed(problem: &Problem, channel: usize, by: impl Fn(&[f64]) -> Vec<f64>) -
     problem.recordings.iter().map(one).collect()
 }
 
-fn chance(gains: &[f64]) -> f64 {
+/// The logarithm of the probability that chance makes the mean of `gains` so far from 0.
+fn log_chance(gains: &[f64]) -> f64 {
     let count = gains.len() as f64;
     let mean = gains.iter().sum::<f64>() / count;
     let square = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>();
     if gains.len() < 2 || square <= 0.0 {
-        return 1.0;
+        return 0.0;
     }
-    normal_tails(mean * count / (square * count / (count - 1.0)).sqrt())
+    log_chi_square_tail((mean * count).powi(2) / (square * count / (count - 1.0)), 1)
 }
 
 /// Something that is turned over.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Turn {
+pub(crate) enum Turn {
     /// A thruster or propeller stands on the other side of the middle line.
     Side(String),
     /// A thruster pushes the other way.
@@ -142,15 +122,31 @@ pub enum Turn {
 }
 
 impl fmt::Display for Turn {
-    /// As in "fit better with …".
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Self::Side(of) => write!(f, "`{of}` on the other side of the ship"),
-            Self::Push(of) => write!(f, "`{of}` pushing the other way"),
-            Self::Angle(of, input) => write!(f, "the sign of `{input}` turned, the angle of `{of}`"),
-            Self::Wind(of, input) => write!(f, "the sign of `{input}` turned, the direction of `{of}`"),
+            Self::Side(of) => write!(f, "`{of}` is on the other side of the ship"),
+            Self::Push(of) => write!(f, "`{of}` pushes the other way"),
+            Self::Angle(of, input) => write!(f, "`{input}` acts with the opposite sign, the angle of `{of}`"),
+            Self::Wind(of, input) => {
+                write!(f, "`{input}` acts with the opposite sign, the direction of `{of}`")
+            }
             Self::Exchanged([one, other], [first, second]) => {
-                write!(f, "`{first}` and `{second}` exchanged, the inputs of `{one}` and `{other}`")
+                write!(f, "`{first}` and `{second}` are exchanged, the inputs of `{one}` and `{other}`")
+            }
+        }
+    }
+}
+
+impl Turn {
+    fn remedy(&self) -> String {
+        match self {
+            Self::Side(of) => format!("correct `y_m` of `{of}`"),
+            Self::Push(of) => format!("correct `angle_deg` of `{of}`"),
+            Self::Angle(_, input) | Self::Wind(_, input) => sign_remedy(input),
+            Self::Exchanged(_, [first, second]) => {
+                format!(
+                    "exchange the columns of `{first}` and `{second}` in ingest.toml, or the inputs in vessel.toml"
+                )
             }
         }
     }
@@ -346,30 +342,17 @@ const TIMES: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
 
 /// How an input acts late.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lateness {
+pub(crate) enum Lateness {
     /// After a dead time.
     DeadTime,
     /// With a lag of first order.
     Lag,
 }
 
-/// An input that may act later than the model has it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LateInput {
-    /// The input.
-    pub input: String,
-    /// By how much it acts later by its score \[s\]; below 0 earlier.
-    pub late_s: f64,
-    /// The standard error of that.
-    pub standard_error: f64,
-    /// By which share the cost would fall.
-    pub share: f64,
-    /// How probable it is in a right model that any candidate seems as likely.
-    pub p_value: f64,
-    /// What fits best, if the input acts late: its kind, its time \[s\], and by which share the cost then falls.
-    pub best: Option<(Lateness, f64, f64)>,
-    /// The share of the other kind at its best time.
-    pub other: Option<f64>,
+impl fmt::Display for Lateness {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(if *self == Self::Lag { "lag" } else { "dead time" })
+    }
 }
 
 impl Lateness {

@@ -1,6 +1,7 @@
 //! Laws of what tests say is wrong with a fitted ship.
 
-use estimation::fitting::{Channels, Criticism, Lateness, Problem, Settings, Turn};
+use estimation::criticism::{Absent, Criticism, Suspect};
+use estimation::fitting::{Channels, Problem, Settings};
 use ship::forces::Forces;
 
 use crate::fitting::ship::{KVLCC2, Normals, Recorded, forces, parts, trial};
@@ -18,6 +19,15 @@ fn criticised(model: &str, recorded: &[Recorded], settings: Settings) -> Critici
     problem.criticise(&fit, Channels { all: &channels, inputs: channels.len(), listed: None }).unwrap()
 }
 
+/// What is said of one kind of candidates, in order.
+fn of(found: &Criticism, kind: Suspect) -> Vec<&Absent> {
+    found.absent.iter().filter(|absent| absent.kind == kind).collect()
+}
+
+fn has_wrong_sign(found: &Criticism) -> bool {
+    found.wrong_signs().next().is_some()
+}
+
 /// KVLCC2 with another term of yaw.
 fn with_yaw(term: &str, prime: f64) -> String {
     let more =
@@ -33,12 +43,13 @@ fn law_a_term_that_the_ship_lacks_is_named_first() {
         let truth = forces(&with_yaw(term, prime));
         let recorded = trial(&truth, &truth.nominal(), 1.0, NOISE, seed as u64 + 1);
         let found = criticised(KVLCC2, &recorded, Settings::new(1.0));
-        let first = &found.terms[0];
+        let first = &found.absent[0];
         println!("{term}: {first:?}");
-        assert!(found.rejects() && !found.has_wrong_sign(), "{term}: {:?} {:?}", found.p_value, found.signs);
-        assert!(first.degree == 2 && first.term == term && first.candidate, "{term}: {first:?}");
-        let off = first.value / first.prime.unwrap() - prime;
-        assert!(off.abs() < 4.0 * first.standard_error / first.prime.unwrap(), "{term}: {off} {first:?}");
+        assert!(found.rejected && !has_wrong_sign(&found), "{term}: {:?}", found.statements);
+        assert!(first.label() == format!("`{term}` in yaw") && first.candidate, "{term}: {first:?}");
+        let off = 1.0 - prime / first.prime_value.unwrap();
+        assert!((off * first.value[0]).abs() < 4.0 * first.standard_error[0], "{term}: {off} {first:?}");
+        assert!(found.statements[0].contains("most likely missing: `"), "{:?}", found.statements);
     }
 }
 
@@ -56,8 +67,8 @@ fn law_listed_terms_alone_are_tested_each_once() {
     };
     // The ship has the last one.
     let found = tested(&["u v delta", "r |r|", "|r| r", "r^2 v / U"]).unwrap();
-    let terms: Vec<&str> = found.terms.iter().map(|own| own.term.as_str()).collect();
-    assert!(terms.len() == 3 && terms[0] == "r |r|" && found.rejects(), "{terms:?}");
+    let terms: Vec<&str> = of(&found, Suspect::Term).iter().map(|own| own.name.as_str()).collect();
+    assert!(terms.len() == 3 && terms[0] == "r |r|" && found.rejected, "{terms:?}");
     let refused = tested(&["u w"]).unwrap_err().invalid();
     assert!(refused.thing == "`yaw`: term `u w`" && refused.found.contains('w'), "{refused}");
 }
@@ -69,8 +80,9 @@ fn law_a_right_ship_is_rejected_no_more_often_than_stated() {
     for seed in 1..=8 {
         let recorded = trial(&truth, &truth.nominal(), 1.0, NOISE, seed);
         let found = criticised(KVLCC2, &recorded, Settings::new(1.0));
-        assert!(!found.has_wrong_sign() && found.terms.len() + found.hidden.len() > 200, "{:?}", found.signs);
-        rejected += usize::from(found.rejects());
+        let terms = of(&found, Suspect::Term).len() + found.hidden.len();
+        assert!(!has_wrong_sign(&found) && terms > 200, "{:?}", found.statements);
+        rejected += usize::from(found.rejected);
     }
     println!("{rejected} of 8 rejected");
     assert!(rejected <= 1, "{rejected}");
@@ -100,7 +112,7 @@ fn followed(
 #[test]
 fn law_an_input_that_acts_late_is_named_with_its_time() {
     let truth = forces(KVLCC2);
-    for (kind, dead, lag) in [(Lateness::DeadTime, 2.5, 0.0), (Lateness::Lag, 0.0, 3.0)] {
+    for (kind, dead, lag) in [("dead time", 2.5, 0.0), ("lag", 0.0, 3.0)] {
         let late = |(seed, own): (usize, Recorded)| {
             let rudder: Vec<f64> = own.inputs.iter().step_by(2).copied().collect();
             let follows = ship::forces::late(&rudder, dead, lag, 1.0);
@@ -112,13 +124,15 @@ fn law_an_input_that_acts_late_is_named_with_its_time() {
         let recorded = trial(&truth, &truth.nominal(), 1.0, [0.0; 3], 1);
         let recorded: Vec<Recorded> = recorded.into_iter().enumerate().map(late).collect();
         let found = criticised(KVLCC2, &recorded, Settings::new(1.0));
-        let first = &found.late[0];
-        println!("{first:?}\n{:?}", found.terms[0]);
-        assert!(found.rejects() && first.input == "delta" && first.p_value < 0.01, "{first:?}");
-        assert!(first.share > found.terms[0].share, "{first:?} {:?}", found.terms[0]);
-        let (best, seconds, share) = first.best.unwrap();
-        assert!(best == kind && (seconds / (dead + lag) - 1.0).abs() < 0.4, "{first:?}");
-        assert!(share > first.other.unwrap(), "{first:?}");
+        let first = &found.absent[0];
+        println!("{first:?}");
+        assert!(first.kind == Suspect::Late && first.name == "delta" && first.p_value < 0.01, "{first:?}");
+        let best = first.remedy.as_ref().unwrap().split("; ").nth(1).unwrap();
+        let seconds = best.split(' ').find_map(|word| word.parse::<f64>().ok()).unwrap();
+        let is_best = best.starts_with(&format!("as a {kind} of "));
+        assert!(is_best && (seconds / (dead + lag) - 1.0).abs() < 0.4, "{first:?}");
+        let said = &found.statements[0];
+        assert!(said.contains("`delta` acts ") && said.contains("later than the model has it"), "{said}");
     }
 }
 
@@ -130,10 +144,11 @@ fn law_a_rudder_logged_with_the_other_sign_is_named_before_anything_else() {
         own.inputs.iter_mut().step_by(2).for_each(|angle| *angle = -*angle);
     }
     let found = criticised(KVLCC2, &recorded, Settings::new(1.0));
-    println!("{:?}", found.signs);
-    assert!(found.has_wrong_sign() && found.rejects() && found.p_value.is_none());
-    assert_eq!(found.signs[0].turn, Turn::Angle("rudder".to_owned(), "delta".to_owned()));
-    assert!(found.late.is_empty() && found.terms.is_empty());
+    println!("{:?}", found.statements);
+    assert!(has_wrong_sign(&found) && found.rejected && found.p_value.is_none());
+    assert_eq!(found.absent[0].name, "`delta` acts with the opposite sign, the angle of `rudder`");
+    assert_eq!(of(&found, Suspect::Sign).len(), found.absent.len());
+    assert!(found.statements[0].contains("`sign = -1`"), "{:?}", found.statements);
 }
 
 /// Four runs of Otter whose propellers change independently, 0.2 s a sample.
@@ -172,21 +187,22 @@ fn law_exchanged_thrusters_and_one_on_the_wrong_side_are_named() {
     let settings = Settings { window_s: 15.0, piece_s: 5.0, ..Settings::new(0.2) };
     let otter_text = known_otter();
     let right = criticised(&otter_text, &otter(), settings);
-    println!("{:?} {:?}", right.signs, right.p_value);
-    assert!(!right.has_wrong_sign() && right.signs.len() == 5, "{:?}", right.signs);
+    let signs = of(&right, Suspect::Sign);
+    assert!(!has_wrong_sign(&right) && signs.len() == 5, "{signs:?}");
     let mut exchanged = otter();
     for own in &mut exchanged {
         own.inputs.chunks_exact_mut(2).for_each(|row| row.swap(0, 1));
     }
     let found = criticised(&otter_text, &exchanged, settings);
-    println!("{:?}", found.signs);
-    let pair = |one: &str, other: &str| [one.to_owned(), other.to_owned()];
-    let turn = Turn::Exchanged(pair("port", "starboard"), pair("n1", "n2"));
-    assert!(found.signs[0].turn == turn && found.signs[0].wrong, "{:?}", found.signs);
-    assert!(found.terms.is_empty() && found.late.is_empty());
+    let first = &found.absent[0];
+    assert!(
+        first.candidate && first.name == "`n1` and `n2` are exchanged, the inputs of `port` and `starboard`",
+        "{first:?}"
+    );
+    assert_eq!(of(&found, Suspect::Sign).len(), found.absent.len());
     let one = criticised(&otter_text.replace("y_m = -0.395", "y_m = 0.395"), &otter(), settings);
-    println!("{:?}", one.signs);
-    assert!(one.signs[0].turn == Turn::Side("port".to_owned()) && one.signs[0].wrong, "{:?}", one.signs);
+    let first = &one.absent[0];
+    assert!(first.candidate && first.name == "`port` is on the other side of the ship", "{first:?}");
     // Without priors there is no end of the search, and the sign is named all the same.
     let (forces, (_, channels)) = (forces(OTTER), parts(OTTER));
     let problem =
@@ -195,5 +211,5 @@ fn law_exchanged_thrusters_and_one_on_the_wrong_side_are_named() {
     let error = problem.fit_from(&theta).unwrap_err();
     let said =
         problem.explained(error, &theta, Channels { all: &channels, inputs: 2, listed: None }).to_string();
-    assert!(said.contains("`n1` and `n2` exchanged"), "{said}");
+    assert!(said.contains("`n1` and `n2` are exchanged"), "{said}");
 }
