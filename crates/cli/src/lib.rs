@@ -9,7 +9,6 @@ mod compiler;
 mod design;
 mod failure;
 pub mod inputs;
-mod physical;
 pub mod pipeline;
 mod pool;
 mod ships;

@@ -77,8 +77,8 @@ pub struct RunFlags {
 }
 
 impl RunFlags {
-    /// Reads the runs with `recorded`, and finds their constant logged channels. Results from simulated logs are
-    /// labelled so.
+    /// Reads the runs with `recorded`, and finds their constant logged channels. Inputs of simulated runs are held during samples.
+    /// Results from simulated logs are labelled so.
     pub fn read<R: Recorded>(
         &self,
         vessel: &Vessel,
@@ -92,7 +92,8 @@ impl RunFlags {
         let read = |path: &PathBuf| inputs::document::<IngestDocument>(path, "recordings", provenance);
         let recordings = self.recordings.as_ref().map(read).transpose()?;
         let named = recordings.as_ref().map(IngestDocument::recordings_by_run).unwrap_or_default();
-        let mut runs = PooledRuns::of(kept, &named).map_err(files::Error::from)?;
+        let is_held = inputs::are_simulated(self.file(), vessel)?;
+        let mut runs = PooledRuns::of(kept, &named).map_err(files::Error::from)?.with_inputs_held(is_held);
         label(runs.designs(), provenance);
         let selected = runs.select(&self.runs, &self.leave_out);
         selected.map_err(|e| Failure::invalid(self.file(), &e.invalid()))?;
@@ -100,16 +101,6 @@ impl RunFlags {
             Doubtful::of(provenance).check(self.file(), |run| runs.has(run))?;
         }
         Ok((runs, recordings.as_ref().map(IngestDocument::constant_channels).unwrap_or_default()))
-    }
-
-    /// As [`Self::read`], for forces: inputs of simulated runs are held during samples.
-    pub fn read_of_forces(
-        &self,
-        vessel: &Vessel,
-        provenance: &mut Provenance,
-    ) -> Result<PooledRuns, Failure> {
-        let (runs, _) = self.read(vessel, provenance, inputs::runs)?;
-        Ok(runs.with_inputs_held(inputs::are_simulated(self.file(), vessel)?))
     }
 
     /// The files that are read.

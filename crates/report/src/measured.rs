@@ -151,17 +151,9 @@ impl MeasuredStudy {
         }
         if let Some(delivered) = self.delivered() {
             sentences.push(delivered);
-        } else if let Some((search, errors)) =
-            self.searched.as_ref().and_then(|search| Some((search, search.delivered_errors()?)))
-        {
-            let what = match &search.forces {
-                Some(forces) if !forces.delivered => {
-                    "The ship as she was, without forces that a search found,"
-                }
-                _ => "A structure found by a search",
-            };
+        } else if let Some(errors) = self.searched.as_ref().and_then(SearchSummary::delivered_errors) {
             sentences.push(format!(
-                "{what} follows recordings that were left out of the whole search with a fit of {}, {} and {}.",
+                "A structure found by a search follows recordings that were left out of the whole search with a fit of {}, {} and {}.",
                 fit(errors.fit_u),
                 fit(errors.fit_v),
                 fit(errors.fit_r)

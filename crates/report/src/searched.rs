@@ -1,13 +1,13 @@
 use maud::{Markup, html};
 use study::documents::{
-    AverageSummary, AverageTerm, Candidate, ForcesWithoutFold, FoundForce, FreeRunErrors, NestedAverage,
-    NestedRecording, SearchSummary, SearchTerm, SearchedForces, SizeScore, TriedForce,
+    AverageSummary, AverageTerm, Candidate, FreeRunErrors, NestedAverage, NestedRecording, SearchSummary,
+    SearchTerm, SizeScore,
 };
 
 use crate::figures::{ScoredDot, scored};
 use crate::measured::free_runs;
-use crate::number::{exact, or_dash, percent, three, three_or_dash, three_within, unit, windows_of};
-use crate::parts::{Figures, HtmlTable, Section, coded, statements};
+use crate::number::{exact, or_dash, three, three_or_dash, three_within, windows_of};
+use crate::parts::{Figures, HtmlTable, Section, statements};
 
 /// Terms beyond this many are not listed: those of the base structure first, then those that were chosen most often.
 const MOST_TERMS: usize = 40;
@@ -15,17 +15,6 @@ const MOST_TERMS: usize = 40;
 /// The search for the structure: candidates, the score on recordings that the search has not seen, terms.
 pub(super) fn searched(search: Option<&SearchSummary>, figures: &mut Figures) -> Option<Section> {
     let search = search?;
-    if let Some(forces) = &search.forces {
-        let body = html! {
-            (about_forces(search, forces))
-            (statements(&search.statements))
-            (nested(search))
-            (found_forces(forces))
-            (without(forces))
-            (recordings(search))
-        };
-        return Some(Section::new("search", "Search for forces", "The search for forces", body));
-    }
     let body = html! {
         (about(search))
         (statements(&search.statements))
@@ -227,77 +216,4 @@ fn averaged(found: &AverageSummary) -> Markup {
             p.note { "The first " (listed.len()) " of " (of_library.len()) "; all are in `estimate.json`." }
         }
     }
-}
-
-/// How the search was made.
-fn about_forces(found: &SearchSummary, forces: &SearchedForces) -> Markup {
-    let windows = windows_of(found.window_s);
-    html! {
-        p {
-            "The ship is fitted, every product that her forces lack is tested by its score, and the likeliest is added where the cost \
-             of recordings left out confirms it: up to " (forces.most_added) ", one after the other. The whole search is repeated \
-             without each of " (found.folds) " folds of recordings and judged by it, over " (windows) ". Fits are over windows of at \
-             most " (exact(found.fitted_window_s)) " s. Fit: 100 (1 − RMSE/std) over all windows together."
-        }
-    }
-}
-
-/// The forces that were found.
-fn found_forces(forces: &SearchedForces) -> Markup {
-    let folds = forces.without.len();
-    let rows: Vec<(usize, &FoundForce)> = (1..).zip(&forces.found).collect();
-    let table = HtmlTable::of(&rows)
-        .compact()
-        .mark("main", |_| forces.delivered)
-        .number("Order", |(order, _)| order)
-        .name("Found", |(_, force)| html! { code { (force.term) } })
-        .text("Degree", |(_, force)| force.degree.as_str())
-        .name("Parameter", |(_, force)| html! { code { (force.parameter) } })
-        .number("Value", |(_, force)| three(force.value))
-        .number("Standard error", |(_, force)| three_or_dash(force.standard_error))
-        .text("Unit", |(_, force)| unit(&force.unit))
-        .number("Found without a fold", |(_, force)| format!("{} of {folds}", force.found_by_folds));
-    html! {
-        @if !rows.is_empty() {
-            h3 { "Forces that were found" }
-            (table)
-            p.note {
-                @if forces.delivered { "The delivered ship has them. " } @else { "The delivered ship is without them. " }
-                "Values and standard errors are of a fit with all of them to all recordings. Its cost is " (three(forces.found_cost))
-                ", that of the ship as she was " (three(forces.base_cost)) "."
-            }
-        }
-    }
-}
-
-/// The searches without each fold.
-fn without(forces: &SearchedForces) -> Markup {
-    let most = "as many were added as may be";
-    let ended =
-        |fold: &ForcesWithoutFold| fold.failed.clone().or(fold.ended.clone()).unwrap_or(most.to_owned());
-    let table = HtmlTable::of(&forces.without)
-        .compact()
-        .number("Fold", |fold: &ForcesWithoutFold| fold.fold + 1)
-        .name("Tried", |fold| coded(&tried(&fold.tried)))
-        .text("Ended", |fold| coded(&ended(fold)));
-    html! {
-        h3 { "The searches without a fold" }
-        (table)
-        p.note {
-            "Cost: by how much that of recordings left out within the search changes with the force, with its standard error; in \
-             brackets what was not added."
-        }
-    }
-}
-
-fn tried(all: &[TriedForce]) -> String {
-    let each = |force: &TriedForce| {
-        let cost = force.share_left_out.zip(force.standard_error);
-        let cost = cost.map_or("no fit".to_owned(), |(share, error)| {
-            format!("cost {} ± {}", percent(-share), percent(error))
-        });
-        let said = format!("`{}` in {}, {cost}", force.term, force.degree);
-        if force.added { said } else { format!("({said})") }
-    };
-    if all.is_empty() { "–".to_owned() } else { all.iter().map(each).collect::<Vec<_>>().join("; ") }
 }

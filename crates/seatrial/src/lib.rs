@@ -4,7 +4,7 @@
 //!   of them, disturbed realizations of it, their estimates and scores. [`MonteCarlo`] repeats the last three.
 //! - [`Logs`] become runs, [`Pooling`] makes one model of them, [`StructureSearch`] finds its structure, and [`Comparison`]
 //!   validates it on other recordings.
-//! - [`Physical`] fits a ship as physics to runs, and [`ForceSearch`] finds forces that she lacks.
+//! - [`ForceFit`] fits the forces of a ship to runs.
 //! - [`ChartedTrial`] is planned as one walk over a chart, proved to be the cheapest and checked in simulation.
 //! - [`Designing`] finds the shares of a trial by any criterion, and the shortest trial of an accuracy.
 //! - [`Updating`] states the promise of a design anew from an estimate of its trial.
@@ -22,10 +22,9 @@ mod charted;
 mod criticism;
 mod designing;
 pub mod export;
-mod force_search;
-mod growing;
+mod force_fit;
+mod former;
 mod measured;
-mod physical;
 mod simulation;
 mod structure;
 mod updating;
@@ -33,10 +32,9 @@ mod updating;
 pub use charted::{ChartedTrial, PlanError, Planned};
 pub use criticism::check_captive;
 pub use designing::{Designing, Merits, Wish, sampled_ships};
-pub use force_search::{ForceSearch, ForceSearchError};
-pub use growing::former;
+pub use force_fit::{ForceFit, ForceFitError};
+pub use former::former;
 pub use measured::{Comparison, ComparisonError, Ingested, Logs, Pooling, channels_within, widest};
-pub use physical::{Physical, PhysicalError};
 pub use simulation::{MonteCarlo, Optimum, Realized, Study, StudyError, undisturbed};
 pub use structure::{AveragedSearch, FoundStructure, StructureSearch, core_of};
 pub use updating::{UpdateError, Updating};

@@ -16,8 +16,7 @@ use ship::model::{Actuator, CandidateTerms, Model, Vessel};
 use study::documents::{AverageMember, BesideForces, DeliveredKind, ModelDocument, SearchSummary, TriedFit};
 use validation::comparison::Magnitudes;
 
-use crate::growing::Recorded;
-use crate::physical::Physical;
+use crate::force_fit::{ForceFit, Recorded};
 
 /// The start of a search, and its candidate terms.
 #[derive(Clone, Debug)]
@@ -29,22 +28,12 @@ pub struct StructureSearch {
 }
 
 impl StructureSearch {
-    /// Refuses a ship with forces.
-    ///
-    /// # Errors
-    /// Names what finds forces that she lacks.
-    pub fn check(vessel: &Vessel) -> Result<(), Invalid> {
-        let remedy =
-            "search for forces that she lacks by `ForceSearch`, or give it a vessel with terms per sample";
-        vessel.check_terms("search").map_err(|invalid| Invalid { remedy: remedy.into(), ..invalid })
-    }
-
     /// A search over the candidates that `vessel` lists, or else the library of terms for her channels in their roles.
     ///
     /// # Errors
     /// A term with channels that do not exist; a role that a channel has without another one that it needs.
     pub fn by_roles(vessel: Vessel) -> Result<Self, Invalid> {
-        Self::check(&vessel)?;
+        vessel.check_terms("search")?;
         if let Some(CandidateTerms { surge, sway, yaw }) = &vessel.candidates {
             let library = listed(&vessel.model, [surge, sway, yaw])?;
             return Ok(Self { vessel, library });
@@ -60,6 +49,11 @@ impl StructureSearch {
     /// # Errors
     /// As [`Self::by_roles`].
     pub fn by_core(vessel: &Vessel) -> Result<Self, Invalid> {
+        if vessel.candidates.is_some() && !vessel.model.has_regressors() {
+            let (found, expected) =
+                ("terms for a ship with forces", "none: a search beside forces has terms of its own");
+            return Err(Invalid::new("[candidates]", found, expected, "remove the table"));
+        }
         let (vessel, roles) = with_core(vessel)?;
         let library = library(&vessel.model, &roles);
         Ok(Self { vessel, library })
@@ -187,7 +181,7 @@ impl AveragedSearch<'_> {
         done: &(dyn Fn(usize) + Sync),
     ) -> Result<FoundStructure, SearchError> {
         let begun = &self.search.vessel;
-        let [recordings, physical] = [runs, of_forces].map(|runs| Recording::all(runs, self.options.cut));
+        let [recordings, of_ship] = [runs, of_forces].map(|runs| Recording::all(runs, self.options.cut));
         let searched = match search(&begun.model, &self.search.library, runs, self.options, done) {
             // The forces may give a model.
             result @ (Ok(_) | Err(SearchError::AllDiverge { .. } | SearchError::Useless(_))) => result,
@@ -195,10 +189,10 @@ impl AveragedSearch<'_> {
         };
         let dealt = folds(&recordings.iter().collect::<Vec<_>>(), self.options.folds);
         let dealt = Dealt { folds: &dealt, are_inputs_held: of_forces.are_inputs_held() };
-        let (without_forces, tried, forces) = self.forces(of_forces, &physical, dealt, done);
+        let (without_forces, tried, forces) = self.forces(of_forces, &of_ship, dealt, done);
         let none = vec![None; self.options.folds];
         let without = searched.as_ref().map_or(&none, |searched| &searched.without);
-        let kinds = [(&recordings, without), (&physical, &without_forces)]
+        let kinds = [(&recordings, without), (&of_ship, &without_forces)]
             .map(|(recordings, without)| Kind { recordings, without });
         let mut document = match &searched {
             Ok(searched) => SearchSummary::new(begun, self.options, searched),
@@ -211,7 +205,7 @@ impl AveragedSearch<'_> {
         let models = [terms.map_err(|e| e.to_string()), forces];
         let inside = [document.nested.search.as_ref(), alone.errors.as_ref()];
         let Some(choice) =
-            chosen(&models, inside.map(|errors| errors.and_then(mean_fit)), [&recordings, &physical], dealt)
+            chosen(&models, inside.map(|errors| errors.and_then(mean_fit)), [&recordings, &of_ship], dealt)
         else {
             return Err(lost.unwrap_or(SearchError::NoAverage));
         };
@@ -246,8 +240,8 @@ impl AveragedSearch<'_> {
         [self.settings, Settings { window_s: longer, starts: Starts::Measured, ..self.settings }]
     }
 
-    fn physical(&self, settings: Settings) -> Physical<'_> {
-        Physical { vessel: self.vessel, settings, former: None, reference: None }
+    fn fit_of(&self, settings: Settings) -> ForceFit<'_> {
+        ForceFit { vessel: self.vessel, settings, former: None, reference: None }
     }
 
     /// Fits the forces without each fold in both ways, each from what the one before found, and all of `runs` in the better way:
@@ -267,7 +261,7 @@ impl AveragedSearch<'_> {
             let kept: Vec<Recorded> = kept.map(|(source, _)| source.clone()).collect();
             let mut from = self.vessel.nominal.clone();
             let fitted = self.ways().map(|settings| {
-                let theta = self.physical(settings).theta_from(&from, &kept, held).ok()?;
+                let theta = self.fit_of(settings).theta_from(&from, &kept, held).ok()?;
                 from.clone_from(&theta);
                 Some(ship(theta))
             });
@@ -290,7 +284,7 @@ impl AveragedSearch<'_> {
             score: fit(way, None),
             chosen: way == chosen,
         });
-        let model = self.physical(self.ways()[chosen]).fitted_model(runs, (&all, held));
+        let model = self.fit_of(self.ways()[chosen]).fitted_model(runs, (&all, held));
         (without, tried.collect(), model.map_err(|e| e.to_string()))
     }
 }

@@ -61,7 +61,7 @@ impl ModelFlags {
         let read = || self.model.iter().chain(of.inputs());
         let out = common.main_output(MAIN, read())?;
         let table = member(&out, MAIN, "compare.parquet", read())?;
-        let runs = of.read_of_forces(vessel, &mut provenance)?;
+        let (runs, _) = of.read(vessel, &mut provenance, inputs::runs)?;
         let compared = comparison.over(&runs);
         let (recordings, trace) = compared.map_err(|e| Failure::invalid(of.file(), &e.invalid()))?;
         let settings = [("window_samples", json!(window)), ("runs", json!(of.runs))];

@@ -33,12 +33,12 @@ pub const MAIN: &str = "estimates.parquet";
 pub const SEARCHED: usize = 6;
 
 /// The structure of a model of so many recordings.
-pub fn usual_structure(recordings: usize, is_of_forces: bool) -> ModelStructure {
-    match (recordings >= SEARCHED, is_of_forces) {
-        (true, true) => ModelStructure::Average,
-        (true, false) => ModelStructure::Library,
-        (false, true) => ModelStructure::Own,
-        (false, false) => ModelStructure::Core,
+pub fn usual_structure(recordings: usize, has_regressors: bool) -> ModelStructure {
+    match (recordings >= SEARCHED, has_regressors) {
+        (true, true) => ModelStructure::Library,
+        (true, false) => ModelStructure::Average,
+        (false, true) => ModelStructure::Core,
+        (false, false) => ModelStructure::Own,
     }
 }
 
@@ -75,7 +75,7 @@ impl EstimateArguments {
         let mut asked = self.clone();
         asked.flags.of = asked.flags.of.with_recordings_beside();
         let vessel = read_any_vessel(&self.flags.vessel, &mut common.provenance("estimate"))?;
-        let is_of_forces = vessel.model.forces.is_some();
+        let has_regressors = vessel.model.has_regressors();
         let (chosen, why) = if let Some(chosen) = self.structure {
             (chosen, "as asked for".to_owned())
         } else if !is_measured {
@@ -87,19 +87,15 @@ impl EstimateArguments {
                 asked.flags.of.read(&vessel, &mut common.provenance("estimate"), inputs::kept_runs)?;
             let count = runs.sources();
             let enough = if count >= SEARCHED { "are enough" } else { "are too few" };
-            (usual_structure(count, is_of_forces), format!("{count} recordings {enough} for a search"))
+            (usual_structure(count, has_regressors), format!("{count} recordings {enough} for a search"))
         };
-        if is_of_forces && [ModelStructure::Core, ModelStructure::Few].contains(&chosen) {
-            return Err(Failure::Usage(format!(
-                "--structure: found `{chosen}` of a ship with forces, expected own, library or average; take another one"
-            )));
-        }
         if self.structure.is_none() && chosen == ModelStructure::Core {
             // Few recordings distinguish seven terms best by their steps.
             asked.estimator = vec![Estimator::PredictionError];
         }
         // A prior holds estimates near given values.
-        if is_measured && !is_of_forces && asked.flags.nominal.is_none() && asked.flags.prior.is_none() {
+        let is_of_terms = has_regressors || chosen == ModelStructure::Core;
+        if is_measured && is_of_terms && asked.flags.nominal.is_none() && asked.flags.prior.is_none() {
             asked.flags.nominal = Some(Nominal::LeastSquares);
         }
         Ok((asked, ChosenStructure { chosen, statement: format!("structure `{chosen}`: {why}") }))

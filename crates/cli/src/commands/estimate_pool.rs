@@ -18,9 +18,10 @@ use validation::crossval::{CrossOptions, cross_validate, dealt};
 use crate::cli::{Common, none_given};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs::{self, Made, rows_of_shards};
-use crate::physical::{self, absent};
 use crate::pool::{EstimateArguments, Folds, SetPaths, besides};
 use crate::stage::Summary;
+
+use super::estimate_forces::{self, absent};
 
 /// Makes one model of all runs or recordings, with the terms or forces of the vessel or a core of terms.
 pub(super) fn pooled(
@@ -32,9 +33,9 @@ pub(super) fn pooled(
     let (flags, file) = (&asked.flags, asked.flags.of.file());
     let given = read_any_vessel(&flags.vessel, &mut provenance)?;
     let is_core = structure.chosen == ModelStructure::Core;
-    if given.model.forces.is_some() {
-        check_forces(asked)?;
-        return physical::fit(asked, structure, &given, (common, provenance));
+    if !given.model.has_regressors() && !is_core {
+        check_fit(asked)?;
+        return estimate_forces::fit(asked, structure, &given, (common, provenance));
     }
     let vessel = match is_core {
         true => core_of(&given).map_err(|e| Failure::invalid(&flags.vessel, &e))?,
@@ -126,7 +127,7 @@ fn left_out(
 }
 
 /// Refuses flags that a fit of forces does not have.
-fn check_forces(asked: &EstimateArguments) -> Result<(), Failure> {
+fn check_fit(asked: &EstimateArguments) -> Result<(), Failure> {
     let flags = [
         ("--bootstrap", asked.bootstrap.is_some()),
         ("--unknown-current or --intercepts", asked.additional.unknown() != AdditionalUnknowns::default()),

@@ -2,6 +2,7 @@
 
 mod compare;
 mod estimate;
+mod estimate_forces;
 mod estimate_pool;
 mod ingest;
 mod moments;

@@ -6,21 +6,19 @@ use estimation::runs::AdditionalUnknowns;
 use estimation::search::{AverageOptions, BootstrapOptions, Cut, SearchError, SearchOptions};
 use files::{Provenance, commit_with_document, stage_document};
 use regression::MeanRemoval;
-use seatrial::{AveragedSearch, ForceSearch, ForceSearchError, FoundStructure, PooledRuns, StructureSearch};
+use seatrial::{AveragedSearch, FoundStructure, PooledRuns, StructureSearch};
 use serde_json::json;
 use ship::model::Vessel;
 use study::documents::{ChosenStructure, EstimateDocument, ModelStructure};
 use study::files::read_any_vessel;
 
+use super::estimate_forces::settings;
 use crate::cli::{Common, samples};
 use crate::failure::{Failure, WorkProgress};
 use crate::inputs;
-use crate::physical::{settings, unfit};
 use crate::pool::{EstimateArguments, Folds, SetPaths, besides, note};
 use crate::stage::Summary;
 
-/// Most forces that are added.
-const MOST_ADDED: usize = 3;
 /// Models of few terms that are averaged.
 const AVERAGED: u32 = 10;
 /// Resamples, by default.
@@ -41,10 +39,7 @@ pub(super) fn searched(
     search.check()?;
     let written = SetPaths::of(common, asked, false)?;
     let promised = asked.promised(common)?;
-    let structure = match vessel.model.forces.is_some() && search.kind() == ModelStructure::Library {
-        true => search.forces(&vessel, &mut provenance)?,
-        false => search.terms(vessel, &mut provenance)?,
-    };
+    let structure = search.terms(vessel, &mut provenance)?;
     let FoundStructure { search: summary, model } = structure;
     let promise = asked.promise(promised, Some(&model), &mut provenance)?;
     let said = format!("{} terms; {}", summary.terms.len(), summary.statements.join("; "));
@@ -109,11 +104,12 @@ impl Searching<'_> {
     /// The terms that the recordings support; beside forces, the average of both.
     fn terms(&self, given: Vessel, provenance: &mut Provenance) -> Result<FoundStructure, Failure> {
         let (asked, of, common) = (self.asked, &self.asked.flags.of, self.common);
-        let of_forces = Some(&given).filter(|vessel| vessel.model.forces.is_some()).cloned();
+        let averaged = self.kind() == ModelStructure::Average && !given.model.has_regressors();
+        let with_forces = averaged.then(|| given.clone());
         let fitted_s = asked.fitted_window_s.unwrap_or(WINDOW_S);
         let window = samples("--fitted-window-s", fitted_s, given.sample_rate_hz)?;
         let cut = Cut { window, every: window.div_ceil(4), scored: asked.scored(&given)? };
-        let is_averaged = self.kind() == ModelStructure::Average && of_forces.is_none();
+        let is_averaged = self.kind() == ModelStructure::Average && !averaged;
         let (folds, seed) = (self.folds()?, common.seed.unwrap_or(1));
         let begun = self.begun(given)?;
         let (runs, _) = of.read(&begun.vessel, provenance, inputs::runs)?;
@@ -126,7 +122,7 @@ impl Searching<'_> {
             average: is_averaged.then_some(AverageOptions { models: AVERAGED, seed }),
             rate_hz: begun.vessel.sample_rate_hz,
         };
-        let structure = match &of_forces {
+        let structure = match &with_forces {
             None => {
                 let progress = WorkProgress::new("fits, at most", options.fits(), common.quiet);
                 begun.find(&runs, &options, &|count| progress.advance(count))
@@ -150,38 +146,6 @@ impl Searching<'_> {
         Ok(structure)
     }
 
-    /// Forces that `vessel` lacks.
-    fn forces(&self, vessel: &Vessel, provenance: &mut Provenance) -> Result<FoundStructure, Failure> {
-        let (asked, of) = (self.asked, &self.asked.flags.of);
-        let candidates = vessel.candidates.clone();
-        let listed = candidates.map(|terms| [terms.surge, terms.sway, terms.yaw]);
-        let rate_hz = vessel.sample_rate_hz;
-        let folds = self.folds()?;
-        let search = ForceSearch {
-            vessel,
-            settings: settings(1.0 / rate_hz, ("--fitted-window-s", asked.fitted_window_s), None)?,
-            scored: asked.scored(vessel)?,
-            folds: usize::from(folds),
-            most_added: MOST_ADDED,
-            listed: listed.as_ref(),
-        };
-        let file = &asked.flags.vessel;
-        search.check().map_err(|e| Failure::invalid(file, &e))?;
-        let runs = of.read_of_forces(vessel, provenance)?;
-        let progress = WorkProgress::new("searches", search.searches(), self.common.quiet);
-        let structure = search.find(&runs, &|count| progress.advance(count));
-        let structure = structure.map_err(|e| self.unfound(e))?;
-        let noted = [
-            ("fitted_window_s", json!(search.settings.window_s)),
-            ("window_samples", json!(search.scored)),
-            ("folds", json!(folds)),
-            ("runs", json!(of.runs)),
-            ("leave_out", json!(of.leave_out)),
-        ];
-        note(noted, provenance);
-        Ok(structure)
-    }
-
     /// Searches from the core of `ship`, and fits her forces to the same runs.
     fn averaged(
         &self,
@@ -190,27 +154,10 @@ impl Searching<'_> {
         provenance: &mut Provenance,
     ) -> Result<Result<FoundStructure, SearchError>, Failure> {
         let settings = settings(1.0 / ship.sample_rate_hz, ("--fitted-window-s", None), None)?;
-        let of_forces = self.asked.flags.of.read_of_forces(ship, provenance)?;
+        let (of_ship, _) = self.asked.flags.of.read(ship, provenance, inputs::runs)?;
         let averaged_search = AveragedSearch { search: begun, options, vessel: ship, settings };
         let progress = WorkProgress::new("fits, at most", averaged_search.fits(), self.common.quiet);
-        Ok(averaged_search.find([runs, &of_forces], &|count| progress.advance(count)))
-    }
-
-    /// Why nothing was found.
-    fn unfound(&self, error: ForceSearchError) -> Failure {
-        match error {
-            ForceSearchError::Search(error) => refused(self.asked.flags.of.file(), &error),
-            ForceSearchError::Physical(error) => {
-                unfit(error, &self.asked.flags.vessel, self.asked.flags.of.file())
-            }
-            ForceSearchError::FewLeft { left, least, folds } => Failure::refuse(
-                self.asked.flags.of.file(),
-                "recordings",
-                &format!("{left} without the largest of {folds} folds"),
-                &format!("at least {least}, which verify what is added"),
-                "put the ingest.json of the trajectories beside them, add recordings, or ask for more --folds",
-            ),
-        }
+        Ok(averaged_search.find([runs, &of_ship], &|count| progress.advance(count)))
     }
 
     /// The bootstrap over recordings, only for a search for few terms.
@@ -221,9 +168,9 @@ impl Searching<'_> {
 
     /// The start of the search, and its candidate terms.
     fn begun(&self, vessel: Vessel) -> Result<StructureSearch, Failure> {
-        let begun = match vessel.model.forces.is_some() {
-            true => StructureSearch::by_core(&vessel),
-            false => StructureSearch::by_roles(vessel),
+        let begun = match vessel.model.has_regressors() {
+            true => StructureSearch::by_roles(vessel),
+            false => StructureSearch::by_core(&vessel),
         };
         begun.map_err(|e| Failure::invalid(&self.asked.flags.vessel, &e))
     }

@@ -61,7 +61,7 @@ impl Pipeline {
             has_reference: has("reference.toml"),
             has_next: has("next/dictionary.toml") && has("next/campaign.toml"),
             next_is_charted: has("next/plan.toml"),
-            is_of_forces: is_of_forces(study),
+            has_regressors: has_regressors(study),
             recordings: 0,
         };
         let from_instruments = has("logs.toml");
@@ -201,10 +201,10 @@ fn lacking(path: &Path) -> Error {
     refuse(path, "file", "no such file", expected, &remedy)
 }
 
-/// Whether forces describe the ship in the folder `study`; a file that cannot be read is refused by the stage that needs it.
-fn is_of_forces(study: &Path) -> bool {
+/// Whether the model in the folder `study` has regressors; a file that cannot be read is refused by the stage that needs it.
+fn has_regressors(study: &Path) -> bool {
     let vessel = read_hand_written(study.join("vessel.toml"));
-    vessel.is_ok_and(|text| text.parse::<VesselFile>().is_ok_and(|vessel| vessel.is_of_forces()))
+    !vessel.is_ok_and(|text| text.parse::<VesselFile>().is_ok_and(|vessel| vessel.is_of_forces()))
 }
 
 /// How many recordings the `logs` of a study are; none where a file is refused, as by the stage that needs it.

@@ -49,8 +49,8 @@ pub struct StudyShape {
     pub has_next: bool,
     /// Whether its next trial is planned on a chart.
     pub next_is_charted: bool,
-    /// Whether its ship is described by forces, which are fitted by output error, with priors.
-    pub is_of_forces: bool,
+    /// Whether its model has regressors; else it is fitted by output error, with priors.
+    pub has_regressors: bool,
     /// How many recordings its logs are.
     pub recordings: usize,
 }
@@ -72,7 +72,7 @@ pub fn simulated(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep>
     ];
     // One-step predictions need terms per sample.
     let estimator =
-        if shape.is_of_forces { "--estimator output-error" } else { "--estimator prediction-error" };
+        if shape.has_regressors { "--estimator prediction-error" } else { "--estimator output-error" };
     let whole = format!("{SHIP} {HELM} {SEA} {DESIGN}");
     if let Some(asked) = &settings.monte_carlo {
         let line = format!("monte-carlo {whole} --keep estimates");
@@ -193,7 +193,7 @@ pub fn measured(
     if shape.has_next || settings.search_next {
         steps.extend(next_trial(settings, shape));
     }
-    if shape.is_of_forces || settings.merit.is_some() {
+    if !shape.has_regressors || settings.merit.is_some() {
         let flags = settings.merit.as_ref().map_or(NONE, |asked| asked.over(""));
         steps.push(step("merit", &format!("validate merit {LOGGED}"), flags, &["measured/merit.json"]));
     }
@@ -209,20 +209,20 @@ fn modelled(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
         (Some(name), _) => !["own", "core"].contains(&name),
         (None, true) => false,
         (None, false) => {
-            let usual = usual_structure(shape.recordings, shape.is_of_forces);
+            let usual = usual_structure(shape.recordings, shape.has_regressors);
             ![ModelStructure::Own, ModelStructure::Core].contains(&usual)
         }
     };
     // A search leaves recordings out by itself; the second model is not judged by itself, so that fewer folds do.
-    let (judged, second) = match (is_searched, shape.is_of_forces) {
+    let (judged, second) = match (is_searched, shape.has_regressors) {
         (true, _) => ("", "--folds 3"),
-        (false, true) => ("--folds each", ""),
-        (false, false) => ("--folds each --bootstrap 1000", ""),
+        (false, true) => ("--folds each --bootstrap 1000", ""),
+        (false, false) => ("--folds each", ""),
     };
     let fit = |name: &str, below: &str, flags: Vec<String>| {
         let files = ["estimate.json", "model.json", "estimates.parquet"]
             .map(|name| format!("measured/{below}{name}"));
-        let count = if is_searched || shape.is_of_forces { 2 } else { 3 };
+        let count = if is_searched || !shape.has_regressors { 2 } else { 3 };
         let outputs: Vec<&str> = files.iter().take(count).map(String::as_str).collect();
         step(name, &format!("estimate {LOGGED}"), flags, &outputs)
     };
@@ -276,7 +276,6 @@ fn next_trial(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
         false => ("--vessel \0out/measured/model.json", "--allow=beyond-range"),
     };
     let search = format!("estimate {LOGGED}");
-    let structure = if shape.is_of_forces { "--structure library" } else { "--structure few" };
     // A fitted ship may not go straight ahead: that is said.
     let unreached = if is_searched { "" } else { "--allow=unreached" };
     let dictionary = format!("simulate dictionary {model} {HELM} {allowed} {unreached}");
@@ -285,7 +284,7 @@ fn next_trial(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
     let usual = match is_searched {
         true => "",
         // Sequences take long to judge for forces, and hardly tell the many terms of a search.
-        false if shape.is_of_forces || shape.recordings >= SEARCHED => "--criterion d",
+        false if !shape.has_regressors || shape.recordings >= SEARCHED => "--criterion d",
         false => "--criterion d --arrange",
     };
     let designed = with_ship(settings.next.over(usual), &format!("{model} {HELM}"));
@@ -297,7 +296,7 @@ fn next_trial(settings: &StudySettings, shape: &StudyShape) -> Vec<StudyStep> {
         step("next-design", design, designed, &["measured/next/design.json"]),
     ];
     if is_searched {
-        steps.insert(0, step("search", &search, settings.search.over(structure), &outputs));
+        steps.insert(0, step("search", &search, settings.search.over("--structure few"), &outputs));
         steps.push(step("next-monte-carlo", &promised, NONE, &["measured/next/validation.json"]));
     }
     if shape.next_is_charted {

@@ -6,7 +6,6 @@ mod support;
 mod constraints;
 mod cross;
 mod estimate;
-mod force_search;
 mod forces;
 mod golden;
 mod model;

@@ -47,9 +47,6 @@ pub struct FittedForces {
     /// What is wrong with the ship by these recordings; null where that was not asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub criticism: Option<Criticism>,
-    /// Forces that were tried as additions, one after the other; the description has those that were added.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub tried: Vec<TriedForce>,
 }
 
 /// Sums of terms of sway and yaw where v is a multiple of r L, in the prime system, with a yaw rate of 1 there.
@@ -175,88 +172,4 @@ pub(super) fn own_lag(vessel: &Vessel, input: usize) -> Option<f64> {
     let lag_s = Some(vessel.actuators[input].lag_s).filter(|lag| *lag > 0.0)?;
     let driven = vessel.model.has_own_lag(input, &vessel.nominal);
     (!driven).then_some(lag_s)
-}
-
-/// A force that was tried as an addition to the ship, on recordings that were left out.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct TriedForce {
-    /// `surge`, `sway` or `yaw`.
-    pub degree: String,
-    /// The product, as a term is written.
-    pub term: String,
-    /// Name of its number.
-    pub parameter: String,
-    /// By which share the cost of recordings that were left out of both fits falls with it; below 0 where it rises. Folds count
-    /// in which the ship without it has a fit and follows them. Null where these are fewer than two, or where with it a fold has
-    /// no fit or a simulation diverges.
-    pub share_left_out: Option<f64>,
-    /// The standard error of that, over the folds.
-    pub standard_error: Option<f64>,
-    /// Number of folds that whole recordings were dealt into.
-    pub folds: u64,
-    /// Whether it was added: the share is above its standard error.
-    pub added: bool,
-}
-
-/// A search for forces that a ship lacks.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SearchedForces {
-    /// Whether `model.json` has the forces that were found. Else it is the ship as she was: the interval of `nested.margin` holds
-    /// 0, lies below it, or there is none; or none was found.
-    pub delivered: bool,
-    /// Forces that the search on all recordings found, in the order in which they were added.
-    pub found: Vec<FoundForce>,
-    /// What that search tried, one after the other.
-    pub tried: Vec<TriedForce>,
-    /// Why it tried no more; null where as many were added as are allowed.
-    pub ended: Option<String>,
-    /// The searches without each fold.
-    pub without: Vec<ForcesWithoutFold>,
-    /// Most forces that a search adds.
-    pub most_added: u64,
-    /// Weight of the priors.
-    pub prior_weight: f64,
-    /// Whether every window has a start of its own, or starts at its first measured sample.
-    pub unknown_starts: bool,
-    /// Cost of the ship as she was, fitted to all recordings: the mean of Huber's function of the windows' RMS errors in standard
-    /// deviations, with what the priors add.
-    pub base_cost: f64,
-    /// That with the forces that were found.
-    pub found_cost: f64,
-}
-
-/// A force that a search found.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct FoundForce {
-    /// `surge`, `sway` or `yaw`.
-    pub degree: String,
-    /// The product, as a term is written.
-    pub term: String,
-    /// Name of its number.
-    pub parameter: String,
-    /// The number's unit; `1` in the prime system.
-    pub unit: String,
-    /// The number, with all that were found fitted to all recordings.
-    pub value: f64,
-    /// Its standard error; null at a bound.
-    pub standard_error: Option<f64>,
-    /// Searches without a fold that found it too.
-    pub found_by_folds: u64,
-}
-
-/// The search without the recordings of a fold.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ForcesWithoutFold {
-    /// The fold.
-    pub fold: u64,
-    /// What was tried, one after the other.
-    pub tried: Vec<TriedForce>,
-    /// Why no more was tried; null where as many were added as are allowed.
-    pub ended: Option<String>,
-    /// Why there is no fit; null where there is one.
-    pub failed: Option<String>,
 }

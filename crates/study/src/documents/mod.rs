@@ -61,10 +61,7 @@ pub use estimate::{
     ChosenStructure, ConstrainedParameter, DegreeSummary, DesignSummary, EstimateDocument, EstimatorSummary,
     ModelStructure, ParameterSummary, Trust,
 };
-pub use forces::{
-    CaptiveValue, FittedForces, FittedParameter, ForcesWithoutFold, FoundForce, SailedSum, SailedSums,
-    SearchedForces, TriedForce,
-};
+pub use forces::{CaptiveValue, FittedForces, FittedParameter, SailedSum, SailedSums};
 pub use ingest::{
     ChannelSummary, IngestDocument, ManeuverCount, MotionSummary, RecordingSummary, RowSummary,
     SIMULATED_FILE, SimulatedLogsDocument, SimulatedRecording, State, WarningKind, WarningSummary,
@@ -84,7 +81,7 @@ pub use refined::{
     PromiseUpdate, RefinedDesign, RefinedExperiment, RefinedLimit, UpdatedAccuracy, UpdatedCriterion,
     UpdatedError, UpdatedFigure, UpdatedParameter,
 };
-pub use search::{BesideForces, DeliveredKind, ForceScores, SearchSummary, SearchTerm, TriedFit};
+pub use search::{BesideForces, DeliveredKind, SearchSummary, SearchTerm, TriedFit};
 pub use solved::{RefinedFiles, Solved};
 pub use validation::{
     ComparedError, CountedRuns, DesignScores, EstimatorRecommendation, EstimatorScores, PairedRatio,

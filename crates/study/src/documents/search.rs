@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 use ship::model::{DegreeOfFreedom, Vessel};
 
 use super::average::{AverageSummary, parameters, resampled};
-use super::forces::{FittedParameter, FoundForce, SearchedForces};
 
 /// How a model's structure was searched for in recordings, and how far the search can be trusted.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -15,7 +14,7 @@ pub struct SearchSummary {
     pub vessel: String,
     /// Length of the windows that were fitted \[s\].
     pub fitted_window_s: f64,
-    /// From the start of one to that of the next \[s\]; of forces they stand side by side.
+    /// From the start of one to that of the next \[s\].
     pub every_s: f64,
     /// Length of the windows that models were scored on \[s\]; null: whole runs.
     pub window_s: Option<f64>,
@@ -31,7 +30,7 @@ pub struct SearchSummary {
     pub std_v: f64,
     /// Of yaw rate.
     pub std_r: f64,
-    /// The ridge Λ that was chosen; null for forces, which have none.
+    /// The ridge Λ that was chosen; null where none was found.
     #[serde(default)]
     pub ridge: Option<f64>,
     /// Ridges in the order that they were tried in.
@@ -43,14 +42,11 @@ pub struct SearchSummary {
     /// How often recordings were drawn again and searched anew, where few terms were asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub resamples: Option<Resamples>,
-    /// The terms that were found; of a ship with forces, those of the delivered ship whose numbers are free.
+    /// The terms that were found.
     pub terms: Vec<SearchTerm>,
     /// What the models of an average are made of, where an average was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub average: Option<AverageSummary>,
-    /// The forces that were found, where the vessel has forces.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub forces: Option<SearchedForces>,
     /// The forces that were fitted beside, where the search began with a core for a ship with forces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub beside: Option<BesideForces>,
@@ -127,39 +123,30 @@ impl SearchSummary {
     fn by_options(
         vessel: &Vessel,
         options: &SearchOptions,
-        std: [f64; 3],
+        [std_u, std_v, std_r]: [f64; 3],
         [windows, samples]: [u64; 2],
         nested: NestedScore,
     ) -> Self {
         let seconds = |samples: usize| samples as f64 / vessel.sample_rate_hz;
-        let (cut, folds) = (options.cut, options.folds as u64);
-        let (fitted_window_s, window_s) = (seconds(cut.window), cut.scored.map(seconds));
-        let scores = ForceScores { fitted_window_s, window_s, windows, samples, folds, std, nested };
-        Self { every_s: seconds(cut.every), ..Self::scored(vessel, scores) }
-    }
-
-    /// The scores of a search, without what it found.
-    fn scored(vessel: &Vessel, scores: ForceScores) -> Self {
-        let [std_u, std_v, std_r] = scores.std;
+        let cut = options.cut;
         Self {
             vessel: vessel.name.clone(),
-            fitted_window_s: scores.fitted_window_s,
-            every_s: scores.fitted_window_s,
-            window_s: scores.window_s,
-            windows: scores.windows,
-            samples: scores.samples,
-            folds: scores.folds,
+            fitted_window_s: seconds(cut.window),
+            every_s: seconds(cut.every),
+            window_s: cut.scored.map(seconds),
+            windows,
+            samples,
+            folds: options.folds as u64,
             std_u,
             std_v,
             std_r,
             ridge: None,
             candidates: Vec::new(),
             sizes: Vec::new(),
-            nested: scores.nested,
+            nested,
             resamples: None,
             terms: Vec::new(),
             average: None,
-            forces: None,
             beside: None,
             statements: Vec::new(),
         }
@@ -172,8 +159,7 @@ impl SearchSummary {
             Some((DeliveredKind::Forces, beside)) => return beside.errors,
             _ => {}
         }
-        let as_she_was = self.forces.as_ref().is_some_and(|forces| !forces.delivered);
-        if as_she_was { self.nested.base } else { self.nested.search }
+        self.nested.search
     }
 }
 
@@ -243,59 +229,4 @@ impl DeliveredKind {
     pub fn members(self) -> [bool; 2] {
         [self != Self::Forces, self != Self::Search]
     }
-}
-
-/// How a search for forces was made and scored.
-#[derive(Clone, Debug)]
-pub struct ForceScores {
-    /// Length of the windows that are fitted \[s\].
-    pub fitted_window_s: f64,
-    /// Of those that are scored; none: whole runs.
-    pub window_s: Option<f64>,
-    /// Number of those.
-    pub windows: u64,
-    /// Samples of the recordings.
-    pub samples: u64,
-    /// Number of folds.
-    pub folds: u64,
-    /// Standard deviations of u, v and r over the windows that are scored.
-    pub std: [f64; 3],
-    /// The whole search and the ship as she was, on recordings that were left out of both.
-    pub nested: NestedScore,
-}
-
-impl SearchSummary {
-    /// The result of a search for forces that `vessel` lacks, of which `delivered` is the ship in `model.json` with her numbers.
-    pub fn of_forces(
-        vessel: &Vessel,
-        scores: ForceScores,
-        forces: SearchedForces,
-        (delivered, numbers): (&Vessel, &[FittedParameter]),
-        statements: Vec<String>,
-    ) -> Self {
-        let terms = force_terms(delivered, numbers, &forces.found);
-        Self { terms, forces: Some(forces), statements, ..Self::scored(vessel, scores) }
-    }
-}
-
-/// The terms of `ship` whose numbers are free.
-fn force_terms(ship: &Vessel, numbers: &[FittedParameter], found: &[FoundForce]) -> Vec<SearchTerm> {
-    let Some(moved) = &ship.model.forces else { return Vec::new() };
-    let all = DegreeOfFreedom::ALL.into_iter().zip(moved.forces.description().terms());
-    let term = |degree: DegreeOfFreedom, spec: &ship::forces::TermSpec| {
-        let number = numbers.iter().find(|number| number.name == spec.parameter)?;
-        let force = found.iter().find(|force| force.parameter == spec.parameter);
-        Some(SearchTerm {
-            degree: degree.name().to_owned(),
-            name: spec.parameter.clone(),
-            term: spec.term.clone(),
-            base: force.is_none(),
-            value: number.value,
-            low: None,
-            high: None,
-            chosen_by_resamples: None,
-            chosen_by_folds: force.map(|force| force.found_by_folds),
-        })
-    };
-    all.flat_map(|(degree, terms)| terms.iter().filter_map(move |spec| term(degree, spec))).collect()
 }

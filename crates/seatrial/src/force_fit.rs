@@ -1,6 +1,8 @@
-//! Ships as physics, fitted to runs.
+//! The forces of a ship, fitted to runs.
 
-use estimation::fitting::{Channels, Estimates, Fit, Inputs, Prior, Problem, Settings, Starts, Unfit};
+use estimation::fitting::{
+    Channels, Estimates, Fit, Inputs, Prior, Problem, RecordingView, Settings, Starts, Unfit,
+};
 use estimation::one_step_errors;
 use estimation::pooled::{Covariance, Delivered, RecordingConstant, Score, covered};
 use refusal::Invalid;
@@ -14,13 +16,22 @@ use validation::crossval::{CrossError, CrossValidation, cross_validate_forces};
 
 use crate::criticism;
 use crate::criticism::{Captive, beside, channels, criticised, interval};
-use crate::growing::{self, ForwardSelection, GrownShip, Recorded};
 
 /// The standard error of a parameter that grows more than this because others are unknown is none of its own.
 const COLLINEAR: f64 = 10.0;
 
+/// Recordings by name, in parts without gaps.
+pub(crate) type Recorded = (String, Vec<Part>);
+
+/// All parts of `sources`, as fits take them.
+fn recordings(sources: &[Recorded]) -> Vec<RecordingView<'_>> {
+    let all = sources.iter().flat_map(|(name, parts)| parts.iter().map(move |part| (name, part)));
+    all.map(|(name, part)| RecordingView { name, inputs: &part.exogenous, measured: &part.measured })
+        .collect()
+}
+
 /// Options of a fit of forces to runs.
-pub struct Physical<'a> {
+pub struct ForceFit<'a> {
     /// The ship, whose model is made of forces.
     pub vessel: &'a Vessel,
     /// Windows, weights and starts.
@@ -31,34 +42,23 @@ pub struct Physical<'a> {
     pub reference: Option<&'a Reference>,
 }
 
-impl Physical<'_> {
+impl ForceFit<'_> {
     /// The model of `runs`.
     ///
     /// # Errors
     /// Why there is no fit, or a model without forces.
-    pub fn model(&self, runs: &PooledRuns) -> Result<ModelDocument, PhysicalError> {
+    pub fn model(&self, runs: &PooledRuns) -> Result<ModelDocument, ForceFitError> {
         self.forces()?;
         let (sources, held) = (runs.windows(None), runs.are_inputs_held());
         self.fitted_model(runs, (&sources, held))
     }
 
-    /// The ship with at `most` so many forces that `sources` confirm, of the usual ones or of those `listed` for surge, sway and yaw.
-    pub(crate) fn grown(
-        &self,
-        (sources, held): (&[Recorded], bool),
-        most: usize,
-        listed: Option<&[Vec<String>; 3]>,
-    ) -> Result<GrownShip, Unfit> {
-        let settings = self.settings_for(held);
-        ForwardSelection { sources, settings, most, listed }.grown(self.vessel)
-    }
-
-    /// The model of `runs`, whose recordings are `sources`, without other forces than those of the ship.
+    /// The model of `runs`, whose recordings are `sources`.
     pub(crate) fn fitted_model(
         &self,
         runs: &PooledRuns,
         (sources, held): (&[Recorded], bool),
-    ) -> Result<ModelDocument, PhysicalError> {
+    ) -> Result<ModelDocument, ForceFitError> {
         let forces = self.forces()?;
         let problem = self.problem(forces, sources, held)?;
         let fit = self.fit(&problem)?;
@@ -91,12 +91,12 @@ impl Physical<'_> {
     ///
     /// # Errors
     /// As [`Self::model`].
-    pub fn theta(&self, runs: &PooledRuns) -> Result<Vec<f64>, PhysicalError> {
+    pub fn theta(&self, runs: &PooledRuns) -> Result<Vec<f64>, ForceFitError> {
         self.theta_of(&runs.windows(None), runs.are_inputs_held())
     }
 
     /// The same of recordings.
-    pub(crate) fn theta_of(&self, sources: &[Recorded], held: bool) -> Result<Vec<f64>, PhysicalError> {
+    pub(crate) fn theta_of(&self, sources: &[Recorded], held: bool) -> Result<Vec<f64>, ForceFitError> {
         self.theta_from(self.former.unwrap_or(&self.vessel.nominal), sources, held)
     }
 
@@ -106,7 +106,7 @@ impl Physical<'_> {
         theta: &[f64],
         sources: &[Recorded],
         held: bool,
-    ) -> Result<Vec<f64>, PhysicalError> {
+    ) -> Result<Vec<f64>, ForceFitError> {
         let problem = self.problem(self.forces()?, sources, held)?;
         Ok(problem.fit_from(theta)?.theta)
     }
@@ -144,7 +144,7 @@ impl Physical<'_> {
     ) -> Result<Problem<'p>, Unfit> {
         let settings = self.settings_for(are_inputs_held);
         let width = self.vessel.model.exogenous();
-        let problem = Problem::new(forces, growing::recordings(sources), width, settings)?;
+        let problem = Problem::new(forces, recordings(sources), width, settings)?;
         Ok(problem.with_priors(self.priors(forces)))
     }
 
@@ -238,7 +238,6 @@ impl Physical<'_> {
             steps: fit.steps as u64,
             sailed: None,
             criticism: None,
-            tried: Vec::new(),
             captive_source: self.reference.map(|reference| reference.source.clone()),
         })
     }
@@ -316,7 +315,7 @@ fn without_forces() -> Invalid {
 
 /// Why forces were not fitted.
 #[derive(Debug, thiserror::Error)]
-pub enum PhysicalError {
+pub enum ForceFitError {
     /// There is no fit.
     #[error("{0}")]
     Unfit(#[from] Unfit),

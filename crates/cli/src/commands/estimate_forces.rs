@@ -6,7 +6,7 @@ use estimation::Estimator;
 use files::{Provenance, commit_with_document, read_document, stage_document};
 use seatrial::estimation::fitting::{Settings, Unfit};
 use seatrial::validation::crossval::dealt;
-use seatrial::{Physical, PhysicalError, check_captive, former};
+use seatrial::{ForceFit, ForceFitError, check_captive, former};
 use serde_json::json;
 use ship::model::Vessel;
 use study::documents::{ChosenStructure, EstimateDocument, LeftOutScores, ModelDocument};
@@ -14,6 +14,7 @@ use study::files::read_reference;
 
 use crate::cli::{Common, none_given, not_below, samples};
 use crate::failure::{Failure, WorkProgress};
+use crate::inputs;
 use crate::pool::{EstimateArguments, Folds, Held, PoolFlags, SetPaths, besides, note};
 use crate::stage::Summary;
 
@@ -21,12 +22,12 @@ use crate::stage::Summary;
 const FORMER: f64 = 10.0;
 
 /// Refuses these flags for terms per sample.
-pub fn absent<const N: usize>(flags: [(&str, bool); N]) -> Result<(), Failure> {
+pub(super) fn absent<const N: usize>(flags: [(&str, bool); N]) -> Result<(), Failure> {
     none_given(flags, "a vessel with terms per sample", "one with forces")
 }
 
 /// The settings with windows of the length `window_s`, by its flag, and what holds back.
-pub fn settings(
+pub(super) fn settings(
     sample_s: f64,
     (flag, window_s): (&'static str, Option<f64>),
     held: Option<&Held>,
@@ -43,7 +44,7 @@ pub fn settings(
 }
 
 /// Fits `vessel`, which has forces, to windows of the runs, sets what is published beside, and writes estimate.json and model.json.
-pub fn fit(
+pub(super) fn fit(
     asked: &EstimateArguments,
     structure: ChosenStructure,
     vessel: &Vessel,
@@ -64,10 +65,10 @@ pub fn fit(
     };
     let reference = asked.reference.as_ref().map(read).transpose()?;
     let promised = asked.promised(common)?;
-    let runs = flags.of.read_of_forces(vessel, &mut provenance)?;
+    let (runs, _) = flags.of.read(vessel, &mut provenance, inputs::runs)?;
     let (former, reference) = (former.as_deref(), reference.as_ref());
-    let physical = Physical { vessel, settings, former, reference };
-    let model = physical.model(&runs).map_err(|e| unfit(e, &flags.vessel, flags.of.file()))?;
+    let fit = ForceFit { vessel, settings, former, reference };
+    let model = fit.model(&runs).map_err(|e| unfit(e, &flags.vessel, flags.of.file()))?;
     let noted = [
         ("estimator", json!(Estimator::OutputError)),
         ("pool", json!(true)),
@@ -82,8 +83,8 @@ pub fn fit(
         Some(Folds(folds)) => {
             let folds = folds.map(usize::from);
             let progress = WorkProgress::new("folds", dealt(runs.sources(), folds).len(), common.quiet);
-            let physical = Physical { reference: None, ..physical };
-            let scores = physical.cross(&runs, (window, folds), &|count| progress.advance(count));
+            let fit = ForceFit { reference: None, ..fit };
+            let scores = fit.cross(&runs, (window, folds), &|count| progress.advance(count));
             let scores = scores.map_err(|e| Failure::invalid(flags.of.file(), &e.invalid()))?;
             note([("window_samples", json!(window)), ("folds", json!(folds))], &mut provenance);
             let window_s = window.map(|samples| samples as f64 / rate_hz);
@@ -129,10 +130,10 @@ fn read_former(
 }
 
 /// Why there is no fit of the ship of `vessel` to `runs`.
-pub fn unfit(error: PhysicalError, vessel: &Path, runs: &Path) -> Failure {
+fn unfit(error: ForceFitError, vessel: &Path, runs: &Path) -> Failure {
     match error {
-        PhysicalError::Invalid(invalid) => Failure::invalid(vessel, &invalid),
-        PhysicalError::Unfit(Unfit::NoParameter) => Failure::invalid(vessel, &Unfit::NoParameter.invalid()),
-        PhysicalError::Unfit(other) => Failure::NoAnswer(format!("{}: {}", runs.display(), other.invalid())),
+        ForceFitError::Invalid(invalid) => Failure::invalid(vessel, &invalid),
+        ForceFitError::Unfit(Unfit::NoParameter) => Failure::invalid(vessel, &Unfit::NoParameter.invalid()),
+        ForceFitError::Unfit(other) => Failure::NoAnswer(format!("{}: {}", runs.display(), other.invalid())),
     }
 }
