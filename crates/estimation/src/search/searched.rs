@@ -383,8 +383,12 @@ pub fn left_out(nested: &NestedScore) -> Vec<String> {
     out
 }
 
+/// Terms that are named.
+const NAMED: usize = 5;
+
 fn combined_in_words(names: &[String]) -> Option<String> {
-    let named: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    let mut named: Vec<String> = names.iter().take(NAMED).map(|name| format!("`{name}`")).collect();
+    named.extend((names.len() > NAMED).then(|| format!("{} others", names.len() - NAMED)));
     (!named.is_empty()).then(|| {
         format!(
             "in no sample anything but a combination of other terms, hence fixed in model.json, so that the next experiment is designed \
