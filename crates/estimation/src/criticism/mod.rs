@@ -25,7 +25,7 @@ use crate::sensitivity::{Flow, NoiseModel, Recordings, filter, with_states};
 use library::{CandidateEffect, Lifted, with_effects};
 use noise::{Earlier, LASTING};
 use problems::{Problems, Refinement, Series, TestedEstimate, each_with_noise, with_noise};
-use residuals::{apart, feedback, turned, waves};
+use residuals::{apart, feedback, waves};
 use score::{Draws, Projected, reject_under_white, tested, under_white};
 
 pub use library::against_nominal;
@@ -88,8 +88,6 @@ fn verdicts(subject: &Subject, problems: &Problems, states: Vec<TestedEstimate>)
         if known && !subject.names.is_empty() {
             criticism.apart = apart(problems, &state);
         }
-        let is_pooled = !known && !subject.names.is_empty();
-        criticism.absent.extend(is_pooled.then(|| turned(problems, &state)).flatten());
         criticism.absent.extend_from_slice(subject.signs);
         let wrong = |absent: &Absent| absent.kind == Suspect::Sign && absent.candidate;
         criticism.absent.sort_by_key(|absent| !wrong(absent));

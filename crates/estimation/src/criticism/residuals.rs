@@ -8,7 +8,7 @@ use ship::engine::RunView;
 use ship::model::Model;
 
 use super::problems::{Problems, Series, Subject, TestedEstimate};
-use super::verdict::{Absent, Apart, Feedback, Suspect, sign_remedy};
+use super::verdict::{Apart, Feedback};
 use crate::predictor::{Linear, scaled_inverse};
 
 /// Largest probability, and least correlation, for an input's response to be reported.
@@ -200,69 +200,17 @@ fn recordings(problems: &Problems, state: &TestedEstimate) -> Vec<(String, Linea
     all
 }
 
-/// The change of the parameters to the least errors of `all`, the inverse of its normal matrix, and the variance that is left.
-fn fitted<'a>(mut all: impl Iterator<Item = &'a Linear>) -> Option<(Vec<f64>, Vec<f64>, f64)> {
-    let mut total = all.next()?.clone();
-    all.for_each(|sums| total.add(sums));
+/// The recording that is least probable given the others, with the logarithm of its probability.
+fn farthest(all: &[(String, Linear)]) -> Option<(usize, f64)> {
+    let mut total = all.first()?.1.clone();
+    all[1..].iter().for_each(|(_, sums)| total.add(sums));
     let (normal, gradient) = total.weighted([1.0; 3]);
     let p = gradient.len();
     let inverse = scaled_inverse(&normal, p).ok()?;
     let change = times(&inverse, &gradient);
-    let explained = numerics::dot(&change, &gradient);
+    let explained: f64 = change.iter().zip(&gradient).map(|(a, b)| a * b).sum();
     let freedom = (3.0 * total.samples - p as f64).max(1.0);
-    Some((change, inverse, (total.squares.iter().sum::<f64>() - explained) / freedom))
-}
-
-/// An input of one recording is turned if errors fall by at least this share with its sign turned.
-const TURNED: f64 = 0.2;
-
-/// The input that acts with the opposite sign in one recording: that with which turned the errors of all fall most.
-pub(super) fn turned(problems: &Problems, state: &TestedEstimate) -> Option<Absent> {
-    let Subject { model, runs, names, .. } = *problems.subject;
-    let each = problems.by_run(state);
-    let (_, _, before) = fitted(each.iter().map(|(_, sums)| sums))?;
-    let tried = distinct(names).flat_map(|name| (0..model.inputs).map(move |input| (name, input)));
-    let shares = tried.filter_map(|(name, input)| {
-        let logged = || (0..runs.len()).filter(|run| names[*run] == name).map(|run| &runs[run]);
-        let inputs: Vec<Vec<f64>> = logged().map(|run| negated(model, run, input)).collect();
-        let pairs = logged().zip(&inputs);
-        let runs: Vec<RunView> = pairs.map(|(run, exogenous)| RunView { exogenous, ..*run }).collect();
-        let subject = Subject { runs: &runs, names: &[], ..*problems.subject };
-        let turned = Problems::new(&subject, true).by_run(state);
-        let others = each.iter().filter(|(run, _)| names[*run] != name);
-        let (_, _, left) = fitted(others.chain(&turned).map(|(_, sums)| sums))?;
-        Some((name, input, 1.0 - left / before))
-    });
-    let (name, input, share) = shares.max_by(|a, b| a.2.total_cmp(&b.2)).filter(|best| best.2 >= TURNED)?;
-    let channel = &model.input_variables()[input].name;
-    Some(Absent {
-        kind: Suspect::Sign,
-        name: format!("`{channel}` acts with the opposite sign in recording `{name}`"),
-        share: Some(share),
-        candidate: true,
-        remedy: Some(sign_remedy(channel)),
-        ..Absent::default()
-    })
-}
-
-fn distinct<'a>(names: &'a [&'a str]) -> impl Iterator<Item = &'a str> {
-    names.iter().enumerate().filter(|(i, name)| !names[..*i].contains(name)).map(|(_, name)| *name)
-}
-
-/// The rows of `run` with the sign of an input turned.
-fn negated(model: &Model, run: &RunView, input: usize) -> Vec<f64> {
-    let mut rows = run.exogenous.to_vec();
-    for row in rows.chunks_exact_mut(model.exogenous().max(1)) {
-        row[input] = -row[input];
-        model.derived.iter().for_each(|channel| row[channel.variable - 3] = channel.value(row));
-    }
-    rows
-}
-
-/// The recording that is least probable given the others, with the logarithm of its probability.
-fn farthest(all: &[(String, Linear)]) -> Option<(usize, f64)> {
-    let (change, inverse, variance) = fitted(all.iter().map(|(_, sums)| sums))?;
-    let p = change.len();
+    let variance = (total.squares.iter().sum::<f64>() - explained) / freedom;
     let tested = all.iter().enumerate().filter_map(|(i, (_, sums))| {
         let (information, scores) = sums.weighted([1.0; 3]);
         // Scores of the recording at the estimate from all recordings, and their covariance over the variance.
