@@ -22,7 +22,6 @@ mod refine_laws;
 mod repeated;
 mod restricted_likelihood;
 mod search;
-mod slopes;
 #[path = "../../../regression/tests/all/support/mod.rs"]
 mod support;
 mod white_noise;
