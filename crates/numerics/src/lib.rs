@@ -10,6 +10,7 @@ pub mod bounded;
 pub mod distributions;
 mod lane;
 pub mod lanes;
+pub mod least_squares;
 mod lu;
 mod product;
 pub mod registers;

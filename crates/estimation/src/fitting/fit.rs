@@ -1,16 +1,17 @@
 //! The search for the minimum, by Levenberg's and Marquardt's method.
 
-use numerics::{Lane, congruence, scaled_inverse, symmetric};
+use numerics::least_squares::{Ended, Ending, Expansion, Linearization, Residuals, minimize};
+use numerics::{Lane, Watch, congruence, scaled_inverse, symmetric};
 use rayon::prelude::*;
 
 use super::sums::{Reduced, WindowErrors, WindowSums, reduced};
-use super::{Pass, Problem, Starts, Unfit, Window, at_bound, block, clamped_step, distance, prior_gradient};
+use super::{Pass, Problem, Starts, Unfit, Window, add_priors, at_bound, block, distance, prior_gradient};
 
-/// A step that lowers the cost by a smaller share, and was to, ends the search.
-const ENOUGH: f64 = 1e-6;
+/// A step that is to lower the cost by less than the square of this share is the last.
+const ENOUGH: f64 = 1e-3;
 /// What no step need lower: errors of a millionth of a standard deviation.
 const LEAST: f64 = 1e-12;
-const DAMPING: [f64; 2] = [1e-3, 1e12];
+const DAMPING: f64 = 1e-3;
 
 /// The minimum.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,35 +91,27 @@ impl Pass<'_> {
 
     /// What at most `most` steps from `theta` lead to, and whether it is a minimum.
     pub(crate) fn search(&self, theta: &[f64], most: usize) -> Result<(Fit, bool), Unfit> {
-        let mut at = self.at(theta.to_vec(), self.measured_starts());
+        let bounds = self.forces.parameters().iter().map(|parameter| parameter.bounds);
+        let theta: Vec<f64> = theta.iter().zip(bounds).map(|(x, [low, high])| x.clamp(low, high)).collect();
+        let at = self.at(theta.clone(), self.measured_starts());
         if !at.cost.is_finite() {
             return Err(self.diverged(&at));
         }
-        let mut damping = DAMPING[0];
-        for step in 0..most {
-            let sums = self.all_sums(&at.theta, &at.starts);
-            let before = at.cost;
-            let expected = loop {
-                match self.tried(&at, &sums, damping)? {
-                    Some((next, expected)) if next.cost <= at.cost => {
-                        // A step that gains much less than the equations promise overshoots: the next one is held back.
-                        let gained = (at.cost - next.cost) / expected;
-                        let held_back = if gained < 0.25 { 10.0 } else { 1.0 };
-                        damping *= if gained > 0.75 { 0.1 } else { held_back };
-                        at = next;
-                        break expected;
-                    }
-                    _ => damping = 10.0 * damping.max(DAMPING[0]),
-                }
-                if damping > DAMPING[1] {
-                    return Ok((Fit { steps: step, ..at }, true));
-                }
-            };
-            if expected.max(before - at.cost) <= ENOUGH * before + LEAST {
-                return Ok((Fit { steps: step + 1, ..at }, true));
+        let mut search =
+            WindowSearch { pass: self, next: at.clone(), at, sums: Vec::new(), reduced: Vec::new() };
+        let ending = Ending { steps: most, enough: ENOUGH, damping: DAMPING };
+        let minima = minimize(&mut search, vec![theta], ending, &Watch::default())?;
+        let mut is_minimum = false;
+        for minimum in minima {
+            if let Ended::Singular(i) = minimum.status {
+                return Err(Unfit::Undetermined(self.forces.parameters()[i].name.clone()));
             }
+            search.reach(&minimum.point);
+            search.at.steps = minimum.steps;
+            // Where no step is lower, the cost has an edge.
+            is_minimum = minimum.status != Ended::Stalled || minimum.steps < most;
         }
-        Ok((Fit { steps: most, ..at }, false))
+        Ok((search.at, is_minimum))
     }
 
     /// The cost of θ with windows that start at their first measured sample; infinite where one diverges.
@@ -173,50 +166,6 @@ impl Pass<'_> {
         window.samples as f64 / self.samples as f64
     }
 
-    /// Where a step with this damping leads, and how much it should lower the cost; `None` where it cannot be computed.
-    fn tried(&self, at: &Fit, sums: &[Vec<WindowSums>], damping: f64) -> Result<Option<(Fit, f64)>, Unfit> {
-        let n = at.theta.len();
-        let reduced = |group: &Vec<WindowSums>| group.iter().map(|sums| reduced(sums, n, damping)).collect();
-        let Some(windows) = sums.iter().map(reduced).collect::<Option<Vec<Vec<_>>>>() else {
-            return Ok(None);
-        };
-        let (mut products, mut gradient) = self.information(n, sums, &windows);
-        for (i, [pull, slope]) in self.prior_gradient(&at.theta).into_iter().enumerate() {
-            products[i * n + i] += pull;
-            gradient[i] += slope;
-        }
-        let held = at_bound(self.forces, &at.theta, &gradient);
-        let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
-        if let Some(i) = free.iter().find(|i| products[**i * n + **i] <= 0.0) {
-            return Err(Unfit::Undetermined(self.forces.parameters()[*i].name.clone()));
-        }
-        let scale: Vec<f64> = free.iter().map(|i| products[i * n + i].sqrt()).collect();
-        let m = free.len();
-        let entry = |k: usize| {
-            let (i, j) = (k / m, k % m);
-            let damped = if i == j { damping } else { 0.0 };
-            products[free[i] * n + free[j]] / (scale[i] * scale[j]) + damped
-        };
-        let mut matrix: Vec<f64> = (0..m * m).map(entry).collect();
-        let mut step: Vec<f64> = (0..m).map(|i| -gradient[free[i]] / scale[i]).collect();
-        if numerics::solve(m, &mut matrix, &mut step).is_none() {
-            return Ok(None);
-        }
-        let steps = step.iter().zip(&scale).map(|(step, scale)| step / scale);
-        let theta = clamped_step(self.forces, &at.theta, &free, steps);
-        let change: Vec<f64> = theta.iter().zip(&at.theta).map(|(new, old)| new - old).collect();
-        let starts = at.starts.iter().zip(&windows).map(|(starts, windows)| {
-            starts.iter().zip(windows).map(|(start, window)| window.start(*start, &change)).collect()
-        });
-        let slope = |i: usize| {
-            let row: f64 = (0..n).map(|j| products[i * n + j] * change[j]).sum();
-            -change[i] * (2.0 * gradient[i] + row)
-        };
-        let expected: f64 = (0..n).map(slope).sum();
-        let next = self.at(theta, starts.collect());
-        Ok(next.cost.is_finite().then_some((next, expected.max(f64::MIN_POSITIVE))))
-    }
-
     pub(crate) fn determined(&self, sums: &[Vec<WindowSums>]) -> Result<Vec<Vec<Reduced>>, Unfit> {
         let n = self.forces.parameters().len();
         let reduce = |(window, sums)| reduced(sums, n, 0.0).ok_or_else(|| self.without_start(window));
@@ -264,6 +213,70 @@ impl Pass<'_> {
     pub(crate) fn without_start(&self, window: &Window) -> Unfit {
         let recording = self.recordings[window.recording].name.to_owned();
         Unfit::Start { recording, first_s: window.first as f64 * self.settings.sample_s }
+    }
+}
+
+/// A search for θ from which the starts of windows are eliminated: they follow it.
+struct WindowSearch<'p> {
+    pass: &'p Pass<'p>,
+    at: Fit,
+    /// Where the last step led.
+    next: Fit,
+    sums: Vec<Vec<WindowSums>>,
+    reduced: Vec<Vec<Reduced>>,
+}
+
+impl WindowSearch<'_> {
+    fn reach(&mut self, theta: &[f64]) {
+        if self.next.theta == theta && self.next.cost < self.at.cost {
+            self.at = self.next.clone();
+        }
+    }
+
+    fn expansion(&self) -> Expansion {
+        let n = self.at.theta.len();
+        let (normal, mut gradient) = self.pass.information(n, &self.sums, &self.reduced);
+        gradient.iter_mut().for_each(|slope| *slope = -*slope);
+        let unit = self.at.cost + LEAST / (ENOUGH * ENOUGH);
+        let mut expansion = Expansion { cost: 0.0, unit, normal, gradient };
+        add_priors(&mut expansion, &self.at.theta, &self.pass.priors, self.pass.prior_cost());
+        Expansion { cost: self.at.cost, ..expansion }
+    }
+}
+
+impl Residuals<(), Unfit> for WindowSearch<'_> {
+    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<(Expansion, ())>, Unfit> {
+        let expand = |request: &Linearization| {
+            self.reach(&request.point);
+            self.sums = self.pass.all_sums(&self.at.theta, &self.at.starts);
+            self.reduced = self.pass.determined(&self.sums)?;
+            Ok((self.expansion(), ()))
+        };
+        asked.iter().map(expand).collect()
+    }
+
+    fn has_costs(&self) -> bool {
+        true
+    }
+
+    fn cost(&mut self, trial: &Linearization) -> f64 {
+        let change: Vec<f64> = trial.point.iter().zip(&self.at.theta).map(|(new, old)| new - old).collect();
+        let starts = self.at.starts.iter().zip(&self.reduced).map(|(starts, windows)| {
+            starts.iter().zip(windows).map(|(start, window)| window.start(*start, &change)).collect()
+        });
+        self.next = self.pass.at(trial.point.clone(), starts.collect());
+        self.next.cost
+    }
+
+    fn damped(&mut self, damping: f64) -> Option<Expansion> {
+        let n = self.at.theta.len();
+        let reduce = |group: &Vec<WindowSums>| group.iter().map(|sums| reduced(sums, n, damping)).collect();
+        self.reduced = self.sums.iter().map(reduce).collect::<Option<_>>()?;
+        Some(self.expansion())
+    }
+
+    fn bounds(&self) -> Vec<[f64; 2]> {
+        self.pass.forces.parameters().iter().map(|parameter| parameter.bounds).collect()
     }
 }
 

@@ -17,6 +17,7 @@ mod sums;
 
 use std::ops::Deref;
 
+use numerics::least_squares::Expansion;
 use numerics::{LANES, Lane, lanes, statistics};
 use refusal::Invalid;
 use ship::forces::Forces;
@@ -25,7 +26,6 @@ use thiserror::Error;
 pub use criticism::Channels;
 pub use fit::{Estimates, Fit, Parameter};
 pub use simulated::{MeasuredRun, PredictedErrors, RunInformation, SimulatedRun, StateSlopes, WhiteNoise};
-pub use sums::cost_of_rms;
 
 /// How long inputs before a window may act in it, where thrusters follow theirs late \[s\].
 const HISTORY_S: f64 = 20.0;
@@ -433,6 +433,15 @@ fn prior_gradient(theta: &[f64], priors: &[Option<Prior>], weight: f64) -> Vec<[
     theta.iter().zip(priors).map(pull).collect()
 }
 
+/// Adds what the priors hold against θ, squares times `weight`.
+fn add_priors(to: &mut Expansion, theta: &[f64], priors: &[Option<Prior>], weight: f64) {
+    for (i, (value, prior)) in theta.iter().zip(priors).enumerate() {
+        if let Some(prior) = prior {
+            to.add_prior(i, value - prior.mean, weight / (prior.deviation * prior.deviation));
+        }
+    }
+}
+
 /// Which of θ lie at a bound that the cost pushes them to.
 fn at_bound(forces: &Forces, theta: &[f64], gradient: &[f64]) -> Vec<bool> {
     let limited = |((value, gradient), parameter): ((&f64, &f64), &ship::forces::Parameter)| {
@@ -440,16 +449,6 @@ fn at_bound(forces: &Forces, theta: &[f64], gradient: &[f64]) -> Vec<bool> {
         (*value <= low && *gradient > 0.0) || (*value >= high && *gradient < 0.0)
     };
     theta.iter().zip(gradient).zip(forces.parameters()).map(limited).collect()
-}
-
-/// θ after `steps` of those at the places `free`, within their bounds.
-fn clamped_step(forces: &Forces, at: &[f64], free: &[usize], steps: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut next = at.to_vec();
-    for (i, step) in free.iter().zip(steps) {
-        let [low, high] = forces.parameters()[*i].bounds;
-        next[*i] = (next[*i] + step).clamp(low, high);
-    }
-    next
 }
 
 /// The rows and columns at `places` of the n × n matrix `whole`.

@@ -4,11 +4,14 @@
 //! the inverse variances of the measurement errors. A white current carries the ship: δx(k+1) = A(k) δx(k) + C(k) c(k). It adds
 //! P = σ² Σ_k λ(k+1)ᵀ C(k) C(k)ᵀ λ(k+1) to the variance of the scores, with the adjoint λ(k) = W S(k) + A(k)ᵀ λ(k+1).
 
-use numerics::{add_outer, congruence, scaled_inverse};
+use std::convert::Infallible;
+
+use numerics::least_squares::{Ended, Ending, Expansion, Linearization, Residuals, minimize};
+use numerics::{Watch, add_outer, congruence, scaled_inverse};
 use ship::forces::{Body, Dual, Forces};
 
 use super::fit::conditioned;
-use super::{Inputs, Prior, Unfit, at_bound, block, clamped_step, distance, prior_gradient};
+use super::{Inputs, Prior, Unfit, add_priors, block, distance};
 
 /// Parameters by which derivatives are computed at once.
 const AT_ONCE: usize = 13;
@@ -236,10 +239,7 @@ impl StateSlopes {
     }
 }
 
-/// The search has ended where Newton's step promises less than this, in squares of standard errors.
-const ENOUGH: f64 = 1e-3;
-const DAMPING: [f64; 2] = [1e-3, 1e10];
-const MOST_STEPS: usize = 300;
+const ENDING: Ending = Ending { steps: 300, enough: 0.03, damping: 1e-3 };
 
 /// A simulated run that was measured.
 #[derive(Clone, Copy, Debug)]
@@ -251,9 +251,6 @@ pub struct MeasuredRun<'a> {
     /// Standard deviations of the errors of u, v \[m/s\], r \[rad/s\], above 0, white in every sample.
     pub noise: [f64; 3],
 }
-
-/// Second and first derivatives of half the cost.
-type Normal = (Vec<f64>, Vec<f64>);
 
 struct Search<'a> {
     of: &'a MeasuredRun<'a>,
@@ -280,86 +277,66 @@ impl MeasuredRun<'_> {
         if self.run.samples() == 0 {
             return Err(Unfit::NoSample);
         }
-        Search { of: self, forces, priors }.from(theta)
+        let mut search = Search { of: self, forces, priors };
+        let Ok(mut minima) = minimize(&mut search, vec![theta.to_vec()], ENDING, &Watch::default());
+        let minimum = minima.pop().ok_or(Unfit::NoParameter)?;
+        match minimum.status {
+            Ended::Diverged if minimum.steps == 0 => {
+                Err(Unfit::Diverged { recording: "run".to_owned(), first_s: 0.0 })
+            }
+            Ended::Singular(i) => Err(Unfit::Undetermined(forces.parameters()[i].name.clone())),
+            Ended::Converged => Ok(minimum.point),
+            // Where flow across a rudder changes its sign, the cost has an edge: no step is lower.
+            Ended::Stalled if minimum.steps < ENDING.steps => Ok(minimum.point),
+            Ended::Stalled | Ended::Diverged => Err(Unfit::Unfinished(ENDING.steps)),
+        }
+    }
+}
+
+impl Residuals for Search<'_> {
+    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<(Expansion, ())>, Infallible> {
+        let nowhere = || Expansion { cost: f64::NAN, ..Expansion::default() };
+        Ok(asked.iter().map(|at| (self.expansion(&at.point).unwrap_or_else(nowhere), ())).collect())
+    }
+
+    fn has_costs(&self) -> bool {
+        true
+    }
+
+    fn cost(&mut self, trial: &Linearization) -> f64 {
+        let squares = self.squares(&self.of.run.states(self.forces, &trial.point));
+        squares + distance(&trial.point, self.priors)
+    }
+
+    fn bounds(&self) -> Vec<[f64; 2]> {
+        self.forces.parameters().iter().map(|parameter| parameter.bounds).collect()
     }
 }
 
 impl Search<'_> {
-    fn from(&self, theta: &[f64]) -> Result<Vec<f64>, Unfit> {
-        let (mut theta, mut cost, mut damping) = (theta.to_vec(), self.cost(theta), DAMPING[0]);
-        if !cost.is_finite() {
-            return Err(Unfit::Diverged { recording: "run".to_owned(), first_s: 0.0 });
-        }
-        for _ in 0..MOST_STEPS {
-            let normal = self.normal(&theta).ok_or(Unfit::Unfinished(MOST_STEPS))?;
-            let held = at_bound(self.forces, &theta, &normal.1);
-            let free: Vec<usize> = (0..theta.len()).filter(|i| !held[*i]).collect();
-            let newton = self.step(&normal, &free, 0.0)?;
-            let promised: f64 = free.iter().zip(&newton).map(|(i, step)| -normal.1[*i] * step).sum();
-            if promised < ENOUGH {
-                return Ok(theta);
-            }
-            loop {
-                let step = self.step(&normal, &free, damping)?;
-                let next = clamped_step(self.forces, &theta, &free, step.into_iter());
-                let next_cost = self.cost(&next);
-                if next_cost < cost {
-                    (theta, cost, damping) = (next, next_cost, 0.1 * damping);
-                    break;
-                }
-                damping *= 5.0;
-                if damping > DAMPING[1] {
-                    // Where flow across a rudder changes its sign, the cost has an edge: no step is lower.
-                    return Ok(theta);
-                }
-            }
-        }
-        Err(Unfit::Unfinished(MOST_STEPS))
-    }
-
-    /// Squares of errors over the noise, and of distances from the priors.
-    fn cost(&self, theta: &[f64]) -> f64 {
-        let MeasuredRun { run, measured, noise } = self.of;
-        let states = run.states(self.forces, theta);
+    /// Squares of errors over the noise.
+    fn squares(&self, states: &[[f64; 3]]) -> f64 {
+        let MeasuredRun { measured, noise, .. } = self.of;
         let errors = states.iter().zip(measured.as_chunks::<3>().0).skip(1);
         let square = |(state, measured): (&[f64; 3], &[f64; 3])| -> f64 {
             (0..3).map(|d| ((state[d] - measured[d]) / noise[d]).powi(2)).sum()
         };
-        errors.map(square).sum::<f64>() + distance(theta, self.priors)
+        errors.map(square).sum()
     }
 
-    fn normal(&self, theta: &[f64]) -> Option<Normal> {
+    fn expansion(&self, theta: &[f64]) -> Option<Expansion> {
         let MeasuredRun { run, measured, noise } = self.of;
         let (n, slopes) = (theta.len(), run.slopes(self.forces, theta)?);
         let weights = noise.map(|std| 1.0 / (std * std));
-        let (mut products, mut gradient) = (slopes.weighted(n, weights), vec![0.0; n]);
+        let (normal, mut gradient) = (slopes.weighted(n, weights), vec![0.0; n]);
         for (row, by_theta) in slopes.by_theta.chunks_exact(n).enumerate() {
             let (k, d) = (row / 3, row % 3);
-            let error = weights[d] * (slopes.states[k][d] - measured[row]);
+            let error = weights[d] * (measured[row] - slopes.states[k][d]);
             gradient.iter_mut().zip(by_theta).for_each(|(sum, slope)| *sum += error * slope);
         }
-        for (i, [pull, slope]) in prior_gradient(theta, self.priors, 1.0).into_iter().enumerate() {
-            products[i * n + i] += pull;
-            gradient[i] += slope;
-        }
-        Some((products, gradient))
-    }
-
-    /// The step of the `free` parameters, with this share of the diagonal added to it.
-    fn step(&self, (products, gradient): &Normal, free: &[usize], damping: f64) -> Result<Vec<f64>, Unfit> {
-        let (n, m) = (gradient.len(), free.len());
-        let entry = |i: usize, j: usize| products[free[i] * n + free[j]];
-        if let Some(i) = (0..m).find(|i| entry(*i, *i) <= 0.0) {
-            return Err(self.undetermined(free[i]));
-        }
-        let damped = |k: usize| entry(k / m, k % m) * if k / m == k % m { 1.0 + damping } else { 1.0 };
-        let products: Vec<f64> = (0..m * m).map(damped).collect();
-        let inverse = scaled_inverse(m, &products).ok_or_else(|| self.undetermined(free[0]))?;
-        let row = |i: usize| -> f64 { (0..m).map(|j| -inverse[i * m + j] * gradient[free[j]]).sum() };
-        Ok((0..m).map(row).collect())
-    }
-
-    fn undetermined(&self, i: usize) -> Unfit {
-        Unfit::Undetermined(self.forces.parameters()[i].name.clone())
+        let cost = self.squares(&slopes.states);
+        let mut expansion = Expansion { cost, unit: 1.0, normal, gradient };
+        add_priors(&mut expansion, theta, self.priors, 1.0);
+        Some(expansion)
     }
 }

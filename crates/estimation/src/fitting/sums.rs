@@ -1,5 +1,6 @@
 //! One pass over the windows of a group: errors, their derivatives, and the sums of both.
 
+use numerics::least_squares::huber;
 use numerics::{LANES, Lane, vectorized};
 use ship::forces::{Body, Dual, Real};
 
@@ -7,11 +8,6 @@ use super::{Inputs, Pass, Window, WindowGroup};
 
 /// Unknowns by which derivatives are computed at once.
 pub(crate) const AT_ONCE: usize = 13;
-
-/// Huber's function of a window's RMS error: its square up to the knee, and its tangent there beyond.
-pub fn cost_of_rms(rms: f64, knee: f64) -> f64 {
-    if rms <= knee { rms * rms } else { 2.0 * knee * rms - knee * knee }
-}
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct WindowErrors {
@@ -31,13 +27,12 @@ impl WindowErrors {
     }
 
     pub fn cost(&self, knee: f64) -> f64 {
-        cost_of_rms(self.rms(), knee)
+        huber(self.rms(), knee)[0]
     }
 
     /// The derivative of its cost by its mean square.
     pub fn slope(&self, knee: f64) -> f64 {
-        let rms = self.rms();
-        if rms <= knee { 1.0 } else { knee / rms }
+        huber(self.rms(), knee)[1]
     }
 }
 

@@ -2,7 +2,8 @@ use std::convert::Infallible;
 use std::ops::Range;
 
 use numerics::lanes::lane;
-use numerics::{LANES, Lane, quadratic, times};
+use numerics::least_squares::{Ended, Expansion, Linearization, Minimum, Residuals, minimize};
+use numerics::{LANES, Lane, Watch, quadratic, times};
 use rayon::prelude::*;
 use regression::jackknife;
 use regression::pooled::{AnyParts, Faults, Part, Parts, Unread};
@@ -10,8 +11,7 @@ use ship::engine::SideBySide;
 use ship::model::Model;
 
 use crate::predictor::{
-    Ended, Linear, Linearization, Minimum, NoiseModel, Recordings, Residuals, STEPS, Unknown, Weighting,
-    linearize, minimize, scaled_inverse,
+    ENDING, Linear, NoiseModel, Recordings, Unknown, Weighting, inverse, linearize, scaled_inverse, without,
 };
 use crate::sensitivity::{filter, with_states};
 
@@ -105,7 +105,7 @@ pub(super) fn least_errors_any(
     let asked = Question { model, held: start.to_vec(), free, weights, follow };
     let weights = asked.weighting();
     let mut problem = PooledProblem { asked, parts, order, ambient };
-    let minima = minimize(&mut problem, vec![Weighting::Fixed(weights)], vec![from], STEPS)?.pop();
+    let minima = minimize(&mut problem, vec![from], ENDING, &Watch::default())?.pop();
     let Some(minimum) = minima.filter(|end| matches!(end.status, Ended::Converged | Ended::Stalled)) else {
         return Ok(None);
     };
@@ -113,7 +113,7 @@ pub(super) fn least_errors_any(
         covariance,
         effective_parts,
         currents,
-        squares: (0..3).map(|d| weights[d] * minimum.linear.squares[d]).sum(),
+        squares: (0..3).map(|d| weights[d] * minimum.sums.squares[d]).sum(),
         parameters: problem.asked.whole(&minimum.point),
         steps: minimum.steps,
         converged: minimum.status == Ended::Converged,
@@ -224,9 +224,9 @@ impl PooledProblem<'_> {
     }
 
     /// The covariance of all parameters, the effective number of parts for each, and the currents of the parts.
-    fn spread(&self, minimum: &Minimum) -> Result<Option<Spread>, Unread> {
+    fn spread(&self, minimum: &Minimum<Linear>) -> Result<Option<Spread>, Unread> {
         let weights = self.asked.weighting();
-        let Ok(inverse) = minimum.inverse(weights) else { return Ok(None) };
+        let Ok(inverse) = inverse(minimum, weights) else { return Ok(None) };
         let places = &self.asked.free;
         let (all, free, parts) = (self.asked.held.len(), places.len(), self.parts.count() as f64);
         let (mut covariance, mut shares) = (vec![0.0; all * all], vec![[0.0; 2]; all]);
@@ -235,8 +235,8 @@ impl PooledProblem<'_> {
             let (normal, gradient) = settled_part.linear.weighted(weights);
             // Without a part that alone determines a parameter there is no estimate: it is treated as hardly
             // informative.
-            let moved =
-                minimum.without(&settled_part.linear, weights).unwrap_or_else(|_| times(&inverse, &gradient));
+            let moved = without(minimum, &settled_part.linear, weights)
+                .unwrap_or_else(|_| times(&inverse, &gradient));
             for (i, (row, a)) in places.iter().zip(&moved).enumerate() {
                 for (column, b) in places.iter().zip(&moved) {
                     covariance[row * all + column] += (parts - 1.0) / parts * a * b;
@@ -274,10 +274,9 @@ fn innovations<const N: usize>(
 /// See the fields of [`Searched`]: covariance, effective parts, currents.
 type Spread = (Vec<f64>, Vec<f64>, Vec<[[f64; 2]; 2]>);
 
-impl Residuals for PooledProblem<'_> {
-    type Error = Unread;
-
-    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<Linear>, Unread> {
+impl Residuals<Linear, Unread> for PooledProblem<'_> {
+    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<(Expansion, Linear)>, Unread> {
+        let weighting = Weighting::Fixed(self.asked.weighting());
         let mut totals = Vec::new();
         for Linearization { point, .. } in asked {
             let (mut total, mut ambient): (Option<Linear>, _) = (None, Vec::new());
@@ -288,7 +287,7 @@ impl Residuals for PooledProblem<'_> {
                 }
                 ambient.push(part.ambient);
             })?;
-            totals.extend(total);
+            totals.extend(total.map(|total| weighting.expansion(total)));
             self.ambient = ambient;
         }
         Ok(totals)
@@ -342,16 +341,10 @@ struct Ambient<'a> {
     weights: [f64; 3],
 }
 
-impl Residuals for Ambient<'_> {
-    type Error = Infallible;
-
-    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<Linear>, Infallible> {
-        // Idle lanes, of converged parts, repeat the point of the first.
-        let request_of = |lane: usize| asked.iter().find(|request| request.problem == lane).or(asked.first());
-        let points: Vec<&[f64]> = (0..LANES).filter_map(request_of).map(|r| r.point.as_slice()).collect();
-        let linears = self.linears(&points, &self.places);
-        let wanted = |lane: &usize| asked.iter().any(|request| request.problem == *lane);
-        Ok((0..LANES).zip(linears).filter(|(lane, _)| wanted(lane)).map(|(_, linear)| linear).collect())
+impl Residuals<Linear> for Ambient<'_> {
+    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<(Expansion, Linear)>, Infallible> {
+        let weighting = Weighting::Fixed(self.weights);
+        Ok(weighting.by_lane(asked, |points| self.linears(points, &self.places)))
     }
 }
 
@@ -364,8 +357,7 @@ impl Ambient<'_> {
             false => offsets.clone(),
         };
         let starts: Vec<Vec<f64>> = starts.iter().map(start).collect();
-        let weighting = vec![Weighting::Fixed(self.weights); starts.len()];
-        let Ok(minima) = minimize(&mut self, weighting, starts, STEPS);
+        let Ok(minima) = minimize(&mut self, starts, ENDING, &Watch::default());
         let points: Vec<Vec<f64>> = minima.into_iter().map(|minimum| minimum.point).collect();
         let all: Vec<usize> = free.iter().chain(&self.places).copied().collect();
         let blocks =

@@ -1,11 +1,11 @@
-use numerics::{LANES, Lane};
+use numerics::least_squares::{Ending, Expansion, Linearization, Minimum};
+use numerics::{LANES, Lane, times};
 use regression::BLOCKS;
 use ship::model::Model;
 
 use crate::estimator::{AdditionalUnknowns, UnknownCurrent};
 use crate::sensitivity::{
-    Flow, Gain, NoiseModel, Products, Recordings, Sensitivities, Slopes, Step, add_draws, add_start,
-    backward, slopes, sweep,
+    Flow, Gain, NoiseModel, Products, Recordings, Sensitivities, Step, add_draws, add_start, backward, sweep,
 };
 
 /// Sums of squares and products of errors e and sensitivities s = ∂x̂/∂(unknown), per state u, v, r.
@@ -43,6 +43,78 @@ impl Linear {
         };
         (mix(&self.normal), mix(&self.gradient))
     }
+}
+
+/// A point is a minimum where the next step would change the prediction by a hundred-thousandth of a standard deviation.
+pub(crate) const ENDING: Ending = Ending { steps: 40, enough: 1e-5, damping: 1e-4 };
+
+/// How squared errors are weighed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Weighting {
+    /// Σ_d w_d Σ e_d².
+    Fixed([f64; 3]),
+    /// Σ_d N log(Σ e_d² + N floor_d): maximum likelihood of white errors with unknown variances, whose weights are one
+    /// over the errors' own mean squares.
+    Likelihood([f64; 3]),
+}
+
+impl Weighting {
+    /// The cost of errors whose sums of squares over `samples` samples are `squares`; of exact data its unit is at least 1e-16.
+    pub(crate) fn cost(&self, squares: [f64; 3], samples: f64) -> Expansion {
+        let [cost, unit] = match self {
+            Self::Fixed(weights) => {
+                let cost = (0..3).map(|d| weights[d] * squares[d]).sum::<f64>();
+                [cost, (cost / (3.0 * samples).max(1.0)).max(1e-16)]
+            }
+            Self::Likelihood(floor) => {
+                [(0..3).map(|d| samples * libm::log(squares[d] / samples + floor[d])).sum(), 1.0]
+            }
+        };
+        Expansion { cost, unit, ..Expansion::default() }
+    }
+
+    /// The weights of errors whose sums of squares over `samples` samples are `squares`.
+    pub(crate) fn weights(&self, squares: [f64; 3], samples: f64) -> [f64; 3] {
+        match self {
+            Self::Fixed(weights) => *weights,
+            Self::Likelihood(floor) => [0, 1, 2].map(|d| (squares[d] / samples + floor[d]).recip()),
+        }
+    }
+
+    pub(crate) fn expansion(&self, linear: Linear) -> (Expansion, Linear) {
+        let (normal, gradient) = linear.weighted(self.weights(linear.squares, linear.samples));
+        (Expansion { normal, gradient, ..self.cost(linear.squares, linear.samples) }, linear)
+    }
+
+    /// What `linears` gives at the points of the lanes; idle lanes, of finished problems, repeat the point of the first.
+    pub(crate) fn by_lane(
+        &self,
+        asked: &[Linearization],
+        linears: impl FnOnce(&[&[f64]]) -> Vec<Linear>,
+    ) -> Vec<(Expansion, Linear)> {
+        let request_of = |lane: usize| asked.iter().find(|request| request.problem == lane).or(asked.first());
+        let points: Vec<&[f64]> = (0..LANES).filter_map(request_of).map(|r| r.point.as_slice()).collect();
+        let all = linears(&points).into_iter().enumerate();
+        let wanted = |lane: &usize| asked.iter().any(|request| request.problem == *lane);
+        all.filter(|(lane, _)| wanted(lane)).map(|(_, linear)| self.expansion(linear)).collect()
+    }
+}
+
+/// The inverse normal matrix of the free unknowns, zero for held ones, or an unknown without effect of its own.
+pub(crate) fn inverse(minimum: &Minimum<Linear>, weights: [f64; 3]) -> Result<Vec<f64>, usize> {
+    minimum.inverse(minimum.sums.weighted(weights).0)
+}
+
+/// The change of the unknowns if `part` is left out: H⁻¹g, H of the rest; or an unknown that the rest leaves open.
+pub(crate) fn without(
+    minimum: &Minimum<Linear>,
+    part: &Linear,
+    weights: [f64; 3],
+) -> Result<Vec<f64>, usize> {
+    let (left_out, gradient) = part.weighted(weights);
+    let whole = minimum.sums.weighted(weights).0;
+    let others = whole.iter().zip(left_out).map(|(whole, entry)| whole - entry).collect();
+    Ok(times(&minimum.inverse(others)?, &gradient))
 }
 
 /// Linearises predictions at `unknowns`: the terms of the sum of squared errors and of its Gauss–Newton step, per
@@ -93,39 +165,6 @@ pub(crate) fn linearize_each<const N: usize>(
             }
             set(&mut products, free.len(), step.error, gain, mask);
             for products in &mut products {
-                products.advance();
-            }
-        },
-    );
-    linears(products, recordings, from_start)
-}
-
-/// The same for free simulations, which are `kept`.
-pub(crate) fn linearize_and_keep(
-    recordings: &Recordings,
-    unknowns: &[Lane],
-    free: &[usize],
-    from_start: bool,
-    kept: &mut Sensitivities<Lane>,
-) -> Vec<Linear> {
-    let mut products = [0; 3].map(|_| Products::<Lane>::new(free.len() + 1));
-    kept.clear(free.len(), recordings.longest());
-    sweep(
-        recordings,
-        unknowns,
-        free,
-        None,
-        &[],
-        #[inline(always)]
-        |step: Step<'_, Lane, 3>| {
-            if step.k == 0 && !from_start {
-                return kept.keep(&step, Lane::ZERO);
-            }
-            let counts = recordings.lasting(step.k);
-            kept.keep(&step, counts);
-            for (d, products) in products.iter_mut().enumerate() {
-                products.scale(step.sensitivities, d, counts);
-                products.set(free.len(), step.error[d] * counts);
                 products.advance();
             }
         },
@@ -295,22 +334,6 @@ impl Unknown {
             None => linearize::<3>(recordings, unknowns, free, None, &[], counts),
             levels => linearize::<5>(recordings, unknowns, free, levels.as_ref(), &[], counts),
         }
-    }
-
-    /// Whether [`Self::slopes`] is available: only for the vessel's states alone.
-    pub(super) fn has_slopes(self) -> bool {
-        self.current.is_none()
-    }
-
-    pub(super) fn slopes(
-        self,
-        recordings: &Recordings,
-        unknowns: &[Lane],
-        free: &[usize],
-        weights: impl Fn(usize, [f64; 3]) -> [f64; 3],
-        path: &mut Vec<[Lane; 3]>,
-    ) -> Vec<Slopes> {
-        slopes(recordings, unknowns, free, self.start_counts(), weights, path)
     }
 
     pub(crate) fn blocks(self, recordings: &Recordings, at: &[Lane], free: &[usize]) -> Vec<Vec<Linear>> {

@@ -3,29 +3,26 @@
 //! A predictor advances the state sample by sample with the model, x̂(k+1) = x̂(k) + φ(x̂(k))ᵀθ. Without gains it is
 //! a free simulation, and the estimate one of *output error*; with the gains of an extended Kalman filter it is
 //! corrected at every sample, and the estimate is one of *prediction error*, for runs with process noise. Forward
-//! sensitivities ∂x̂/∂(θ, x̂(0)) are propagated with it (`sensitivity`), [`numerics::LANES`] runs at once; Levenberg
-//! and Marquardt's method takes the steps. Near a minimum one adjoint pass, which gives the gradient alone, replaces
-//! them.
+//! sensitivities ∂x̂/∂(θ, x̂(0)) are propagated with it (`sensitivity`), [`numerics::LANES`] runs at once;
+//! [`numerics::least_squares`] takes the steps.
 
-mod levenberg_marquardt;
 mod linear;
 mod output_error;
 mod prediction_error;
 
+use numerics::least_squares::{Ended, Minimum};
 use regression::Direction;
 use ship::model::ParameterLayout;
 
-pub(crate) use levenberg_marquardt::{
-    Ended, Linearization, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
-};
+pub(crate) use linear::{ENDING, Weighting, inverse, linearize, linearize_each, without};
 pub use linear::{InitialState, Linear, Unknown};
-pub(crate) use linear::{linearize, linearize_each};
+pub(crate) use numerics::least_squares::scaled_inverse;
 pub use output_error::output_error;
 pub(crate) use prediction_error::errors_by_blocks;
 pub use prediction_error::{innovations, prediction_error};
 
 pub use crate::sensitivity::{
-    Drift, Flow, ForceNoise, NoiseModel, Recordings, Sensitivities, Slopes, Step, free_sweep, slopes,
+    Drift, Flow, ForceNoise, NoiseModel, Recordings, Sensitivities, Step, free_sweep,
 };
 
 #[derive(Clone, Debug)]
@@ -142,7 +139,12 @@ pub struct Fitted {
     pub approximate: bool,
 }
 
-fn fit(runs: &Recordings, minimum: &Minimum, errors: Option<EstimateErrors>, unknown: Unknown) -> RunFit {
+fn fit(
+    runs: &Recordings,
+    minimum: &Minimum<Linear>,
+    errors: Option<EstimateErrors>,
+    unknown: Unknown,
+) -> RunFit {
     let layout = runs.model.layout();
     let (point, all) = (&minimum.point, layout.parameters());
     let free = unknown.free(runs.model);
@@ -171,7 +173,7 @@ fn fit(runs: &Recordings, minimum: &Minimum, errors: Option<EstimateErrors>, unk
                 intercepts: layout.intercepts(point),
                 offset: [0, 1, 2].map(|d| entry(point, d)),
                 current: unknown.current.map(|_| [point, &errors].map(|of| [3, 4].map(|i| entry(of, i)))),
-                rmse: minimum.linear.squares.map(|s| (s / minimum.linear.samples).sqrt()),
+                rmse: minimum.sums.squares.map(|s| (s / minimum.sums.samples).sqrt()),
                 steps: minimum.steps,
                 approximate,
             })
@@ -180,6 +182,6 @@ fn fit(runs: &Recordings, minimum: &Minimum, errors: Option<EstimateErrors>, unk
     }
 }
 
-fn all_held(layout: ParameterLayout, minimum: &Minimum) -> Option<usize> {
+fn all_held(layout: ParameterLayout, minimum: &Minimum<Linear>) -> Option<usize> {
     (0..3).find(|d| layout.terms(*d).all(|i| minimum.held.contains(&i)))
 }

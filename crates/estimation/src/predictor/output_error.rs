@@ -3,15 +3,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
 
 use numerics::lanes::lane;
-use numerics::{LANES, Lane, congruence, times};
+use numerics::least_squares::{Ended, Ending, Expansion, Linearization, Minimum, Residuals, minimize};
+use numerics::{LANES, Lane, Watch, congruence, times};
 use regression::jackknife;
 use ship::engine::{RunView, SideBySide};
 use ship::model::Model;
 
-use super::levenberg_marquardt::{Ended, Linearization, Minimum, Residuals, STEPS, Weighting, minimize};
-use super::linear::{Linear, Unknown, disturbed_scores, linearize_and_keep};
+use super::linear::{ENDING, Linear, Unknown, Weighting, disturbed_scores, inverse, without};
 use super::{EstimateErrors, FoundSpread, RunFit, Spread, fit};
-use crate::sensitivity::{NoiseModel, Recordings, Sensitivities, Slopes, groups, of_one_length, with_states};
+use crate::sensitivity::{NoiseModel, Recordings, Sensitivities, groups, of_one_length, with_states};
 
 /// Floor of the variances of output errors, as a share of the measured state's mean square, for data without noise.
 const EXACT: f64 = 1e-12;
@@ -32,7 +32,7 @@ pub fn output_error(
 ) -> Vec<RunFit> {
     let unknown = unknown.into();
     let best = vec![None; runs.len()];
-    let mut searches = Searches { model, runs, unknown, best, workspace: WORKSPACE.take(), exactly: false };
+    let mut searches = Searches { model, runs, unknown, best, workspace: WORKSPACE.take() };
     let from = |weighting: fn(&RunView) -> Weighting| {
         move |run: usize, i: usize| {
             Some(Try { run, weighting: weighting(&runs[run]), point: starts[run].get(i)?.clone() })
@@ -40,20 +40,20 @@ pub fn output_error(
     };
     let (likely, eased) = (from(likelihood), from(fixed));
     searches.attempt(BRIEF, |run, _| likely(run, 0));
-    searches.attempt(STEPS, |run, best| Try::likely(runs, run, best?));
+    searches.attempt(ENDING.steps, |run, best| Try::likely(runs, run, best?));
     // Few runs are left, so all remedies are tried in lanes at once: their other starts, and fixed weights at first,
     // for runs in which one state is predicted so much better than the others that its weight blocks the search.
     let attempts = starts.iter().map(Vec::len).max().unwrap_or(0);
     let others = searches.open().flat_map(|run| (1..attempts).filter_map(move |i| likely(run, i)));
     let easier = searches.open().flat_map(|run| (0..attempts).filter_map(move |i| eased(run, i)));
     let (others, easier): (Vec<Try>, Vec<Try>) = (others.collect(), easier.collect());
-    let mut minima = searches.minima(others.iter().chain(&easier), STEPS);
+    let mut minima = searches.minima(others.iter().chain(&easier), ENDING.steps);
     let begun = minima.split_off(others.len());
     searches.keep(&others, minima);
     let open: Vec<usize> = searches.open().collect();
     let begun = easier.iter().zip(begun).filter(|(start, _)| open.contains(&start.run));
     let after: Vec<Try> = begun.filter_map(|(from, at)| Try::likely(runs, from.run, &at)).collect();
-    let minima = searches.minima(after.iter(), STEPS);
+    let minima = searches.minima(after.iter(), ENDING.steps);
     searches.keep(&after, minima);
     let fits = searches.fits(spread);
     WORKSPACE.set(searches.workspace);
@@ -70,7 +70,7 @@ struct Try {
 }
 
 impl Try {
-    fn likely(runs: &[RunView], run: usize, at: &Minimum) -> Option<Self> {
+    fn likely(runs: &[RunView], run: usize, at: &Minimum<Linear>) -> Option<Self> {
         Some(Self { run, weighting: likelihood(&runs[run]), point: at.point.clone() })
     }
 }
@@ -79,10 +79,8 @@ struct Searches<'a> {
     model: &'a Model,
     runs: &'a [RunView<'a>],
     unknown: Unknown,
-    best: Vec<Option<Minimum>>,
+    best: Vec<Option<Minimum<Linear>>>,
     workspace: Workspace,
-    /// Whether searches verify their minima themselves.
-    exactly: bool,
 }
 
 impl Searches<'_> {
@@ -91,13 +89,13 @@ impl Searches<'_> {
         (0..self.runs.len()).filter(is_open)
     }
 
-    fn attempt(&mut self, steps: usize, start: impl Fn(usize, Option<&Minimum>) -> Option<Try>) {
+    fn attempt(&mut self, steps: usize, start: impl Fn(usize, Option<&Minimum<Linear>>) -> Option<Try>) {
         let tries: Vec<Try> = self.open().filter_map(|run| start(run, self.best[run].as_ref())).collect();
         let minima = self.minima(tries.iter(), steps);
         self.keep(&tries, minima);
     }
 
-    fn keep(&mut self, tries: &[Try], minima: Vec<Minimum>) {
+    fn keep(&mut self, tries: &[Try], minima: Vec<Minimum<Linear>>) {
         for (start, minimum) in tries.iter().zip(minima) {
             let best = &mut self.best[start.run];
             *best = Some(match best.take() {
@@ -107,7 +105,7 @@ impl Searches<'_> {
         }
     }
 
-    fn minima<'t>(&mut self, tries: impl Iterator<Item = &'t Try>, steps: usize) -> Vec<Minimum> {
+    fn minima<'t>(&mut self, tries: impl Iterator<Item = &'t Try>, steps: usize) -> Vec<Minimum<Linear>> {
         let tries: Vec<&Try> = tries.collect();
         let runs: Vec<RunView> = tries.iter().map(|start| self.runs[start.run]).collect();
         let mut by_try = BTreeMap::new();
@@ -116,12 +114,12 @@ impl Searches<'_> {
             let mut search = LaneSearch {
                 model: self.model,
                 runs: together.iter().map(|i| runs[*i]).collect(),
+                weighting: together.iter().map(|i| tries[*i].weighting).collect(),
                 free: self.unknown.free(self.model),
                 unknown: self.unknown,
                 all: 0,
                 some: 0,
                 workspace,
-                exactly: self.exactly,
             };
             let from = |i: &usize| {
                 let mut point = tries[*i].point.clone();
@@ -129,63 +127,39 @@ impl Searches<'_> {
                 point
             };
             let starts = together.iter().map(from).collect();
-            let weighting = together.iter().map(|i| tries[*i].weighting).collect();
-            let Ok(minima) = minimize(&mut search, weighting, starts, steps);
+            let Ok(minima) = minimize(&mut search, starts, Ending { steps, ..ENDING }, &Watch::default());
             self.workspace = search.workspace;
             by_try.extend(together.into_iter().zip(minima));
         }
         by_try.into_values().collect()
     }
 
-    /// The outcomes of the runs. Minima that only slopes indicate are verified here, or searched again.
+    /// The outcomes of the runs.
     fn fits(&mut self, spread: Spread) -> Vec<RunFit> {
         let mut fits = vec![RunFit::NotConverged(0); self.runs.len()];
-        let searched = (0..self.runs.len()).filter(|run| self.best[*run].is_some()).collect();
-        let missed = self.fit(searched, spread, &mut fits);
-        let from = |run: &usize| Try::likely(self.runs, *run, self.best[*run].as_ref()?);
-        let tries: Vec<Try> = missed.iter().filter_map(from).collect();
-        self.exactly = true;
-        for (start, mut minimum) in tries.iter().zip(self.minima(tries.iter(), STEPS)) {
-            minimum.steps += self.best[start.run].as_ref().map_or(0, |before| before.steps);
-            self.best[start.run] = Some(minimum);
-        }
-        self.fit(missed, spread, &mut fits);
-        fits
-    }
-
-    /// Writes the outcomes of `searched` runs into `fits`; returns those that slopes wrongly indicated as minima.
-    fn fit(&mut self, searched: Vec<usize>, spread: Spread, fits: &mut [RunFit]) -> Vec<usize> {
-        let mut missed = Vec::new();
         let mut kept = std::mem::take(&mut self.workspace.kept);
         let spread = if self.unknown.current.is_some() { Spread::Blocks } else { spread };
+        let searched: Vec<usize> = (0..self.runs.len()).filter(|run| self.best[*run].is_some()).collect();
         for (group, runs) in groups(self.runs, searched.into_iter()) {
             let recordings = Recordings::of(self.model, &runs);
             let free = self.unknown.free(self.model);
-            let mut minima: Vec<Minimum> = group.iter().filter_map(|run| self.best[*run].take()).collect();
+            let minima: Vec<Minimum<Linear>> =
+                group.iter().filter_map(|run| self.best[*run].take()).collect();
             let points: Vec<&Vec<f64>> = minima.iter().map(|minimum| &minimum.point).collect();
             let unknowns = side_by_side(&points, &free, recordings.unknowns());
             let problem = Simulations { recordings, unknowns, free, unknown: self.unknown };
             let weighting: Vec<Weighting> = group.iter().map(|run| likelihood(&self.runs[*run])).collect();
-            if !minima.iter().any(|minimum| minimum.unseen) {
-                problem.follow(spread, &mut kept);
-            } else {
-                let each = group.iter().zip(&mut minima).zip(&weighting).zip(problem.look(spread, &mut kept));
-                for (((run, minimum), weighting), linear) in
-                    each.filter(|(((_, minimum), _), _)| minimum.unseen)
-                {
-                    if !minimum.look(linear, *weighting) {
-                        missed.push(*run);
-                    }
-                }
+            if !matches!(spread, Spread::Blocks) {
+                let Simulations { recordings, unknowns, free, unknown } = &problem;
+                kept.follow(recordings, unknowns, free, unknown.start_counts());
             }
             let errors = problem.standard_errors(&group, &minima, &weighting, spread, &kept);
             for ((run, minimum), errors) in group.into_iter().zip(minima).zip(errors) {
                 fits[run] = fit(&problem.recordings, &minimum, errors, self.unknown);
-                self.best[run] = Some(minimum);
             }
         }
         self.workspace.kept = kept;
-        missed
+        fits
     }
 }
 
@@ -205,8 +179,8 @@ fn fixed(run: &RunView) -> Weighting {
     Weighting::Fixed(mean_squares(run).map(f64::recip))
 }
 
-pub(super) fn better(a: Minimum, b: Minimum) -> Minimum {
-    let rank = |m: &Minimum| match m.status {
+pub(super) fn better(a: Minimum<Linear>, b: Minimum<Linear>) -> Minimum<Linear> {
+    let rank = |m: &Minimum<Linear>| match m.status {
         Ended::Converged => 3,
         Ended::Stalled => 2,
         Ended::Singular(_) => 1,
@@ -229,20 +203,19 @@ pub(super) fn side_by_side(points: &[impl AsRef<[f64]>], free: &[usize], all: us
 struct LaneSearch<'a> {
     model: &'a Model,
     runs: Vec<RunView<'a>>,
+    weighting: Vec<Weighting>,
     free: Vec<usize>,
     unknown: Unknown,
     /// The number of groups of all runs, and of those with the last requested runs only; 0 if not packed yet.
     all: usize,
     some: usize,
     workspace: Workspace,
-    exactly: bool,
 }
 
 #[derive(Default)]
 struct Workspace {
     all: Vec<Packed>,
     some: Vec<Packed>,
-    path: Vec<[Lane; 3]>,
     kept: Sensitivities<Lane>,
 }
 
@@ -275,30 +248,6 @@ impl LaneSearch<'_> {
         }
         &self.workspace.some[..self.some]
     }
-
-    /// The results of `look`, called with recordings in lanes, unknowns and requests, in the order of requests.
-    fn each<T>(
-        &mut self,
-        asked: &[Linearization],
-        mut look: impl FnMut(&Recordings, &[Lane], &[&Linearization]) -> Vec<T>,
-    ) -> Vec<T> {
-        let (model, free) = (self.model, self.free.clone());
-        let by_run: BTreeMap<usize, &Linearization> = asked.iter().map(|r| (r.problem, r)).collect();
-        let mut results = BTreeMap::new();
-        for Packed { runs, data } in self.packed(asked) {
-            let Some(any) = runs.iter().find_map(|run| by_run.get(run)) else { continue };
-            let recordings = Recordings::of(model, data);
-            // Idle lanes repeat another lane's point.
-            let requests: Vec<&Linearization> =
-                runs.iter().map(|run| *by_run.get(run).unwrap_or(any)).collect();
-            let points: Vec<&[f64]> = requests.iter().map(|request| request.point.as_slice()).collect();
-            let unknowns = side_by_side(&points, &free, recordings.unknowns());
-            let looked = look(&recordings, &unknowns, &requests);
-            results.extend(runs.iter().copied().zip(looked).filter(|(run, _)| by_run.contains_key(run)));
-        }
-        // Requests are in ascending order of problems, as is the map.
-        results.into_values().collect()
-    }
 }
 
 fn pack(runs: &[RunView], wanted: &[usize], workspace: &mut Vec<Packed>) -> usize {
@@ -311,35 +260,23 @@ fn pack(runs: &[RunView], wanted: &[usize], workspace: &mut Vec<Packed>) -> usiz
     count
 }
 
-impl Residuals for LaneSearch<'_> {
-    type Error = Infallible;
-
-    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<Linear>, Infallible> {
-        let (unknown, free) = (self.unknown, self.free.clone());
-        Ok(self.each(asked, |recordings, unknowns, _| unknown.linearize(recordings, unknowns, &free)))
-    }
-
-    fn has_slopes(&self) -> bool {
-        self.unknown.has_slopes()
-    }
-
-    fn is_verified_later(&self) -> bool {
-        !self.exactly
-    }
-
-    fn slopes(&mut self, asked: &[Linearization]) -> Vec<Slopes> {
-        let (unknown, free) = (self.unknown, self.free.clone());
-        let mut path = std::mem::take(&mut self.workspace.path);
-        let slopes = self.each(asked, |recordings, unknowns, lanes| {
-            let samples = recordings.samples[0] + usize::from(unknown.start_counts());
-            let weights = |lane: usize, squares| {
-                let weighting = lanes.get(lane).or(lanes.first()).map(|request| request.weighting);
-                weighting.map_or([0.0; 3], |weighting| weighting.weights(squares, samples as f64))
-            };
-            unknown.slopes(recordings, unknowns, &free, weights, &mut path)
-        });
-        self.workspace.path = path;
-        slopes
+impl Residuals<Linear> for LaneSearch<'_> {
+    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<(Expansion, Linear)>, Infallible> {
+        let (model, unknown, free) = (self.model, self.unknown, self.free.clone());
+        let by_run: BTreeMap<usize, &Linearization> = asked.iter().map(|r| (r.problem, r)).collect();
+        let mut linears = BTreeMap::new();
+        for Packed { runs, data } in self.packed(asked) {
+            let Some(any) = runs.iter().find_map(|run| by_run.get(run)) else { continue };
+            let recordings = Recordings::of(model, data);
+            // Idle lanes repeat another lane's point.
+            let points: Vec<&[f64]> =
+                runs.iter().map(|run| by_run.get(run).unwrap_or(any).point.as_slice()).collect();
+            let unknowns = side_by_side(&points, &free, recordings.unknowns());
+            let by_lane = unknown.linearize(&recordings, &unknowns, &free);
+            linears.extend(runs.iter().copied().zip(by_lane).filter(|(run, _)| by_run.contains_key(run)));
+        }
+        // Requests are in ascending order of problems, as is the map.
+        Ok(linears.into_iter().map(|(run, linear)| self.weighting[run].expansion(linear)).collect())
     }
 
     fn bounds(&self) -> Vec<[f64; 2]> {
@@ -355,50 +292,35 @@ struct Simulations<'a> {
 }
 
 impl Simulations<'_> {
-    /// Linearises all of them; with a stated spread, sensitivities are `kept`.
-    fn look(&self, spread: Spread, kept: &mut Sensitivities<Lane>) -> Vec<Linear> {
-        let Self { recordings, unknowns, free, unknown } = self;
-        match spread {
-            Spread::Blocks => unknown.linearize(recordings, unknowns, free),
-            _ => linearize_and_keep(recordings, unknowns, free, unknown.start_counts(), kept),
-        }
-    }
-
-    fn follow(&self, spread: Spread, kept: &mut Sensitivities<Lane>) {
-        if !matches!(spread, Spread::Blocks) {
-            kept.follow(&self.recordings, &self.unknowns, &self.free, self.unknown.start_counts());
-        }
-    }
-
     /// Standard errors, and whether they are approximate. Unless they use blocks, sensitivities were `kept`.
     fn standard_errors(
         &self,
         group: &[usize],
-        minima: &[Minimum],
+        minima: &[Minimum<Linear>],
         weighting: &[Weighting],
         spread: Spread,
         kept: &Sensitivities<Lane>,
     ) -> Vec<Option<EstimateErrors>> {
         let pairs = minima.iter().zip(weighting);
         let weights: Vec<[f64; 3]> = pairs
-            .map(|(minimum, weighting)| weighting.weights(minimum.linear.squares, minimum.linear.samples))
+            .map(|(minimum, weighting)| weighting.weights(minimum.sums.squares, minimum.sums.samples))
             .collect();
         let mut blocks = None;
-        let mut of_blocks = |lane: usize, minimum: &Minimum| {
+        let mut of_blocks = |lane: usize, minimum: &Minimum<Linear>| {
             let Self { recordings, unknowns, free, unknown } = self;
             let blocks = blocks.get_or_insert_with(|| unknown.blocks(recordings, unknowns, free));
-            let inverse = minimum.inverse(weights[lane]).ok()?;
+            let inverse = inverse(minimum, weights[lane]).ok()?;
             // Without a block that alone determines a parameter there is no estimate: it is treated as hardly
             // informative.
-            let without = |block: &Linear| {
+            let left_out = |block: &Linear| {
                 let (_, gradient) = block.weighted(weights[lane]);
-                Some(minimum.without(block, weights[lane]).unwrap_or_else(|_| times(&inverse, &gradient)))
+                Some(without(minimum, block, weights[lane]).unwrap_or_else(|_| times(&inverse, &gradient)))
             };
-            jackknife(blocks.iter().map(|block| &block[lane]), without)
+            jackknife(blocks.iter().map(|block| &block[lane]), left_out)
         };
         let parameters = self.recordings.model.parameters();
         let mut meats = BTreeMap::new();
-        let errors = |(lane, minimum): (usize, &Minimum)| match spread {
+        let errors = |(lane, minimum): (usize, &Minimum<Linear>)| match spread {
             Spread::Blocks => of_blocks(lane, minimum).map(EstimateErrors::of),
             Spread::Stated(levels) => {
                 let meat = meats.entry(0).or_insert_with(|| self.meats(&weights, levels, kept));
@@ -436,16 +358,16 @@ impl Simulations<'_> {
     /// H⁻¹ B H⁻¹, H = Σ sᵀWs, B the covariance of the scores Σ sᵀWe: that of the measurements and the `meat`.
     fn of_levels(
         &self,
-        minimum: &Minimum,
+        minimum: &Minimum<Linear>,
         weights: [f64; 3],
         meat: &[Lane],
         lane: usize,
         levels: &NoiseModel,
     ) -> Option<EstimateErrors> {
-        let inverse = minimum.inverse(weights).ok()?;
+        let inverse = inverse(minimum, weights).ok()?;
         let mut meat: Vec<f64> = meat.iter().map(|m| m[lane]).collect();
         let noise = [0, 1, 2].map(|d: usize| (weights[d] * levels.measurement[d]).powi(2));
-        let (measured, _) = minimum.linear.weighted(noise);
+        let (measured, _) = minimum.sums.weighted(noise);
         meat.iter_mut().zip(measured).for_each(|(all, entry)| *all += entry);
         let error = |row: &[f64]| numerics::quadratic(row, &meat).max(0.0).sqrt();
         let each: Vec<f64> = inverse.chunks_exact(self.free.len()).map(error).collect();

@@ -1,15 +1,15 @@
 use std::convert::Infallible;
 
 use numerics::lanes::by_lane;
-use numerics::{LANES, Lane, times};
+use numerics::least_squares::{
+    Ended, Expansion, Linearization, Minimum, Residuals, minimize, scaled_inverse,
+};
+use numerics::{LANES, Lane, Watch, times};
 use regression::jackknife;
 use ship::engine::{RunView, SideBySide};
 use ship::model::Model;
 
-use super::levenberg_marquardt::{
-    Ended, Linearization, Minimum, Residuals, STEPS, Weighting, minimize, scaled_inverse,
-};
-use super::linear::{InitialState, Linear, blocks, linearize};
+use super::linear::{ENDING, InitialState, Linear, Weighting, blocks, inverse, linearize};
 use super::output_error::{better, side_by_side};
 use super::{EstimateErrors, RunFit, fit};
 use crate::sensitivity::{Gain, NoiseModel, Recordings, filter, groups, with_states};
@@ -89,6 +89,8 @@ fn of_blocks<const N: usize>(
     blocks(recordings, unknowns, &free, Some(levels), &gains, false)
 }
 
+const WHITE: Weighting = Weighting::Fixed([1.0; 3]);
+
 struct Predictions<'a, const N: usize> {
     recordings: &'a Recordings<'a>,
     levels: &'a NoiseModel,
@@ -96,18 +98,13 @@ struct Predictions<'a, const N: usize> {
     gains: Vec<Gain<Lane, N>>,
 }
 
-impl<const N: usize> Residuals for Predictions<'_, N> {
-    type Error = Infallible;
-
-    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<Linear>, Infallible> {
-        // A problem's gains are in its lane, so it cannot move to another. Lanes of finished problems repeat the
-        // first's point.
-        let request_of = |lane: usize| asked.iter().find(|request| request.problem == lane).or(asked.first());
-        let points: Vec<&[f64]> = (0..LANES).filter_map(request_of).map(|r| r.point.as_slice()).collect();
-        let unknowns = side_by_side(&points, &self.free, self.recordings.unknowns());
-        let linears = linearize(self.recordings, &unknowns, &self.free, Some(self.levels), &self.gains, true);
-        let wanted = |lane: &usize| asked.iter().any(|request| request.problem == *lane);
-        Ok((0..LANES).zip(linears).filter(|(lane, _)| wanted(lane)).map(|(_, linear)| linear).collect())
+impl<const N: usize> Residuals<Linear> for Predictions<'_, N> {
+    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<(Expansion, Linear)>, Infallible> {
+        // A problem's gains are in its lane, so it cannot move to another.
+        Ok(WHITE.by_lane(asked, |points| {
+            let unknowns = side_by_side(points, &self.free, self.recordings.unknowns());
+            linearize(self.recordings, &unknowns, &self.free, Some(self.levels), &self.gains, true)
+        }))
     }
 
     fn bounds(&self) -> Vec<[f64; 2]> {
@@ -123,7 +120,7 @@ fn rounds<const N: usize>(
 ) -> Vec<RunFit> {
     let free: Vec<usize> = (0..recordings.unknowns() - 3).collect();
     let known = initial == InitialState::Known;
-    let mut best: Vec<Minimum> = Vec::new();
+    let mut best: Vec<Minimum<Linear>> = Vec::new();
     for starts in starts {
         if best.is_empty() || best.iter().any(|b| b.status != Ended::Converged) {
             let point = |lane: usize| match best.get(lane).filter(|b| b.status == Ended::Converged) {
@@ -162,7 +159,7 @@ fn rounds<const N: usize>(
             }
         }
     }
-    let fit = |m: &Minimum| fit(recordings, m, errors(m, free.len()), InitialState::Known.into());
+    let fit = |m: &Minimum<Linear>| fit(recordings, m, errors(m, free.len()), InitialState::Known.into());
     best.iter().map(fit).collect()
 }
 
@@ -173,7 +170,7 @@ fn round<const N: usize>(
     free: &[usize],
     levels: &NoiseModel,
     known: bool,
-) -> Vec<Minimum> {
+) -> Vec<Minimum<Linear>> {
     let unknowns = side_by_side(&points, free, recordings.unknowns());
     let (gains, _) = filter::<N>(recordings, &unknowns, levels, known);
     let mut problem = Predictions { recordings, levels, free: free.to_vec(), gains };
@@ -181,14 +178,14 @@ fn round<const N: usize>(
         point.resize(free.len(), 0.0);
         point
     });
-    let Ok(minima) = minimize(&mut problem, vec![Weighting::Fixed([1.0; 3]); LANES], points.to_vec(), STEPS);
+    let Ok(minima) = minimize(&mut problem, points.to_vec(), ENDING, &Watch::default());
     minima
 }
 
 /// Twice the log-likelihood of every lane's innovations, up to a constant.
 fn likelihoods<const N: usize>(
     recordings: &Recordings,
-    minima: &[Minimum],
+    minima: &[Minimum<Linear>],
     levels: &NoiseModel,
     known: bool,
 ) -> Vec<f64> {
@@ -209,10 +206,10 @@ fn likelihoods<const N: usize>(
 }
 
 /// From σ̂² H⁻¹, σ̂² being the whitened innovations' variance, near 1 if the levels are right.
-fn errors(minimum: &Minimum, p: usize) -> Option<EstimateErrors> {
-    let mut inverse = minimum.inverse([1.0; 3]).ok()?;
-    let freedom = (3.0 * minimum.linear.samples - p as f64).max(1.0);
-    let variance = minimum.linear.squares.iter().sum::<f64>() / freedom;
+fn errors(minimum: &Minimum<Linear>, p: usize) -> Option<EstimateErrors> {
+    let mut inverse = inverse(minimum, [1.0; 3]).ok()?;
+    let freedom = (3.0 * minimum.sums.samples - p as f64).max(1.0);
+    let variance = minimum.sums.squares.iter().sum::<f64>() / freedom;
     let each: Vec<f64> = (0..p).map(|i| (variance * inverse[i * p + i]).max(0.0).sqrt()).collect();
     inverse.iter_mut().for_each(|entry| *entry *= variance);
     let covariance = Some(inverse);

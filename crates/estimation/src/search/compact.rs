@@ -1,3 +1,4 @@
+use numerics::least_squares::{Ending, Expansion};
 use numerics::statistics::spread;
 use numerics::{add_outer, dependent_columns, dot, times};
 use regression::pooled::Part;
@@ -6,13 +7,13 @@ use serde::{Deserialize, Serialize};
 use ship::engine::Compiled;
 use ship::model::Model;
 
-use super::nested::{Ending, Fitted, Folds, Study, minimum, widened};
-use super::problem::{LossSlopes, WindowProblem};
+use super::nested::{Fitted, Folds, Study, minimum, widened};
+use super::problem::WindowProblem;
 use super::{Laid, Recording, limit, scores, together};
 use crate::pooled::{Delivered, RecordingConstant, covered};
 
-const REFIT: Ending = Ending { steps: 2, enough: 1e-3 };
-const JUDGED: Ending = Ending { steps: 12, enough: 1e-4 };
+const REFIT: Ending = Ending { steps: 2, enough: 0.03, damping: 1e-6 };
+const JUDGED: Ending = Ending { steps: 12, enough: 0.01, ..REFIT };
 const BEFORE: usize = 3;
 const PATIENCE: usize = 12;
 const NONE: f64 = 1e-4;
@@ -48,12 +49,6 @@ impl Size {
     fn total(&self) -> f64 {
         self.losses.iter().sum()
     }
-}
-
-struct Linearised {
-    errors: f64,
-    loss: f64,
-    slopes: LossSlopes,
 }
 
 impl Study<'_> {
@@ -112,9 +107,13 @@ impl Study<'_> {
             let Some(fitted) = minimum(&problem, from, ridge, REFIT) else { break };
             beta = vec![0.0; whole.sizes.len()];
             places.iter().zip(&fitted).for_each(|(i, b)| beta[*i] = *b);
-            let linearised: Option<Vec<Linearised>> =
-                folds.iter().map(|fold| linearise(&whole.only(fold), &beta)).collect();
-            let Some(linearised) = linearised else { break };
+            let expand = |fold| {
+                let problem = whole.only(fold);
+                Some((problem.errors(), problem.expansion(&beta)?))
+            };
+            let Some(linearised) = folds.iter().map(|fold| expand(fold)).collect::<Option<Vec<_>>>() else {
+                break;
+            };
             let held = whole.at_bound(&beta);
             for _ in 0..BEFORE {
                 let Some(size) = addition(&linearised, &places, &beta, &held, ridge) else { return sizes };
@@ -129,14 +128,14 @@ impl Study<'_> {
     }
 }
 
-fn linearise(problem: &WindowProblem, beta: &[f64]) -> Option<Linearised> {
-    let looked = problem.look(beta)?;
-    let slopes = problem.slopes(beta, &looked)?;
-    Some(Linearised { errors: problem.errors(), loss: looked.loss, slopes })
-}
-
 /// `places` with the term of the least loss on left-out folds; parameters `held` at a bound stay there.
-fn addition(folds: &[Linearised], places: &[usize], beta: &[f64], held: &[bool], ridge: f64) -> Option<Size> {
+fn addition(
+    folds: &[(f64, Expansion)],
+    places: &[usize],
+    beta: &[f64],
+    held: &[bool],
+    ridge: f64,
+) -> Option<Size> {
     let p = beta.len();
     let moving: Vec<usize> = places.iter().copied().filter(|i| !held[*i]).collect();
     let mut candidates: Vec<Size> = (0..p)
@@ -165,13 +164,18 @@ struct Others {
 }
 
 impl Others {
-    fn new(folds: &[Linearised], fold: usize, places: &[usize], beta: &[f64], ridge: f64) -> Option<Self> {
+    fn new(
+        folds: &[(f64, Expansion)],
+        fold: usize,
+        places: &[usize],
+        beta: &[f64],
+        ridge: f64,
+    ) -> Option<Self> {
         let (p, m) = (beta.len(), places.len());
         let (mut curvature, mut descent) = (vec![0.0; p * p], vec![0.0; p]);
-        for (_, other) in folds.iter().enumerate().filter(|(i, _)| *i != fold) {
-            let Linearised { errors, slopes, .. } = other;
-            curvature.iter_mut().zip(&slopes.curvature).for_each(|(sum, entry)| *sum += errors * entry);
-            descent.iter_mut().zip(&slopes.descent).for_each(|(sum, entry)| *sum += errors * entry);
+        for (_, (errors, loss)) in folds.iter().enumerate().filter(|(i, _)| *i != fold) {
+            curvature.iter_mut().zip(&loss.normal).for_each(|(sum, entry)| *sum += errors * entry);
+            descent.iter_mut().zip(&loss.gradient).for_each(|(sum, entry)| *sum += errors * entry);
             (0..p).for_each(|i| curvature[i * p + i] += errors * ridge);
             descent.iter_mut().zip(beta).for_each(|(sum, beta)| *sum -= errors * ridge * beta);
         }
@@ -183,23 +187,23 @@ impl Others {
         Some(Self { p, curvature, descent, inverse, step })
     }
 
-    /// Loss of a `fold_loss` with the terms at `places` and `added`, by the bordered inverse.
-    fn loss(&self, fold_loss: &Linearised, places: &[usize], added: usize) -> f64 {
+    /// Loss of a fold, of so many `errors`, with the terms at `places` and `added`, by the bordered inverse.
+    fn loss(&self, (errors, fold_loss): &(f64, Expansion), places: &[usize], added: usize) -> f64 {
         let p = self.p;
         let border: Vec<f64> = places.iter().map(|i| self.curvature[i * p + added]).collect();
         let moved = times(&self.inverse, &border);
         let schur = self.curvature[added * p + added] - dot(&border, &moved);
         let step = (self.descent[added] - dot(&border, &self.step)) / schur;
         let step = if step.is_finite() { step } else { 0.0 };
-        let LossSlopes { curvature, descent } = &fold_loss.slopes;
-        let mut loss = fold_loss.loss + step * (curvature[added * p + added] * step - 2.0 * descent[added]);
+        let Expansion { cost, normal: curvature, gradient: descent, .. } = fold_loss;
+        let mut loss = cost + step * (curvature[added * p + added] * step - 2.0 * descent[added]);
         let change: Vec<f64> = self.step.iter().zip(&moved).map(|(a, b)| a - b * step).collect();
         for (i, change_i) in places.iter().zip(&change) {
             let row = &curvature[i * p..(i + 1) * p];
             let along: f64 = places.iter().zip(&change).map(|(j, change)| row[*j] * change).sum();
             loss += change_i * (along + 2.0 * row[added] * step - 2.0 * descent[*i]);
         }
-        fold_loss.errors * loss
+        errors * loss
     }
 }
 

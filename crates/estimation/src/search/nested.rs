@@ -1,18 +1,20 @@
 use std::collections::BTreeMap;
+use std::convert::Infallible;
 
-use numerics::{Watch, iterate};
+use numerics::Watch;
+use numerics::least_squares::{Ended, Ending, Expansion, Linearization, Residuals, minimize};
 use rayon::prelude::*;
-use regression::{Equations, bounded};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::model::Model;
 
-use super::problem::{Looked, LossSlopes, WindowProblem};
+use super::problem::WindowProblem;
 use super::{Laid, Recording, limit, mean_fit, scores, standard_error, together};
 use crate::pooled::Score;
 
-const ALONG: Ending = Ending { steps: 2, enough: 1e-3 };
-const BASE: Ending = Ending { steps: 20, enough: 1e-5 };
+/// These begin near a minimum.
+const ALONG: Ending = Ending { steps: 2, enough: 0.03, damping: 1e-6 };
+const BASE: Ending = Ending { steps: 20, enough: 3e-3, ..ALONG };
 /// No smaller ridge is tried after this many candidates worse than the best: with few recordings a large ridge may be
 /// better than its neighbours without being the best of all.
 const WORSE: usize = 3;
@@ -38,7 +40,7 @@ pub(crate) struct Study<'a> {
     pub whole_runs: bool,
 }
 
-const DELIVERED: Ending = Ending { steps: 20, enough: 1e-6 };
+const DELIVERED: Ending = Ending { steps: 20, enough: 1e-3, ..ALONG };
 
 /// Fits without some folds, from the largest ridge on, each from the cheapest of the one before and two others.
 pub(crate) struct RidgePath<'a> {
@@ -285,45 +287,65 @@ pub(crate) fn widened(base: &Model, library: &Model, theta: &[f64]) -> Vec<f64> 
     out
 }
 
-/// Damping of the first step, and the largest one that is tried, as shares of the curvature.
-const DAMPING: [f64; 2] = [1e-6, 1e6];
-
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Ending {
-    pub steps: usize,
-    pub enough: f64,
+/// loss(β) + ridge |β|².
+struct Penalised<'a> {
+    problem: &'a WindowProblem<'a>,
+    ridge: f64,
+    /// The loss where a step led, and the weights of the windows.
+    looked: Option<(f64, Vec<f64>)>,
 }
 
-/// Minimises loss(β) + ridge |β|² within bounds by Levenberg and Marquardt's method; `None` from beyond limits.
-pub(crate) fn minimum(problem: &WindowProblem, start: Vec<f64>, ridge: f64, end: Ending) -> Option<Vec<f64>> {
-    let cost = |beta: &[f64], looked: &Looked| cost(beta, looked, ridge);
-    let mut beta = problem.within(start);
-    let mut looked = problem.look(&beta)?;
-    let mut damping = DAMPING[0];
-    iterate("Levenberg–Marquardt", end.steps, &Watch::default(), || {
-        let slopes = problem.slopes(&beta, &looked)?;
-        let before = cost(&beta, &looked);
-        let taken = loop {
-            let trial = stepped(problem, &beta, &slopes, [ridge, damping]);
-            let stepped = trial.and_then(|trial| problem.look(&trial).map(|looked| (trial, looked)));
-            match stepped.filter(|(trial, looked)| cost(trial, looked) <= before) {
-                Some(better) => break Some(better),
-                None if damping > DAMPING[1] => break None,
-                None => damping = (10.0 * damping).max(1e-3),
+impl Residuals for Penalised<'_> {
+    fn linearize(&mut self, asked: &[Linearization]) -> Result<Vec<(Expansion, ())>, Infallible> {
+        let expand = |Linearization { point, .. }: &Linearization| {
+            let looked = self.looked.take().or_else(|| self.problem.look(point));
+            let slopes = looked.and_then(|(loss, weights)| self.problem.slopes(point, (loss, &weights)));
+            let mut all = slopes.unwrap_or_else(|| Expansion { cost: f64::NAN, ..Expansion::default() });
+            for i in 0..all.gradient.len() {
+                all.add_prior(i, point[i], self.ridge);
+                let pivot = &mut all.normal[i * point.len() + i];
+                // A term without effect stays.
+                *pivot = if *pivot > 0.0 { *pivot } else { 1.0 };
             }
+            (Expansion { unit: all.cost, ..all }, ())
         };
-        let (trial, at) = taken?;
-        let gained = before - cost(&trial, &at);
-        (beta, looked) = (trial, at);
-        damping = (0.1 * damping).max(DAMPING[0]);
-        let enough = gained <= end.enough * before;
-        (!enough).then_some(())
-    });
-    Some(beta)
+        Ok(asked.iter().map(expand).collect())
+    }
+
+    fn has_costs(&self) -> bool {
+        true
+    }
+
+    fn cost(&mut self, trial: &Linearization) -> f64 {
+        self.looked = self.problem.look(&trial.point);
+        self.looked.as_ref().map_or(f64::NAN, |(loss, _)| cost(&trial.point, *loss, self.ridge))
+    }
+
+    fn bounds(&self) -> Vec<[f64; 2]> {
+        self.problem.scaled_bounds()
+    }
+
+    fn condition(&self) -> f64 {
+        // The ridge keeps collinear terms apart.
+        f64::INFINITY
+    }
 }
 
-fn cost(beta: &[f64], looked: &Looked, ridge: f64) -> f64 {
-    looked.loss + ridge * beta.iter().map(|b| b * b).sum::<f64>()
+/// Minimises loss(β) + ridge |β|² within bounds; `None` from beyond limits.
+pub(crate) fn minimum(
+    problem: &WindowProblem,
+    start: Vec<f64>,
+    ridge: f64,
+    ending: Ending,
+) -> Option<Vec<f64>> {
+    let mut penalised = Penalised { problem, ridge, looked: None };
+    let Ok(minima) = minimize(&mut penalised, vec![start], ending, &Watch::default());
+    let minimum = minima.into_iter().next()?;
+    (minimum.steps > 0 || minimum.status != Ended::Diverged).then_some(minimum.point)
+}
+
+fn cost(beta: &[f64], loss: f64, ridge: f64) -> f64 {
+    loss + ridge * beta.iter().map(|b| b * b).sum::<f64>()
 }
 
 /// The minimum from the one of `starts` that costs least, so that a path recovers from a bad fit.
@@ -333,64 +355,9 @@ fn minimum_from<'s>(
     ridge: f64,
     ending: Ending,
 ) -> Option<Vec<f64>> {
-    let costs = starts.filter_map(|beta| Some((cost(beta, &problem.look(beta)?, ridge), beta)));
+    let costs = starts.filter_map(|beta| Some((cost(beta, problem.look(beta)?.0, ridge), beta)));
     let (_, start) = costs.min_by(|a, b| a.0.total_cmp(&b.0))?;
     minimum(problem, start.clone(), ridge, ending)
-}
-
-/// β + (H + ridge I + damping diag H)⁻¹ (g − ridge β), or the minimum of the same quadratic within the bounds if that
-/// leaves them; terms without effect stay.
-fn stepped(
-    problem: &WindowProblem,
-    beta: &[f64],
-    slopes: &LossSlopes,
-    [ridge, damping]: [f64; 2],
-) -> Option<Vec<f64>> {
-    let p = beta.len();
-    let mut matrix = slopes.curvature.clone();
-    let mut step: Vec<f64> = (0..p).map(|i| slopes.descent[i] - ridge * beta[i]).collect();
-    for i in 0..p {
-        let pivot = &mut matrix[i * p + i];
-        *pivot = if *pivot > 0.0 { (1.0 + damping) * *pivot + ridge } else { 1.0 };
-    }
-    let bounds: BTreeMap<usize, [f64; 2]> = problem.bounded().collect();
-    let whole = (!bounds.is_empty()).then(|| (matrix.clone(), step.clone()));
-    numerics::solve(p, &mut matrix, &mut step)?;
-    if let Some((matrix, right)) = whole {
-        return limited(&matrix, &right, beta, &bounds, step);
-    }
-    let moved: Vec<f64> = beta.iter().zip(step).map(|(b, s)| b + s).collect();
-    moved.iter().all(|b| b.is_finite()).then_some(moved)
-}
-
-/// β and the step that solves its equations within `bounds` of β; `step` is the unbounded one.
-fn limited(
-    matrix: &[f64],
-    right: &[f64],
-    beta: &[f64],
-    bounds: &BTreeMap<usize, [f64; 2]>,
-    step: Vec<f64>,
-) -> Option<Vec<f64>> {
-    let p = beta.len();
-    let left: BTreeMap<usize, [f64; 2]> =
-        bounds.iter().map(|(i, ends)| (*i, ends.map(|end| end - beta[*i]))).collect();
-    let equations = Equations { a: matrix, b: right, bounds: &left };
-    let solve = |free: &[usize], mut right: Vec<f64>| {
-        let n = free.len();
-        let mut block: Vec<f64> = (0..n * n).map(|k| matrix[free[k / n] * p + free[k % n]]).collect();
-        let mut inverse = vec![0.0; n * n];
-        numerics::inverse(n, &mut block, &mut inverse).ok_or(0_usize)?;
-        right = numerics::times(&inverse, &right);
-        Ok((right, inverse))
-    };
-    let (step, _) = bounded(&equations, step, solve).ok()?;
-    let mut moved: Vec<f64> = beta.iter().zip(&step).map(|(b, s)| b + s).collect();
-    for (i, ends) in bounds {
-        // Exactly at a bound, without rounding.
-        let at = (0..2).find(|end| step[*i] == left[i][*end]);
-        moved[*i] = at.map_or(moved[*i].clamp(ends[0], ends[1]), |end| ends[end]);
-    }
-    moved.iter().all(|b| b.is_finite()).then_some(moved)
 }
 
 /// Weight of the penalty that keeps collinear terms of the base structure in place.
@@ -408,5 +375,5 @@ fn started(model: &Model, recordings: &[&Recording], rate_hz: f64, ending: Endin
 fn least_squares(model: &Model, recordings: &[&Recording], rate_hz: f64) -> Option<Vec<f64>> {
     let simple = WindowProblem::increments(model, recordings, rate_hz);
     let none = vec![0.0; model.parameters()];
-    minimum(&simple, none, NEARLY_NONE, Ending { steps: 1, enough: 0.0 })
+    minimum(&simple, none, NEARLY_NONE, Ending { steps: 1, enough: 0.0, ..ALONG })
 }

@@ -1,3 +1,4 @@
+use numerics::least_squares::{Expansion, huber};
 use numerics::{LANES, Lane};
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
@@ -31,18 +32,6 @@ pub(crate) struct WindowProblem<'a> {
     bounds: Vec<[f64; 2]>,
     residuals: f64,
     thin: usize,
-}
-
-#[derive(Clone, Debug)]
-pub(crate) struct Looked {
-    pub loss: f64,
-    weights: Vec<f64>,
-}
-
-/// Curvature and descent at a point, per error: H ≈ ∂²loss/∂β² / 2 and g = −∂loss/∂β / 2, of the free β.
-pub(crate) struct LossSlopes {
-    pub curvature: Vec<f64>,
-    pub descent: Vec<f64>,
 }
 
 impl<'a> WindowProblem<'a> {
@@ -84,12 +73,10 @@ impl<'a> WindowProblem<'a> {
     /// `known` ones, so that they are hardly penalised. Unchanged if the simulation fails.
     pub fn by_effect(mut self, theta: &[f64], known: &[bool]) -> Self {
         let beta = self.beta(theta);
-        let Some(slopes) = self.look(&beta).and_then(|looked| self.slopes(&beta, &looked)) else {
-            return self;
-        };
+        let Some(slopes) = self.expansion(&beta) else { return self };
         let p = self.sizes.len();
         for (i, size) in self.sizes.iter_mut().enumerate() {
-            let effect = slopes.curvature[i * p + i].sqrt();
+            let effect = slopes.normal[i * p + i].sqrt();
             let held = if known[i] { KNOWN } else { 1.0 };
             *size = if effect > 0.0 { *size / (effect * held) } else { 0.0 };
         }
@@ -127,23 +114,14 @@ impl<'a> WindowProblem<'a> {
         bounds.map_or(open, |bounds| bounds.map(|end| end / self.sizes[i]))
     }
 
-    /// The bounded scaled parameters.
-    pub fn bounded(&self) -> impl Iterator<Item = (usize, [f64; 2])> {
-        let all = (0..self.bounds.len()).map(|i| (i, self.ends(i)));
-        all.filter(|(_, ends)| ends.iter().any(|end| end.is_finite()))
-    }
-
-    /// β within its bounds.
-    pub fn within(&self, mut beta: Vec<f64>) -> Vec<f64> {
-        self.bounded().for_each(|(i, [low, high])| beta[i] = beta[i].clamp(low, high));
-        beta
+    /// Bounds of β; empty without bounds.
+    pub fn scaled_bounds(&self) -> Vec<[f64; 2]> {
+        (0..self.bounds.len()).map(|i| self.ends(i)).collect()
     }
 
     /// Which of β lie at a bound.
     pub fn at_bound(&self, beta: &[f64]) -> Vec<bool> {
-        let mut held = vec![false; beta.len()];
-        self.bounded().for_each(|(i, ends)| held[i] = ends.contains(&beta[i]));
-        held
+        beta.iter().enumerate().map(|(i, beta)| self.ends(i).contains(beta)).collect()
     }
 
     pub fn beta(&self, theta: &[f64]) -> Vec<f64> {
@@ -151,8 +129,8 @@ impl<'a> WindowProblem<'a> {
         theta.iter().zip(&self.sizes).map(scaled).collect()
     }
 
-    /// Simulates; `None` if a simulation exceeds the limits.
-    pub fn look(&self, beta: &[f64]) -> Option<Looked> {
+    /// The loss, and the weights of the windows; `None` if a simulation exceeds the limits.
+    pub fn look(&self, beta: &[f64]) -> Option<(f64, Vec<f64>)> {
         let theta: Vec<Lane> = self.theta(beta).into_iter().map(Lane::splat).collect();
         let groups: Vec<&[RunView]> = self.windows.chunks(LANES).collect();
         let errors = |group: &&[RunView]| squares(self.model, &theta, group, self.limit);
@@ -164,36 +142,41 @@ impl<'a> WindowProblem<'a> {
                 let n = (3 * window.samples()) as f64;
                 let sum: f64 =
                     (0..3).filter(|d| self.std[*d] > 0.0).map(|d| squares[d] / self.std[d].powi(2)).sum();
-                let rms = (sum / n).sqrt();
-                let usual = rms <= USUAL;
-                loss += if usual { sum } else { n * USUAL * (2.0 * rms - USUAL) };
-                weights.push(if usual { 1.0 } else { USUAL / rms });
+                let [cost, weight] = huber((sum / n).sqrt(), USUAL);
+                loss += n * cost;
+                weights.push(weight);
             }
         }
         loss /= self.residuals;
-        loss.is_finite().then_some(Looked { loss, weights })
+        loss.is_finite().then_some((loss, weights))
     }
 
-    /// Curvature and descent at the point `looked`.
-    pub fn slopes(&self, beta: &[f64], looked: &Looked) -> Option<LossSlopes> {
+    /// The loss about a point.
+    pub fn expansion(&self, beta: &[f64]) -> Option<Expansion> {
+        let (loss, weights) = self.look(beta)?;
+        self.slopes(beta, (loss, &weights))
+    }
+
+    /// The `loss` about a point with these `weights`, per error.
+    pub fn slopes(&self, beta: &[f64], (loss, weights): (f64, &[f64])) -> Option<Expansion> {
         let p = beta.len();
         let theta: Vec<Lane> = self.theta(beta).into_iter().map(Lane::splat).collect();
         let groups: Vec<(&[RunView], &[f64])> =
-            self.windows.chunks(LANES).zip(looked.weights.chunks(LANES)).collect();
+            self.windows.chunks(LANES).zip(weights.chunks(LANES)).collect();
         let chunks: Vec<_> = groups.chunks(groups.len().div_ceil(CHUNKS).max(1)).collect();
         let parts: Vec<_> = chunks.par_iter().map(|groups| self.chunk_sums(&theta, groups)).collect();
-        let (mut curvature, mut descent) = (vec![0.0; p * p], vec![0.0; p]);
+        let (mut normal, mut gradient) = (vec![0.0; p * p], vec![0.0; p]);
         for (products, slope) in parts {
-            curvature.iter_mut().zip(products).for_each(|(sum, entry)| *sum += entry);
-            descent.iter_mut().zip(slope).for_each(|(sum, entry)| *sum += total(entry));
+            normal.iter_mut().zip(products).for_each(|(sum, entry)| *sum += entry);
+            gradient.iter_mut().zip(slope).for_each(|(sum, entry)| *sum += total(entry));
         }
         for i in 0..p {
             let size = self.sizes[i] / self.residuals;
-            descent[i] *= size;
-            (0..p).for_each(|j| curvature[i * p + j] *= size * self.sizes[j]);
+            gradient[i] *= size;
+            (0..p).for_each(|j| normal[i * p + j] *= size * self.sizes[j]);
         }
-        let finite = curvature.iter().chain(&descent).all(|x| x.is_finite());
-        finite.then_some(LossSlopes { curvature, descent })
+        let finite = normal.iter().chain(&gradient).all(|x| x.is_finite());
+        finite.then_some(Expansion { cost: loss, unit: loss, normal, gradient })
     }
 
     /// Σ s sᵀ, at some samples, and Σ s e of `groups`, by θ.

@@ -1,6 +1,6 @@
 use numerics::Lane;
 use regression::Noise;
-use ship::engine::{Ambient, Compiled, Stepping};
+use ship::engine::{Compiled, Stepping};
 use ship::model::Model;
 
 use super::Unknowns;
@@ -59,11 +59,6 @@ impl<'m, X: Unknowns, const N: usize> Dynamics<'m, X, N> {
         let water = if current(N) { Some([z[3], z[4]]) } else { None };
         self.model.look(vessel_state(z), exogenous, water);
         Local { slopes: self.model.slopes(), turn: self.motion.turn(z) }
-    }
-
-    #[inline(always)]
-    pub(crate) fn step(&mut self, state: [X; 3], exogenous: &[X]) -> [X; 3] {
-        self.model.step(state, exogenous, Ambient::default())
     }
 
     #[inline(always)]

@@ -2,7 +2,7 @@
 //! errors, the information of experiments and its gradient.
 //!
 //! [`Dynamics`] advances the states sample by sample; [`sweep`] propagates forward sensitivities with them, and
-//! [`backward`] adjoints ([`slopes`] a single one, if only the gradient of squared errors is needed). Both are
+//! [`backward`] adjoints. Both are
 //! columns of lanes. Numbers `X` are [`numerics::Lane`]s for runs in lanes, each unknown in its own column; or `f64`
 //! for a single run, with [`numerics::LANES`] unknowns in a column ([`Unknowns`]).
 
@@ -27,7 +27,7 @@ pub use information::{
 pub(crate) use information::{RunInformation, channels};
 pub(crate) use kalman::{Gain, add_noise, filter, filter_along, gain, moved, shrink, start};
 pub(crate) use products::Products;
-pub use sweep::{Sensitivities, Slopes, Step, free_sweep, slopes};
+pub use sweep::{Sensitivities, Step, free_sweep};
 pub(crate) use sweep::{add_draws, add_start, backward, sweep};
 
 /// Recordings of N samples, row-major: [`LANES`] side by side, or a single one (`X` = `f64`); padded if shorter.

@@ -22,6 +22,5 @@ mod refine_laws;
 mod repeated;
 mod restricted_likelihood;
 mod search;
-mod slopes;
 #[path = "../../../regression/tests/all/support/mod.rs"]
 mod support;

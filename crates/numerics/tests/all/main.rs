@@ -5,6 +5,7 @@ mod decompositions;
 mod distributions;
 mod intervals;
 mod iterations;
+mod least_squares;
 mod lu;
 mod product;
 mod semidefinite;
