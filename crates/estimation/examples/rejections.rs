@@ -118,7 +118,7 @@ fn judged(what: &str, recorded: &[Recorded]) -> [bool; 3] {
     let (ship, (_, channels)) = (forces(&lacking.collect::<Vec<_>>().join("\n")), parts(KVLCC2));
     let recordings = recorded.iter().map(Recorded::recording).collect();
     let problem = Problem::new(&ship, recordings, channels.len(), Settings::new(1.0)).expect("recordings");
-    let asked = Channels { all: &channels, inputs: channels.len(), listed: None };
+    let asked = Channels { all: &channels, inputs: channels.len() };
     let fit = match problem.fit() {
         Ok(fit) => fit,
         Err(error) => {

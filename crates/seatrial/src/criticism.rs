@@ -28,8 +28,7 @@ pub(crate) fn channels(vessel: &Vessel) -> Vec<Channel> {
 /// What is wrong with `vessel` after `fit`, with the likeliest terms alone.
 pub(crate) fn criticised(vessel: &Vessel, problem: &Problem, fit: &Fit) -> Result<Criticism, Unfit> {
     let channels = channels(vessel);
-    let mut criticism =
-        problem.criticise(fit, Channels { all: &channels, inputs: vessel.model.inputs, listed: None })?;
+    let mut criticism = problem.criticise(fit, Channels { all: &channels, inputs: vessel.model.inputs })?;
     let mut terms = 0;
     criticism.absent.retain(|absent| {
         terms += usize::from(absent.kind == Suspect::Term);

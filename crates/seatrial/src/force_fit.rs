@@ -83,7 +83,7 @@ impl ForceFit<'_> {
         problem.fit_from(theta).map_err(|error| {
             let channels = channels(self.vessel);
             let inputs = self.vessel.model.inputs;
-            problem.explained(error, theta, Channels { all: &channels, inputs, listed: None })
+            problem.explained(error, theta, Channels { all: &channels, inputs })
         })
     }
 

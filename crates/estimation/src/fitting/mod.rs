@@ -365,9 +365,6 @@ pub enum Unfit {
     /// A term cannot be tried.
     #[error("a term to be tried is refused: {0}")]
     Candidate(String),
-    /// A listed term is refused.
-    #[error("{0}")]
-    Listed(Box<Invalid>),
     /// The search did not end, and recordings fit better with something turned over.
     #[error("no minimum after {0} steps; the recordings fit better if {1}")]
     WrongSign(usize, String),
@@ -380,7 +377,6 @@ impl Unfit {
     /// What is invalid, and the remedy.
     pub fn invalid(&self) -> Invalid {
         let (thing, expected, remedy) = match self {
-            Self::Listed(refused) => return (**refused).clone(),
             Self::NoParameter => {
                 ("the model", "at least one free number", "write some as tables with `nominal` and `prior`")
             }

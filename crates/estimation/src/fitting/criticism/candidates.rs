@@ -1,7 +1,6 @@
 //! Derivatives of errors by candidates, along the windows as they were fitted.
 
 use numerics::{Lane, vectorized};
-use refusal::Invalid;
 use ship::forces::{Body, Channel, Dual, Factor, Forces, MOTION, TermSpec};
 
 use crate::fitting::sums::{AT_ONCE, Derivatives, WindowSums, counted, follow_acting, only, start};
@@ -287,48 +286,8 @@ fn is_scaled(variable: usize, channels: &[Channel]) -> bool {
     channel.is_none_or(|unit| ["rad", "1", ""].contains(&unit))
 }
 
-/// The products of `lists` for surge, sway and yaw that `forces` lacks, each once.
-pub(crate) fn listed(
-    forces: &Forces,
-    channels: &[Channel],
-    lists: &[Vec<String>; 3],
-) -> Result<Vec<ForceProduct>, Unfit> {
-    let mut all = Vec::new();
-    for (degree, list) in lists.iter().enumerate() {
-        let count = own_terms(forces, degree);
-        let mut known: Vec<Vec<Factor>> =
-            (0..count).map(|i| in_order(forces.factors(degree, i).to_vec())).collect();
-        for text in list {
-            let factors = parsed(forces, channels, (degree, text)).map_err(|e| Unfit::Listed(Box::new(e)))?;
-            if known.contains(&factors) {
-                continue;
-            }
-            let scaled = factors.iter().all(|factor| is_scaled(factor.variable, channels));
-            all.push(ForceProduct { degree, text: text.trim().to_owned(), scaled });
-            known.push(factors);
-        }
-    }
-    Ok(all)
-}
-
-fn parsed(forces: &Forces, channels: &[Channel], (d, text): (usize, &str)) -> Result<Vec<Factor>, Invalid> {
-    let mut description = forces.description().clone();
-    let name = ["surge", "sway", "yaw"][d];
-    let parameter = "candidate to be tried".to_owned();
-    let spec = TermSpec { parameter, term: text.to_owned(), nominal: Some(0.0), ..TermSpec::default() };
-    description.terms_mut()[d].push(spec);
-    let with = Forces::new(&description, channels)
-        .map_err(|e| Invalid { thing: format!("`{name}`: term `{text}`"), ..e })?;
-    Ok(in_order(with.factors(d, own_terms(forces, d)).to_vec()))
-}
-
 fn own_terms(forces: &Forces, degree: usize) -> usize {
     forces.description().terms()[degree].len()
-}
-
-fn in_order(mut factors: Vec<Factor>) -> Vec<Factor> {
-    factors.sort_unstable_by_key(|factor| (factor.variable, factor.modulus, factor.divides));
-    factors
 }
 
 /// The factors of the terms of an equation, in order; those with a division count as none.

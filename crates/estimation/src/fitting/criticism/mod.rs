@@ -20,7 +20,7 @@ use ship::forces::{Channel, Forces};
 use super::sums::{AT_ONCE, Reduced, WindowSums};
 use super::{Fit, Pass, Problem, Unfit, at_bound, block};
 use crate::criticism::{Absent, Criticism, LEVEL, Suspect, Verdict, change, number, statements};
-use candidates::{CandidateBlock, Column, ForceProduct, Measure, listed, products};
+use candidates::{CandidateBlock, Column, ForceProduct, Measure, products};
 use sign_test::Alternative;
 
 use sign_test::Lateness;
@@ -37,25 +37,6 @@ pub struct Channels<'a> {
     pub all: &'a [Channel],
     /// Number of inputs.
     pub inputs: usize,
-    /// Terms of surge, sway and yaw to test in place of the usual products.
-    pub listed: Option<&'a [Vec<String>; 3]>,
-}
-
-impl Channels<'_> {
-    fn products(&self, forces: &Forces) -> Result<Vec<ForceProduct>, Unfit> {
-        match self.listed {
-            Some(lists) => listed(forces, self.all, lists),
-            None => Ok(products(forces, self.all, self.inputs)),
-        }
-    }
-
-    /// The number of products that `forces` lacks.
-    ///
-    /// # Errors
-    /// A listed text that is no term.
-    pub fn lacking(&self, forces: &Forces) -> Result<usize, Unfit> {
-        self.products(forces).map(|products| products.len())
-    }
 }
 
 /// With fewer independent units for each number only gross faults show.
@@ -106,7 +87,7 @@ impl Problem<'_> {
 
     fn scored(&self, fit: &Fit, channels: Channels, criticism: &mut Criticism) -> Result<(), Unfit> {
         let inputs = inputs(self.forces, channels.inputs);
-        let terms = channels.products(self.forces)?;
+        let terms = products(self.forces, channels.all, channels.inputs);
         let (blocks, measures) = self.blocks(&inputs, &terms, channels.all)?;
         let (all, units) = Pass::new(self, fit.first).scores(fit, &blocks)?;
         let testable: Vec<&Score> = all.iter().flatten().collect();

@@ -16,7 +16,7 @@ fn criticised(model: &str, recorded: &[Recorded], settings: Settings) -> Critici
     let recordings = recorded.iter().map(Recorded::recording).collect();
     let problem = Problem::new(&forces, recordings, channels.len(), settings).unwrap();
     let fit = problem.fit().unwrap();
-    problem.criticise(&fit, Channels { all: &channels, inputs: channels.len(), listed: None }).unwrap()
+    problem.criticise(&fit, Channels { all: &channels, inputs: channels.len() }).unwrap()
 }
 
 /// What is said of one kind of candidates, in order.
@@ -51,26 +51,6 @@ fn law_a_term_that_the_ship_lacks_is_named_first() {
         assert!((off * first.value[0]).abs() < 4.0 * first.standard_error[0], "{term}: {off} {first:?}");
         assert!(found.statements[0].contains("most likely missing: `"), "{:?}", found.statements);
     }
-}
-
-#[test]
-fn law_listed_terms_alone_are_tested_each_once() {
-    let truth = forces(&with_yaw("r |r|", -0.03));
-    let recorded = trial(&truth, &truth.nominal(), 1.0, NOISE, 1);
-    let (ship, (_, channels)) = (forces(KVLCC2), parts(KVLCC2));
-    let recordings = recorded.iter().map(Recorded::recording).collect();
-    let problem = Problem::new(&ship, recordings, channels.len(), Settings::new(1.0)).unwrap();
-    let fit = problem.fit().unwrap();
-    let tested = |yaw: &[&str]| {
-        let lists = [Vec::new(), vec!["v |v|".to_owned()], yaw.iter().map(|own| (*own).to_owned()).collect()];
-        problem.criticise(&fit, Channels { all: &channels, inputs: channels.len(), listed: Some(&lists) })
-    };
-    // The ship has the last one.
-    let found = tested(&["u v delta", "r |r|", "|r| r", "r^2 v / U"]).unwrap();
-    let terms: Vec<&str> = of(&found, Suspect::Term).iter().map(|own| own.name.as_str()).collect();
-    assert!(terms.len() == 3 && terms[0] == "r |r|" && found.rejected, "{terms:?}");
-    let refused = tested(&["u w"]).unwrap_err().invalid();
-    assert!(refused.thing == "`yaw`: term `u w`" && refused.found.contains('w'), "{refused}");
 }
 
 #[test]
@@ -209,7 +189,6 @@ fn law_exchanged_thrusters_and_one_on_the_wrong_side_are_named() {
         Problem::new(&forces, exchanged.iter().map(Recorded::recording).collect(), 2, settings).unwrap();
     let theta = forces.nominal();
     let error = problem.fit_from(&theta).unwrap_err();
-    let said =
-        problem.explained(error, &theta, Channels { all: &channels, inputs: 2, listed: None }).to_string();
+    let said = problem.explained(error, &theta, Channels { all: &channels, inputs: 2 }).to_string();
     assert!(said.contains("`n1` and `n2` are exchanged"), "{said}");
 }
