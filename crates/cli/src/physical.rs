@@ -67,7 +67,8 @@ pub fn fit(
     let runs = flags.of.read_of_forces(vessel, &mut provenance)?;
     let (former, reference) = (former.as_deref(), reference.as_ref());
     let physical = Physical { vessel, settings, former, reference };
-    let model = physical.model(&runs).map_err(|e| unfit(e, &flags.vessel, flags.of.file()))?;
+    let mut model = physical.model(&runs).map_err(|e| unfit(e, &flags.vessel, flags.of.file()))?;
+    model.statements.extend(study::noted_contradicting(&provenance));
     let noted = [
         ("estimator", json!(Estimator::OutputError)),
         ("pool", json!(true)),

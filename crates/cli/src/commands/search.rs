@@ -45,7 +45,8 @@ pub(super) fn searched(
         true => search.forces(&vessel, &mut provenance)?,
         false => search.terms(vessel, &mut provenance)?,
     };
-    let FoundStructure { search: summary, model } = structure;
+    let FoundStructure { search: mut summary, model } = structure;
+    summary.statements.extend(study::noted_contradicting(&provenance));
     let promise = asked.promise(promised, Some(&model), &mut provenance)?;
     let said = format!("{} terms; {}", summary.terms.len(), summary.statements.join("; "));
     let details =
