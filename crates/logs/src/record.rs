@@ -11,8 +11,8 @@ use ship::engine::{Run, Segment};
 use ship::model::DerivedChannel;
 
 use crate::assemble::{on_one_clock, sources};
-use crate::by_motion::Judged;
 use crate::axes::{Contradictions, check_axes, drift, rescaled};
+use crate::by_motion::Judged;
 use crate::gate::{check_share, keep_alive, keep_possible};
 use crate::quality::{Derivatives, check_pace};
 use crate::segment::Labelled;

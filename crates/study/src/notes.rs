@@ -93,7 +93,8 @@ pub fn carry_contradicting(of: &Provenance, provenance: &mut Provenance) {
 pub fn noted_contradicting(provenance: &Provenance) -> Option<String> {
     let names: Vec<String> = serde_json::from_value(provenance.settings.get(CONTRADICTING)?.clone()).ok()?;
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    contradicting(&names).map(|words| format!("{words}: another ship, loading or sensor? --leave-out leaves them out"))
+    contradicting(&names)
+        .map(|words| format!("{words}: another ship, loading or sensor? --leave-out leaves them out"))
 }
 
 /// Recordings of these names, in words.

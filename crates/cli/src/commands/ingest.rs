@@ -10,11 +10,11 @@ use logs::by_motion::{SampledRecording, judged};
 use logs::{BLOCK, Plan, Recorded, RowSummary, Source, Totals};
 use seatrial::Logs;
 use serde_json::json;
-use study::{Doubtful, contradicting, note_contradicting};
 use study::documents::{IngestDocument, RecordingSummary};
 use study::files::{read_any_vessel, read_ingest};
 use study::ingest_file::read::recorded;
 use study::trajectories::{Layout, MeasuredBlock};
+use study::{Doubtful, contradicting, note_contradicting};
 
 use crate::cli::{Common, beside, budget, folder_of};
 use crate::failure::{Failure, WorkProgress};
@@ -206,7 +206,8 @@ fn summary(out: &Path, document: &IngestDocument) -> Summary {
     };
     let against: Vec<&str> =
         recordings.iter().filter(|own| own.contradicts.is_some()).map(|own| own.name.as_str()).collect();
-    let contradicted = contradicting(&against).map_or(String::new(), |words| format!("; {words}, see ingest.json"));
+    let contradicted =
+        contradicting(&against).map_or(String::new(), |words| format!("; {words}, see ingest.json"));
     let unjudged = match recordings.iter().filter(|own| own.unjudged.is_some()).count() {
         0 => String::new(),
         count => format!("; {count} recordings cannot be judged by the others"),

@@ -62,9 +62,13 @@ impl Response<'_> {
     /// Columns among `free` that are none of the `used` ones or copies of these, no times, no accelerations.
     pub(super) fn candidates(&self, free: &[usize], used: &[usize]) -> Vec<usize> {
         let columns = &self.table.columns;
-        let is_copy = |at: usize| used.iter().any(|own| correlation(&columns[*own], &columns[at]).abs() > COPY);
+        let is_copy =
+            |at: usize| used.iter().any(|own| correlation(&columns[*own], &columns[at]).abs() > COPY);
         let fits = |at: &usize| {
-            !used.contains(at) && !is_copy(*at) && !goes_with_time(self.table, *at) && !self.is_acceleration(*at)
+            !used.contains(at)
+                && !is_copy(*at)
+                && !goes_with_time(self.table, *at)
+                && !self.is_acceleration(*at)
         };
         free.iter().copied().filter(fits).collect()
     }
@@ -106,19 +110,29 @@ impl Response<'_> {
         all
     }
 
-    fn is_sure(&self, first: &ActuatorChoice, rivals: &[ActuatorChoice], candidates: &[usize], of: Of) -> bool {
+    fn is_sure(
+        &self,
+        first: &ActuatorChoice,
+        rivals: &[ActuatorChoice],
+        candidates: &[usize],
+        of: Of,
+    ) -> bool {
         let own = self.signal(&first.columns, of);
         let others = candidates.iter().filter(|at| !first.columns.contains(at));
         let is_apart = |other: &[f64]| self.together(&own, other) < TOGETHER;
         first.gain > GAIN
             && self.table.recordings.len() > 1
             && others.clone().all(|at| is_apart(&self.table.columns[*at]))
-            && rivals.iter().filter(|rival| rival.columns.iter().all(|at| !first.columns.contains(at))).take(COMPARED).all(|rival| {
-                let other = self.signal(&rival.columns, of);
-                let [beside, back] = [[&own, &other], [&other, &own]]
-                    .map(|[tried, known]| self.gain(&[known], &[known, tried], of).0);
-                beside > BESIDE && beside > OVER * back
-            })
+            && rivals
+                .iter()
+                .filter(|rival| rival.columns.iter().all(|at| !first.columns.contains(at)))
+                .take(COMPARED)
+                .all(|rival| {
+                    let other = self.signal(&rival.columns, of);
+                    let [beside, back] = [[&own, &other], [&other, &own]]
+                        .map(|[tried, known]| self.gain(&[known], &[known, tried], of).0);
+                    beside > BESIDE && beside > OVER * back
+                })
     }
 
     /// The strongest correlation of changes of two signals at any lag.

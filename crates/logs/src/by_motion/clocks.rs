@@ -71,7 +71,8 @@ fn counts(table: &Table, at: usize, unit: TimeUnit) -> Option<bool> {
 
 /// Whether a column is a time, a distance or a counter.
 pub(super) fn goes_with_time(table: &Table, at: usize) -> bool {
-    let rows: Vec<f64> = table.recordings.iter().flat_map(|rows| (0..rows.len()).map(|row| row as f64)).collect();
+    let rows: Vec<f64> =
+        table.recordings.iter().flat_map(|rows| (0..rows.len()).map(|row| row as f64)).collect();
     let alone = |own: &std::ops::Range<usize>| {
         correlation(&table.columns[at][own.clone()], &rows[own.clone()]).abs() > WITH_TIME
     };

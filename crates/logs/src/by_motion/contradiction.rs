@@ -94,7 +94,12 @@ fn signals(inputs: usize) -> Vec<(usize, Option<usize>)> {
 /// Regressors that have no steering.
 const OWN: usize = 3;
 
-fn steering_rows(recording: &SampledRecording, dt: f64, window: usize, (a, b): (usize, Option<usize>)) -> Rows {
+fn steering_rows(
+    recording: &SampledRecording,
+    dt: f64,
+    window: usize,
+    (a, b): (usize, Option<usize>),
+) -> Rows {
     let of_run = |run: &Vec<Vec<f64>>| {
         let ([u, _, r, ..], inputs) = (&run[..], &run[3..]) else { return Vec::new() };
         let s = |k: usize| inputs[a][k] - b.map_or(0.0, |b| inputs[b][k]);
@@ -148,7 +153,8 @@ fn steered(recordings: &[SampledRecording], dt: f64) -> Vec<Judged> {
     for (signal, window) in signals(inputs).into_iter().flat_map(|s| WINDOWS.map(|window| (s, window))) {
         let rows: Vec<Rows> = recordings.iter().map(|own| steering_rows(own, dt, window, signal)).collect();
         let alone: Vec<f64> = rows.iter().filter_map(explained_alone).collect();
-        let gain = numerics::statistics::median(alone.clone()).filter(|_| alone.len() >= LEAST).unwrap_or(0.0);
+        let gain =
+            numerics::statistics::median(alone.clone()).filter(|_| alone.len() >= LEAST).unwrap_or(0.0);
         if gain > STEERS && best.as_ref().is_none_or(|(known, _)| gain > *known) {
             best = Some((gain, rows));
         }
@@ -163,7 +169,10 @@ fn steered(recordings: &[SampledRecording], dt: f64) -> Vec<Judged> {
         let Some(usual) = numerics::statistics::median(usual) else { return none() };
         let excited = |own: &&SteeringGain| own.excited >= EXCITED * usual;
         let of_others = |at: usize| {
-            let others = gains.iter().enumerate().filter(|(other, _)| *other != at && is_among(&apart, *other).is_none());
+            let others = gains
+                .iter()
+                .enumerate()
+                .filter(|(other, _)| *other != at && is_among(&apart, *other).is_none());
             spread(others.filter_map(|(_, own)| own.as_ref()).filter(excited).map(|own| own.gain).collect())
         };
         let against = |at: usize| {
@@ -224,13 +233,18 @@ impl SteeringGain {
         let own: Vec<_> = own.iter().collect();
         let excited = own.iter().map(|(row, _)| row[0] * row[0]).sum::<f64>();
         let (solution, deviation) = robust(&own).filter(|_| own.len() >= ROWS)?;
-        Some(Self { gain: solution[0], error: deviation / excited.sqrt(), excited: (excited / own.len() as f64).sqrt() })
+        Some(Self {
+            gain: solution[0],
+            error: deviation / excited.sqrt(),
+            excited: (excited / own.len() as f64).sqrt(),
+        })
     }
 
     /// Whether it is reversed, or far below those of the others.
     fn contradicts(&self, (middle, deviation): (f64, f64)) -> bool {
         let most = self.gain + ERRORS * self.error;
-        self.gain < REVERSED && most < AT_MOST || self.gain < middle - LOW * deviation && most < middle - deviation
+        self.gain < REVERSED && most < AT_MOST
+            || self.gain < middle - LOW * deviation && most < middle - deviation
     }
 }
 
@@ -248,8 +262,12 @@ fn surged(recordings: &[SampledRecording], dt: f64) -> Vec<Judged> {
     let step = window as f64 * dt;
     let row = |run: &Vec<Vec<f64>>, k: usize, u: f64| {
         let (r, v) = (run[2][k], run[1][k]);
-        let inputs = run[3..].iter().flat_map(move |input| [step * input[k], step * input[k] * input[k].abs()]);
-        [step, step * u, step * u * u.abs(), step * r * r, step * r * v].into_iter().chain(inputs).collect::<Vec<f64>>()
+        let inputs =
+            run[3..].iter().flat_map(move |input| [step * input[k], step * input[k] * input[k].abs()]);
+        [step, step * u, step * u * u.abs(), step * r * r, step * r * v]
+            .into_iter()
+            .chain(inputs)
+            .collect::<Vec<f64>>()
     };
     let ends = |run: &Vec<Vec<f64>>| {
         let last = run[3..].iter().map(Vec::len).min().unwrap_or(0).min(run[0].len().saturating_sub(1));
@@ -292,7 +310,8 @@ fn surged(recordings: &[SampledRecording], dt: f64) -> Vec<Judged> {
         let beyond = own.iter().filter(|error| error.abs() > BEYOND.0 * usual).count() as f64;
         match far > FAR || beyond > BEYOND.1 * own.len() as f64 {
             true => Judged::Against(
-                "its speed does not follow its inputs as in the others: hauled, aground, or of another ship?".to_owned(),
+                "its speed does not follow its inputs as in the others: hauled, aground, or of another ship?"
+                    .to_owned(),
             ),
             false => Judged::Alike,
         }

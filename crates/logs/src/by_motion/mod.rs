@@ -125,8 +125,13 @@ pub fn found(table: &Table, time: &[f64], free: &[usize], fits: Fits) -> FoundMo
         let is_sure = is_known && rivals.is_empty() && !(is_course && is_angle);
         channels.push(FoundChannel { channel, column, unit, sign, is_sure, score: best.score, rivals });
     }
-    let mut found =
-        FoundMotion { channels, is_east: best.ground == Ground::East, score: best.score, is_known, ..FoundMotion::default() };
+    let mut found = FoundMotion {
+        channels,
+        is_east: best.ground == Ground::East,
+        score: best.score,
+        is_known,
+        ..FoundMotion::default()
+    };
     actuated(&mut found, table, time, &free, best);
     found
 }
@@ -144,21 +149,22 @@ fn same(a: &str, b: &str) -> bool {
 
 /// Channel, column, unit and sign of all columns of a hypothesis.
 fn channels_of(known: &Hypothesis) -> Vec<(&'static str, usize, &'static str, f64)> {
-    let Hypothesis { angle, rate, speeds, position: [along, across], ground, .. } = known;
+    let Hypothesis { angle, rate, speeds, position: [along, across], ground, is_astern, .. } = known;
+    let ahead = if *is_astern { -1.0 } else { 1.0 };
     // What counts counter-clockwise from north is turned over.
     let over = if *ground == Ground::Compass { along.1 * across.1 } else { 1.0 };
     let mut all = vec![("psi", angle.0, angle.1, over)];
     all.extend(rate.map(|rate| ("y_r", rate.column, rate.unit, over * rate.sign)));
     match speeds.0 {
         Speeds::Ship(signs, surge, sway) => {
-            all.push(("y_u", surge, speeds.1, signs[0]));
-            all.extend(sway.map(|sway| ("y_v", sway, speeds.1, over * signs[1])));
+            all.push(("y_u", surge, speeds.1, ahead * signs[0]));
+            all.extend(sway.map(|sway| ("y_v", sway, speeds.1, ahead * over * signs[1])));
         }
         Speeds::Earth([x, y]) => all.extend([("v_x", x, speeds.1, 1.0), ("v_y", y, speeds.1, across.1)]),
         Speeds::None => {}
     }
     all.extend(match ground {
-        Ground::Metres => [("x", along.0, "m", along.1), ("y", across.0, "m", across.1)],
+        Ground::Metres => [("x", along.0, "m", ahead * along.1), ("y", across.0, "m", ahead * across.1)],
         Ground::Compass => [("latitude_deg", along.0, "deg", 1.0), ("longitude_deg", across.0, "deg", 1.0)],
         Ground::East => [("latitude_deg", across.0, "deg", 1.0), ("longitude_deg", along.0, "deg", 1.0)],
     });

@@ -94,6 +94,8 @@ pub struct Hypothesis {
     pub unexplained: f64,
     /// That of the one of them that is explained worse.
     alone: f64,
+    /// Whether the speed counts astern.
+    pub is_astern: bool,
     /// The smaller the better.
     pub score: f64,
     /// The turn in a recording \[rad\].
@@ -178,7 +180,8 @@ impl<'a> Motions<'a> {
         let values = &self.table.columns[column];
         let [least, most] = extent(values);
         let unit_is_known = ANGLES.iter().any(|(unit, _)| !(self.fits)(column, unit));
-        let wrapped = ANGLES.into_iter().filter(|(_, size)| self.is_wrapped(values, TAU / size, most - least));
+        let wrapped =
+            ANGLES.into_iter().filter(|(_, size)| self.is_wrapped(values, TAU / size, most - least));
         let wrapped: Vec<(&str, f64)> = wrapped.collect();
         let units = if wrapped.is_empty() || unit_is_known { ANGLES.to_vec() } else { wrapped };
         let units = units.into_iter().filter(|(unit, _)| (self.fits)(column, unit));
@@ -256,7 +259,12 @@ impl<'a> Motions<'a> {
                 if c == s || right > OFF_RIGHT {
                     continue;
                 }
+                let ahead = [cc, ss].map(|slope| slope * own.iter().sum::<f64>() > 0.0);
                 for (ground, position, metres) in self.grounds([(c, cc.signum()), (s, ss.signum())]) {
+                    // North and east are where they are.
+                    if !ahead[0] && ground != Ground::Metres || !ahead[1] && ground == Ground::East {
+                        continue;
+                    }
                     let fit = self.explained(position, metres, &[[&along, &across]]);
                     let Some((unexplained, gains, alone)) = fit else { continue };
                     let Some((unit, off)) = self.speed_unit(speed, gains[0]) else { continue };
@@ -386,7 +394,8 @@ impl<'a> Motions<'a> {
             Speeds::Earth([x, y]) => [Some(x), Some(y)],
             Speeds::None => [None, None],
         };
-        let is_used = |column: usize| used.contains(&Some(column)) || position.iter().any(|(own, _)| *own == column);
+        let is_used =
+            |column: usize| used.contains(&Some(column)) || position.iter().any(|(own, _)| *own == column);
         let rate = angle.rates.iter().copied().find(|rate| !is_used(rate.column));
         let score = unexplained + rate_score(rate) + if is_off { GAIN_CLEAR.1 } else { 0.0 };
         Hypothesis {
@@ -397,6 +406,10 @@ impl<'a> Motions<'a> {
             ground,
             unexplained,
             alone,
+            is_astern: match speeds.0 {
+                Speeds::Ship(_, surge, _) => self.table.columns[surge].iter().sum::<f64>() < 0.0,
+                _ => false,
+            },
             score,
             turn: angle.turn,
         }
@@ -414,7 +427,8 @@ impl<'a> Motions<'a> {
         let across = self.table.integral(|row| own[row] * angle.sin[row], self.time);
         let rate = known.rate.map(|rate| rate.column);
         let mut all = Vec::new();
-        for sway in self.free.iter().copied().filter(|column| !used.contains(column) && rate != Some(*column)) {
+        for sway in self.free.iter().copied().filter(|column| !used.contains(column) && rate != Some(*column))
+        {
             if !(self.fits)(sway, unit) {
                 continue;
             }
@@ -427,7 +441,13 @@ impl<'a> Motions<'a> {
             let Some((unit, off)) = speed else { continue };
             if unexplained < WITH_SWAY * known.unexplained && (ratio.abs() - 1.0).abs() < SWAY_OFF {
                 let speeds = (Speeds::Ship([1.0, ratio.signum()], surge, Some(sway)), unit);
-                all.push(self.hypothesis(angle, speeds, (known.position, known.ground), [unexplained, alone], off));
+                all.push(self.hypothesis(
+                    angle,
+                    speeds,
+                    (known.position, known.ground),
+                    [unexplained, alone],
+                    off,
+                ));
             }
         }
         all
@@ -441,7 +461,8 @@ impl<'a> Motions<'a> {
             let own = &self.table.columns[speed];
             let integral = self.table.integral(|row| own[row], self.time);
             let steps: Vec<Vec<f64>> = self.spans.iter().map(|spans| increments(&integral, spans)).collect();
-            for place in self.free.iter().copied().filter(|place| *place != speed && (self.fits)(*place, "m")) {
+            for place in self.free.iter().copied().filter(|place| *place != speed && (self.fits)(*place, "m"))
+            {
                 let best = (1..self.spans.len()).filter_map(|at| {
                     let (x, y) = (&steps[at], &self.steps[at][place]);
                     let slope = dot(x, y) / dot(x, x);
@@ -458,7 +479,9 @@ impl<'a> Motions<'a> {
             if !apart || north.3 != east.3 {
                 continue;
             }
-            for angle in angles.iter().filter(|angle| ![north.0, north.1, east.0, east.1].contains(&angle.column)) {
+            for angle in
+                angles.iter().filter(|angle| ![north.0, north.1, east.0, east.1].contains(&angle.column))
+            {
                 let [vx, vy] = [north, east].map(|own| &self.table.columns[own.1]);
                 for sign in [1.0, -1.0] {
                     let off = off_course(angle, vx, vy, sign);
@@ -466,7 +489,13 @@ impl<'a> Motions<'a> {
                         let position = [(north.0, north.2), (east.0, sign * east.2)];
                         let speeds = (Speeds::Earth([north.1, east.1]), north.3);
                         let unexplained = 0.5 * (north.4 + east.4) + 0.5 * off * off;
-                        all.push(self.hypothesis(angle, speeds, (position, Ground::Metres), [unexplained; 2], false));
+                        all.push(self.hypothesis(
+                            angle,
+                            speeds,
+                            (position, Ground::Metres),
+                            [unexplained; 2],
+                            false,
+                        ));
                     }
                 }
             }
@@ -491,6 +520,9 @@ impl<'a> Motions<'a> {
             }
             for signs in [[1.0, 1.0], [1.0, -1.0]] {
                 for (ground, position, metres) in self.grounds([(x, signs[0]), (y, signs[1])]) {
+                    if signs[1] < 0.0 && ground == Ground::East {
+                        continue;
+                    }
                     let (mut along, mut whole, mut straight) = (0.0, 0.0, 0.0);
                     let steps = self.steps[at][x].iter().zip(&self.steps[at][y]).zip(&turned);
                     for ((dx, dy), [cos, sin]) in steps {
@@ -504,7 +536,13 @@ impl<'a> Motions<'a> {
                     let unexplained = 1.0 - along / whole;
                     if unexplained < 0.1 && straight > 0.0 {
                         let speeds = (Speeds::None, "m/s");
-                        all.push(self.hypothesis(angle, speeds, (position, ground), [unexplained, 0.0], true));
+                        all.push(self.hypothesis(
+                            angle,
+                            speeds,
+                            (position, ground),
+                            [unexplained, 0.0],
+                            true,
+                        ));
                     }
                 }
             }

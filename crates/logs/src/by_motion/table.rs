@@ -85,7 +85,9 @@ impl Table {
 
 /// Least and greatest.
 pub(super) fn extent(values: &[f64]) -> [f64; 2] {
-    values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(*value), high.max(*value)])
+    values
+        .iter()
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(*value), high.max(*value)])
 }
 
 pub(super) fn increments(values: &[f64], spans: &[[usize; 2]]) -> Vec<f64> {
@@ -135,7 +137,8 @@ impl Sums {
     pub(super) fn some(&self, which: &[usize]) -> Self {
         let width = self.n + 1;
         let all: Vec<usize> = which.iter().copied().chain([self.n]).collect();
-        let products = all.iter().flat_map(|a| all.iter().map(move |b| self.products[a * width + b])).collect();
+        let products =
+            all.iter().flat_map(|a| all.iter().map(move |b| self.products[a * width + b])).collect();
         Self { n: which.len(), products }
     }
 

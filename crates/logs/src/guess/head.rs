@@ -61,7 +61,8 @@ impl Head {
         // What Excel writes before the names.
         let said = all.first().and_then(|line| line.strip_prefix("sep=")?.chars().next());
         let skip_lines = usize::from(said.is_some());
-        let mut rest: Vec<&str> = all[skip_lines..].iter().map(String::as_str).filter(|line| !line.trim().is_empty()).collect();
+        let mut rest: Vec<&str> =
+            all[skip_lines..].iter().map(String::as_str).filter(|line| !line.trim().is_empty()).collect();
         if rest.len() > 2 {
             rest.pop();
         }
@@ -90,7 +91,8 @@ impl Head {
             let number = names.iter().find(|name| is_value(name)).map_or("", String::as_str);
             return Err(refused(&format!("`{}` in the first line", foreign(number))));
         }
-        let columns = if has_header { names } else { (1..=names.len()).map(|number| number.to_string()).collect() };
+        let columns =
+            if has_header { names } else { (1..=names.len()).map(|number| number.to_string()).collect() };
         Ok(Self { separator, decimal, columns, has_header, skip_lines, row_bytes, rows })
     }
 
@@ -105,7 +107,9 @@ impl Head {
 
     /// The first rows as a table of one recording.
     pub fn table(&self) -> Table {
-        let column = |at: usize| self.rows.iter().map(|row| self.value(row.get(at).map_or("", String::as_str))).collect();
+        let column = |at: usize| {
+            self.rows.iter().map(|row| self.value(row.get(at).map_or("", String::as_str))).collect()
+        };
         Table::of(vec![(1, (0..self.columns.len()).map(column).collect())])
     }
 
@@ -127,7 +131,9 @@ impl Head {
             }
         }
         // Days without a date pass.
-        for column in columns.iter_mut().zip(0..).filter(|(_, at)| self.has_iso_times(*at)).map(|(column, _)| column) {
+        for column in
+            columns.iter_mut().zip(0..).filter(|(_, at)| self.has_iso_times(*at)).map(|(column, _)| column)
+        {
             let mut days = 0.0;
             for row in 1..column.len() {
                 days += if column[row] + days < column[row - 1] - 0.5 * DAY { DAY } else { 0.0 };

@@ -4,7 +4,9 @@ use std::cmp::Reverse;
 
 use super::names::{Named, ROLES, Role};
 use super::{Head, Needed, Placed, usual_unit};
-use crate::by_motion::{ActuatorChoice, ClockChoice, FoundChannel, FoundMotion, Table, clocks, found, found_with_clock};
+use crate::by_motion::{
+    ActuatorChoice, ClockChoice, FoundChannel, FoundMotion, Table, clocks, found, found_with_clock,
+};
 use crate::{TimeUnit, factor};
 
 /// Most columns that are looked at.
@@ -88,8 +90,16 @@ impl Guess {
         if let Some((at, _)) = &clock {
             free[*at] = false;
         }
-        let mut search =
-            Search { head, names, needed, found, free, placed: Vec::new(), asked: Vec::new(), missing: Vec::new() };
+        let mut search = Search {
+            head,
+            names,
+            needed,
+            found,
+            free,
+            placed: Vec::new(),
+            asked: Vec::new(),
+            missing: Vec::new(),
+        };
         search.motion();
         search.actuators();
         search.further();
@@ -99,7 +109,8 @@ impl Guess {
         let unplaced = head.columns.iter().zip(&free).filter(|(_, free)| **free);
         let unplaced: Vec<String> = unplaced.map(|(column, _)| column.clone()).collect();
         // Columns without a name of their own are called by their numbers.
-        let is_own = |name: &String| !name.is_empty() && head.columns.iter().filter(|own| *own == name).count() == 1;
+        let is_own =
+            |name: &String| !name.is_empty() && head.columns.iter().filter(|own| *own == name).count() == 1;
         let used = placed.iter().map(|own| &own.column).chain(clock.iter().map(|own| &own.column));
         let is_numbered = !head.has_header || !used.clone().all(is_own);
         if is_numbered && head.has_header {
@@ -111,7 +122,15 @@ impl Guess {
             asked.iter_mut().flat_map(|own| &mut own.choices).for_each(|own| number(&mut own.placed.column));
             clock.iter_mut().for_each(|own| number(&mut own.column));
         }
-        Self { clock, placed, asked, unplaced, missing, is_east: found.is_east && found.is_known, is_numbered }
+        Self {
+            clock,
+            placed,
+            asked,
+            unplaced,
+            missing,
+            is_east: found.is_east && found.is_known,
+            is_numbered,
+        }
     }
 
     /// Takes an answer to a question: the column at `choice`.
@@ -130,9 +149,12 @@ impl Guess {
 
 /// The columns that are looked at: those that names say something of before others.
 fn looked_at(table: &Table, names: &[Named], needed: &[Needed]) -> Vec<usize> {
-    let channels = ROLES.iter().map(|role| role.channel).chain(needed.iter().map(|need| need.channel.as_str()));
+    let channels =
+        ROLES.iter().map(|role| role.channel).chain(needed.iter().map(|need| need.channel.as_str()));
     let is_called = |at: usize| channels.clone().any(|channel| names[at].likeness(channel).is_some());
-    let moves = |at: &usize| *at < table.columns.len() && table.columns[*at].windows(2).any(|pair| pair[0] != pair[1]);
+    let moves = |at: &usize| {
+        *at < table.columns.len() && table.columns[*at].windows(2).any(|pair| pair[0] != pair[1])
+    };
     let mut all: Vec<usize> = (0..names.len()).filter(moves).collect();
     if all.len() > MOST {
         all.sort_by_key(|at| (Reverse(is_called(*at)), *at));
@@ -169,14 +191,18 @@ fn with_clock(
     if let Some((choice, found)) = found_with_clock(table, &choices, &free, fits) {
         let unit = match is_text(choice.column) {
             true => TimeUnit::Iso8601,
-            false if !found.is_known && names[choice.column].unit.is_none() => count_of(head.largest(choice.column)),
+            false if !found.is_known && names[choice.column].unit.is_none() => {
+                count_of(head.largest(choice.column))
+            }
             false => choice.unit,
         };
         return (clock(choice.column, unit), found);
     }
     // An uneven clock is known by its name; a few rows by their order.
     let called = names.iter().position(Named::is_time);
-    let Some(at) = called.or_else(|| head.increases(0).then_some(0)) else { return (None, FoundMotion::default()) };
+    let Some(at) = called.or_else(|| head.increases(0).then_some(0)) else {
+        return (None, FoundMotion::default());
+    };
     let unit = match (head.has_iso_times(at), names[at].unit) {
         (true, _) => TimeUnit::Iso8601,
         (false, Some("ms")) => TimeUnit::Ms,
@@ -233,7 +259,8 @@ impl Search<'_> {
 
     /// Places the best column of what is not sure by its name, or else asks.
     fn near(&mut self, found: &FoundChannel, unit: &str) {
-        let all: Vec<usize> = [found.column].into_iter().chain(found.rivals.iter().map(|(at, _)| *at)).collect();
+        let all: Vec<usize> =
+            [found.column].into_iter().chain(found.rivals.iter().map(|(at, _)| *at)).collect();
         let rank = |at: &usize| self.names[*at].likeness(found.channel);
         let called = all.into_iter().filter(|at| self.free[*at] && rank(at).is_some()).min_by_key(rank);
         match called {
@@ -245,7 +272,8 @@ impl Search<'_> {
             None if self.is_said_otherwise(found.channel) || !self.found.is_known && found.score > NEAR => {}
             None => {
                 let scores = [(found.column, found.score)].into_iter().chain(found.rivals.iter().copied());
-                let choices = scores.filter(|(at, _)| self.free[*at] && !self.names[*at].is_other()).take(CHOICES);
+                let choices =
+                    scores.filter(|(at, _)| self.free[*at] && !self.names[*at].is_other()).take(CHOICES);
                 let choice = |(at, score): (usize, f64)| {
                     let placed = match at == found.column {
                         true => self.as_found(found),
@@ -269,7 +297,11 @@ impl Search<'_> {
     }
 
     fn as_found(&self, found: &FoundChannel) -> Placed {
-        let by_motion = format!("by motion, score {:.3}{}", found.score, if found.is_sure { "" } else { ", and its name" });
+        let by_motion = format!(
+            "by motion, score {:.3}{}",
+            found.score,
+            if found.is_sure { "" } else { ", and its name" }
+        );
         Placed {
             unit: self.names[found.column].unit.unwrap_or(found.unit).to_owned(),
             is_reversed: found.sign < 0.0,
@@ -316,7 +348,8 @@ impl Search<'_> {
 
     /// Places what the model needs: what is sure by motion, then by names among what may be actuators.
     fn actuators(&mut self) {
-        let needed: Vec<Needed> = self.needed.iter().filter(|need| !self.has(&need.channel)).cloned().collect();
+        let needed: Vec<Needed> =
+            self.needed.iter().filter(|need| !self.has(&need.channel)).cloned().collect();
         let steers = |need: &Needed| need.unit == "rad";
         for need in &needed {
             let own = if steers(need) { &self.found.steering } else { &self.found.drive };
@@ -341,7 +374,8 @@ impl Search<'_> {
         }
         for need in self.missing.clone() {
             let own = if steers(&need) { &self.found.steering } else { &self.found.drive };
-            let ranked = own.iter().filter(|own| own.columns.len() == 1).map(|own| (own.columns[0], own.gain));
+            let ranked =
+                own.iter().filter(|own| own.columns.len() == 1).map(|own| (own.columns[0], own.gain));
             let mut all: Vec<(usize, Option<f64>)> = ranked.map(|(at, gain)| (at, Some(gain))).collect();
             let others = self.found.candidates.iter().filter(|at| all.iter().all(|(known, _)| known != *at));
             let others: Vec<(usize, Option<f64>)> = others.map(|at| (*at, None)).collect();

@@ -178,8 +178,20 @@ fn general(looked: &Looked, guess: &Guess, rate_hz: f64, step_s: f64) -> String 
         text += &average(rate_hz);
     }
     let axes = match guess.is_east {
-        true => ["enu", "flu", "x east, y north, heading counter-clockwise from east; body x forward, y port", "ned", "frd"],
-        false => ["ned", "frd", "x north, y east, heading clockwise from north; body x forward, y starboard", "enu", "flu"],
+        true => [
+            "enu",
+            "flu",
+            "x east, y north, heading counter-clockwise from east; body x forward, y port",
+            "ned",
+            "frd",
+        ],
+        false => [
+            "ned",
+            "frd",
+            "x north, y east, heading clockwise from north; body x forward, y starboard",
+            "enu",
+            "flu",
+        ],
     };
     let [frame, body, words, other_frame, other_body] = axes;
     let _ = writeln!(text, "\n# Axes: {words}. The other choice is \"{other_frame}\", \"{other_body}\".");
@@ -225,7 +237,11 @@ fn files(looked: &Looked, head: &Head, guess: &Guess) -> String {
     }
     let skipped = head.skip_lines + usize::from(guess.is_numbered && head.has_header);
     if guess.is_numbered {
-        let _ = writeln!(text, "# Columns are called by their numbers.\nheader = false\ncolumns = {}", head.columns.len());
+        let _ = writeln!(
+            text,
+            "# Columns are called by their numbers.\nheader = false\ncolumns = {}",
+            head.columns.len()
+        );
     }
     if skipped > 0 {
         let _ = writeln!(text, "skip_lines = {skipped}");
@@ -279,7 +295,10 @@ fn channel(placed: &Placed, lacks: Option<[&str; 2]>) -> String {
 
 /// Columns that may be a channel, as comments.
 fn asked(question: &Question) -> String {
-    let mut text = format!("\n# Several columns may be `{}`: name the right one.\n# [[file.channel]]\n", question.channel);
+    let mut text = format!(
+        "\n# Several columns may be `{}`: name the right one.\n# [[file.channel]]\n",
+        question.channel
+    );
     for Choice { placed, why } in &question.choices {
         let _ = writeln!(text, "# column = {}          # in {}: {why}", quoted(&placed.column), placed.unit);
     }

@@ -348,7 +348,10 @@ fn check_columns(
     (first, known): (&str, &Head),
     (file, head): (&str, &Head),
 ) -> Result<(), Error> {
-    if head.columns == known.columns && head.separator == known.separator && head.has_header == known.has_header {
+    if head.columns == known.columns
+        && head.separator == known.separator
+        && head.has_header == known.has_header
+    {
         return Ok(());
     }
     let lacks = |these: &Head, those: &Head| {
