@@ -12,6 +12,9 @@ use crate::{TimeUnit, factor};
 /// Most columns that are looked at.
 pub const MOST: usize = 40;
 
+/// No rudder goes further \[rad\].
+const HARD_OVER: f64 = 1.6;
+
 /// Scores above this are not asked about where there is too little motion to tell.
 const NEAR: f64 = 0.1;
 
@@ -73,6 +76,8 @@ struct Search<'a> {
     names: Vec<Named>,
     needed: &'a [Needed],
     found: FoundMotion,
+    /// The largest modulus in each column.
+    largest: Vec<f64>,
     free: Vec<bool>,
     placed: Vec<Placed>,
     asked: Vec<Question>,
@@ -90,16 +95,13 @@ impl Guess {
         if let Some((at, _)) = &clock {
             free[*at] = false;
         }
-        let mut search = Search {
-            head,
-            names,
-            needed,
-            found,
-            free,
-            placed: Vec::new(),
-            asked: Vec::new(),
-            missing: Vec::new(),
+        let most = |at: usize| {
+            let all = table.columns.get(at).into_iter().flatten().filter(|value| value.is_finite());
+            all.fold(head.largest(at), |most: f64, value| most.max(value.abs()))
         };
+        let largest = (0..names.len()).map(most).collect();
+        let (placed, asked, missing) = (Vec::new(), Vec::new(), Vec::new());
+        let mut search = Search { head, names, needed, found, largest, free, placed, asked, missing };
         search.motion();
         search.actuators();
         search.further();
@@ -312,7 +314,11 @@ impl Search<'_> {
 
     fn placed_at(&self, at: usize, (channel, unit): (&str, &str)) -> Placed {
         let name = &self.names[at];
-        let usual = || usual_unit(unit, self.head.largest(at)).to_owned();
+        let largest = self.largest[at];
+        let usual = || match unit {
+            "rad" if channel.starts_with("delta") && largest > HARD_OVER => "deg".to_owned(),
+            unit => usual_unit(unit, largest).to_owned(),
+        };
         let role: Option<&Role> = ROLES.iter().find(|role| role.channel == channel);
         let is_needed = self.needed.iter().any(|need| need.channel == channel);
         Placed {

@@ -36,8 +36,8 @@ const ROWS: usize = 800;
 /// A trial of a ship with rudder and propeller, whose orders change at random; `helm` is how far the rudder goes \[rad\].
 fn trial(draw: &mut Draw, helm: f64) -> Vec<Vec<f64>> {
     let mut columns = vec![Vec::new(); NAMES.len()];
-    let [mut x, mut y, mut psi, mut u, mut v, mut r, mut delta] = [0.0; 7];
-    (psi, u) = (TAU * draw.unit(), 1.0);
+    let [mut x, mut y, mut v, mut r, mut delta] = [0.0; 5];
+    let (mut psi, mut u) = (TAU * draw.unit(), 1.0);
     let (mut order, mut n) = (0.0, 8.0);
     for row in 0..ROWS {
         if row % 24 == 0 {
