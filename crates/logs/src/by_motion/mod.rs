@@ -73,7 +73,8 @@ pub fn found_with_clock(
 ) -> Option<(ClockChoice, FoundMotion)> {
     let mut best: Option<(ClockChoice, FoundMotion)> = None;
     for clock in clocks {
-        if clock.is_counter && best.is_some() {
+        // No other can be better by enough.
+        if best.as_ref().is_some_and(|(_, known)| clock.is_counter || known.score < RIVAL.1) {
             continue;
         }
         let size = clock.unit.seconds().unwrap_or(1.0);
@@ -103,8 +104,7 @@ pub fn found(table: &Table, time: &[f64], free: &[usize], fits: Fits) -> FoundMo
         && best.turn >= TURN
         && best.unexplained < UNEXPLAINED
         && best.score < SCORE
-        && (best.rate.is_some() || best.ground != Ground::Metres)
-        && !matches!(best.speeds.0, Speeds::None);
+        && (best.rate.is_some() || best.ground != Ground::Metres);
     // Without sway an angle that fits may be the course.
     let is_course = matches!(best.speeds.0, Speeds::Ship(_, _, None));
     let mut channels: Vec<FoundChannel> = Vec::new();
@@ -161,7 +161,6 @@ fn channels_of(known: &Hypothesis) -> Vec<(&'static str, usize, &'static str, f6
             all.extend(sway.map(|sway| ("y_v", sway, speeds.1, ahead * over * signs[1])));
         }
         Speeds::Earth([x, y]) => all.extend([("v_x", x, speeds.1, 1.0), ("v_y", y, speeds.1, across.1)]),
-        Speeds::None => {}
     }
     all.extend(match ground {
         Ground::Metres => [("x", along.0, "m", ahead * along.1), ("y", across.0, "m", ahead * across.1)],
@@ -182,10 +181,7 @@ fn actuated(found: &mut FoundMotion, table: &Table, time: &[f64], free: &[usize]
         Speeds::Earth([x, y]) => {
             Some(table.columns[x].iter().zip(&table.columns[y]).map(|(x, y)| x.hypot(*y)).collect())
         }
-        _ => {
-            let [x, y] = best.position.map(|(column, _)| slope(table, time, &table.columns[column]));
-            Some(x.iter().zip(&y).map(|(x, y)| x.hypot(*y)).collect())
-        }
+        Speeds::Ship(..) => None,
     });
     let (Some(rate), Some(surge)) = (rate, surge) else { return };
     let response = Response { table, time, surge: &surge, rate: &rate };

@@ -60,8 +60,6 @@ pub enum Speeds {
     Ship([f64; 2], usize, Option<usize>),
     /// Speeds along the two positions.
     Earth([usize; 2]),
-    /// Nothing: the course is that of the positions.
-    None,
 }
 
 /// A column with its unit, and its sign against the angle's.
@@ -157,9 +155,6 @@ impl<'a> Motions<'a> {
             .collect();
         let mut all: Vec<Hypothesis> = plain.into_iter().chain(swaying).collect();
         all.extend(self.earth_fixed(&angles));
-        if all.is_empty() {
-            all = angles.iter().flat_map(|angle| self.without_speed(angle)).collect();
-        }
         // Each with the second best rate, too.
         let others: Vec<Hypothesis> = all
             .iter()
@@ -392,7 +387,6 @@ impl<'a> Motions<'a> {
         let used = match speeds.0 {
             Speeds::Ship(_, u, v) => [Some(u), v],
             Speeds::Earth([x, y]) => [Some(x), Some(y)],
-            Speeds::None => [None, None],
         };
         let is_used =
             |column: usize| used.contains(&Some(column)) || position.iter().any(|(own, _)| *own == column);
@@ -408,7 +402,7 @@ impl<'a> Motions<'a> {
             alone,
             is_astern: match speeds.0 {
                 Speeds::Ship(_, surge, _) => self.table.columns[surge].iter().sum::<f64>() < 0.0,
-                _ => false,
+                Speeds::Earth(_) => false,
             },
             score,
             turn: angle.turn,
@@ -495,53 +489,6 @@ impl<'a> Motions<'a> {
                             (position, Ground::Metres),
                             [unexplained; 2],
                             false,
-                        ));
-                    }
-                }
-            }
-        }
-        all
-    }
-
-    /// Positions whose course is near an angle, where no speed was found.
-    fn without_speed(&self, angle: &Angle) -> Vec<Hypothesis> {
-        let mut all = Vec::new();
-        let free = || self.free.iter().copied().filter(|column| *column != angle.column);
-        let is_rate = |column: usize| angle.rates.iter().any(|rate| rate.column == column);
-        let at = 1;
-        let turned: Vec<[f64; 2]> = self.spans[at]
-            .iter()
-            .map(|[from, to]| libm::sincos(0.5 * (angle.values[*from] + angle.values[*to])))
-            .map(|(sin, cos)| [cos, sin])
-            .collect();
-        for (x, y) in free().flat_map(|x| free().map(move |y| (x, y))) {
-            if x == y || is_rate(x) || is_rate(y) {
-                continue;
-            }
-            for signs in [[1.0, 1.0], [1.0, -1.0]] {
-                for (ground, position, metres) in self.grounds([(x, signs[0]), (y, signs[1])]) {
-                    if signs[1] < 0.0 && ground == Ground::East {
-                        continue;
-                    }
-                    let (mut along, mut whole, mut straight) = (0.0, 0.0, 0.0);
-                    let steps = self.steps[at][x].iter().zip(&self.steps[at][y]).zip(&turned);
-                    for ((dx, dy), [cos, sin]) in steps {
-                        let [dx, dy] = [signs[0] * metres[0] * dx, signs[1] * metres[1] * dy];
-                        let ahead = dx * cos + dy * sin;
-                        along += ahead * ahead;
-                        whole += dx * dx + dy * dy;
-                        straight += ahead;
-                    }
-                    // A ship moves ahead.
-                    let unexplained = 1.0 - along / whole;
-                    if unexplained < 0.1 && straight > 0.0 {
-                        let speeds = (Speeds::None, "m/s");
-                        all.push(self.hypothesis(
-                            angle,
-                            speeds,
-                            (position, ground),
-                            [unexplained, 0.0],
-                            true,
                         ));
                     }
                 }

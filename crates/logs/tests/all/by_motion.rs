@@ -1,6 +1,7 @@
 //! What columns are by how they move, in made trials with other names, units, signs and axes.
 
 use std::f64::consts::{PI, TAU};
+use std::path::PathBuf;
 
 use logs::TimeUnit;
 use logs::by_motion::{Judged, SampledRecording, Table, judged};
@@ -295,6 +296,160 @@ fn earth_fixed_speeds_and_degrees_are_found() {
     let found = columns_of(&guess);
     assert!(found.contains(&("latitude_deg", "b")) && found.contains(&("longitude_deg", "c")), "{found:?}");
     assert!(!guess.is_east);
+}
+
+#[test]
+fn of_set_points_alone_nothing_is_taken() {
+    let names = [
+        "t",
+        "x_ref",
+        "y_ref",
+        "heading_setpoint",
+        "speed_cmd",
+        "v_set",
+        "rate_error",
+        "rudder_order",
+        "rpm_target",
+    ];
+    let guess = guessed(&names, trials(12, 4));
+    assert_eq!((columns_of(&guess), guess.asked.len(), guess.missing.len()), (vec![], 0, 2));
+}
+
+/// A published set as it is logged: column, channel, unit.
+type Published<'a> = (&'a str, [(&'a str, &'a str, &'a str); 9]);
+
+const PUBLISHED: [Published; 2] = [
+    (
+        "esso_osaka",
+        [
+            ("t [s]", "t", "s"),
+            ("x_position_mid [m]", "x", "m"),
+            ("y_position_mid [m]", "y", "m"),
+            ("psi_hat [rad]", "psi", "rad"),
+            ("u_velo [m/s]", "y_u", "m/s"),
+            ("vm_velo [m/s]", "y_v", "m/s"),
+            ("r_angvelo [rad/s]", "y_r", "rad/s"),
+            ("n_prop [rps]", "n", "1/s"),
+            ("delta_rudder [rad]", "delta", "rad"),
+        ],
+    ),
+    (
+        "kvlcc2_hsva",
+        [
+            ("t_s", "t", "s"),
+            ("x_m", "x", "m"),
+            ("y_m", "y", "m"),
+            ("psi_rad", "psi", "rad"),
+            ("u_mps", "y_u", "m/s"),
+            ("v_mps", "y_v", "m/s"),
+            ("r_radps", "y_r", "rad/s"),
+            ("thrust_N", "n", "1/s"),
+            ("delta_rad", "delta", "rad"),
+        ],
+    ),
+];
+
+/// The recordings of a published set, if it is there, and the place of each channel among the columns.
+fn published((folder, columns): &Published) -> Option<(Vec<Vec<Vec<f64>>>, Vec<usize>)> {
+    let (mut folders, mut files) =
+        (vec![format!("../../../shared/data/{folder}").into()], Vec::<PathBuf>::new());
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).ok()? {
+            let path = entry.unwrap().path();
+            match path.extension() {
+                None => folders.extend(path.is_dir().then_some(path)),
+                Some(end) => files.extend((end == "csv").then_some(path)),
+            }
+        }
+    }
+    files.sort();
+    let texts: Vec<String> = files.iter().map(|path| std::fs::read_to_string(path).unwrap()).collect();
+    let head = Head::of_csv(&texts[0]).unwrap();
+    let read = |text: &String| head.numbers_of(text.as_bytes(), 1).unwrap();
+    let place = |name: &str| head.columns.iter().position(|own| own == name).unwrap();
+    Some((texts.iter().map(read).collect(), columns.iter().map(|(name, ..)| place(name)).collect()))
+}
+
+#[test]
+fn oracle_columns_of_published_logs_are_found_without_names() {
+    let (mut sure, mut named, mut all) = (0, 0, 0);
+    for set in &PUBLISHED {
+        let Some((recordings, places)) = published(set) else { return };
+        let degrees = 180.0 / PI;
+        // Which channels are logged otherwise, by how much and in which unit.
+        let changes: [(&[usize], f64, &str); 8] = [
+            (&[], 1.0, ""),
+            (&[3], degrees, "deg"),
+            (&[6], 60.0 * degrees, "deg/min"),
+            (&[4, 5], 3600.0 / 1852.0, "kn"),
+            (&[4, 5], 3.6, "km/h"),
+            (&[0], 1e3, "ms"),
+            (&[5, 6], -1.0, ""),
+            (&[2], -1.0, ""),
+        ];
+        for (changed, by, unit) in changes {
+            let mut recordings = recordings.clone();
+            for column in changed.iter().flat_map(|i| recordings.iter_mut().map(|own| (*i, own))) {
+                column.1[places[column.0]].iter_mut().for_each(|value| *value *= by);
+            }
+            let names: Vec<String> = (1..=recordings[0].len()).map(|i| format!("c{i}")).collect();
+            let cells: Vec<Vec<String>> =
+                recordings[0].iter().map(|own| own.iter().take(99).map(f64::to_string).collect()).collect();
+            let needed = [("n", "1/s"), ("delta", "rad")];
+            let needed =
+                needed.map(|(name, unit)| Needed { channel: name.to_owned(), unit: unit.to_owned() });
+            let table = Table::of(recordings.into_iter().map(|columns| (1, columns)).collect());
+            let guess = Guess::of(&Head::of_cells(names, &cells), &table, &needed);
+            for (i, (_, channel, usual)) in set.1.iter().enumerate() {
+                let column = format!("c{}", places[i] + 1);
+                let unit = if changed.contains(&i) && !unit.is_empty() { unit } else { usual };
+                all += 1;
+                if i == 0 {
+                    let clock = guess.clock.as_ref().unwrap();
+                    assert_eq!((&clock.column, clock.unit == TimeUnit::Ms), (&column, unit == "ms"));
+                    (sure, named) = (sure + 1, named + 1);
+                } else if let Some(own) = guess.placed.iter().find(|own| own.channel == *channel) {
+                    assert!(own.column == column && (own.unit == unit || i > 6), "{}: {own:?}", set.0);
+                    (sure, named) = (sure + 1, named + 1);
+                } else if let Some(question) = guess.asked.iter().find(|own| own.channel == *channel) {
+                    named += usize::from(question.choices.iter().any(|own| own.placed.column == column));
+                }
+            }
+        }
+    }
+    assert!(4 * sure >= 3 * all && 100 * named >= 92 * all, "{sure} sure, {named} named of {all}");
+}
+
+#[test]
+fn oracle_reversed_steering_is_named_in_published_logs_and_nothing_else() {
+    for set in &PUBLISHED {
+        let Some((recordings, places)) = published(set) else { return };
+        // Means over a second.
+        let each = |columns: &Vec<Vec<f64>>| {
+            let rows = (1.0 / (columns[places[0]][1] - columns[places[0]][0])).round() as usize;
+            let mean = |i: &usize| {
+                columns[places[*i]].chunks(rows).map(|own| own.iter().sum::<f64>() / own.len() as f64)
+            };
+            SampledRecording { runs: vec![[4, 5, 6, 7, 8].iter().map(|i| mean(i).collect()).collect()] }
+        };
+        let all: Vec<SampledRecording> = recordings.iter().map(each).collect();
+        let all: Vec<_> =
+            all.into_iter().filter(|own| own.runs[0].iter().flatten().all(|x| x.is_finite())).collect();
+        let against = |all: &[SampledRecording]| -> Vec<usize> {
+            let judged = judged(all, 1.0);
+            (0..all.len()).filter(|at| matches!(judged[*at], Judged::Against(_))).collect()
+        };
+        assert_eq!(against(&all), Vec::<usize>::new(), "{}", set.0);
+        let mut found = 0;
+        for at in 0..all.len() {
+            let mut turned = all.clone();
+            turned[at].runs[0][4].iter_mut().for_each(|helm| *helm = -*helm);
+            let named = against(&turned);
+            assert!(named.iter().all(|other| *other == at), "{} {at}: {named:?}", set.0);
+            found += named.len();
+        }
+        assert!(4 * found >= 3 * all.len(), "{found} of {}", all.len());
+    }
 }
 
 fn sampled(trials: &[Vec<Vec<f64>>]) -> Vec<SampledRecording> {
