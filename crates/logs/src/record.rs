@@ -12,7 +12,7 @@ use ship::model::DerivedChannel;
 
 use crate::assemble::{on_one_clock, sources};
 use crate::axes::{Contradictions, check_axes, drift, rescaled};
-use crate::by_motion::Judged;
+use crate::by_motion::Agreement;
 use crate::gate::{check_share, keep_alive, keep_possible};
 use crate::quality::{Derivatives, check_pace};
 use crate::segment::Labelled;
@@ -167,11 +167,11 @@ pub struct RecordingSummary {
 
 impl RecordingSummary {
     /// Notes what the others say of it.
-    pub fn note(&mut self, judged: Judged) {
-        match judged {
-            Judged::Alike => {}
-            Judged::Against(why) => self.contradicts = Some(why),
-            Judged::Unjudged(why) => self.unjudged = Some(why.to_owned()),
+    pub fn note(&mut self, agreement: Agreement) {
+        match agreement {
+            Agreement::Alike => {}
+            Agreement::Against(why) => self.contradicts = Some(why),
+            Agreement::Unjudged(why) => self.unjudged = Some(why.to_owned()),
         }
     }
 }

@@ -279,7 +279,7 @@ fn left_out(found: &IngestDocument) -> Markup {
     let omitted = found.omitted();
     let doubtful = || found.recordings.iter().filter(|recording| !recording.doubtful.is_empty());
     let judged = || {
-        let all = found.recordings.iter().map(|own| (&own.name, &own.contradicts, &own.unjudged));
+        let all = found.recordings.iter().map(|one| (&one.name, &one.contradicts, &one.unjudged));
         all.filter(|(_, against, unjudged)| against.is_some() || unjudged.is_some())
     };
     html! {

@@ -76,7 +76,7 @@ const CONTRADICTING: &str = "contradicting";
 
 /// Notes those of `recordings` that contradict the others, if there are any, in `provenance`.
 pub fn note_contradicting(recordings: &[RecordingSummary], provenance: &mut Provenance) {
-    let names = recordings.iter().filter(|own| own.contradicts.is_some()).map(|own| own.name.as_str());
+    let names = recordings.iter().filter(|one| one.contradicts.is_some()).map(|one| one.name.as_str());
     let names: Vec<&str> = names.collect();
     if !names.is_empty() {
         provenance.settings.insert(CONTRADICTING.to_owned(), json!(names));

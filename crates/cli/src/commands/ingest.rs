@@ -174,8 +174,8 @@ fn all(logs: &Logs, out: &Path, quiet: bool, writer: &mut TableWriter) -> Result
     }
     block.write(&layout, &schema, writer)?;
     scratch.check()?;
-    let own = recordings.iter_mut().zip(judged(&sampled, 1.0 / rate_hz));
-    own.for_each(|(recording, judged): (&mut RecordingSummary, _)| recording.note(judged));
+    let each = recordings.iter_mut().zip(judged(&sampled, 1.0 / rate_hz));
+    each.for_each(|(recording, judged): (&mut RecordingSummary, _)| recording.note(judged));
     Ok((totals, recordings, files))
 }
 
@@ -205,10 +205,10 @@ fn summary(out: &Path, document: &IngestDocument) -> Summary {
         [first, more @ ..] => format!("; doubtful: `{first}` and {} more, see ingest.json", more.len()),
     };
     let against: Vec<&str> =
-        recordings.iter().filter(|own| own.contradicts.is_some()).map(|own| own.name.as_str()).collect();
+        recordings.iter().filter(|one| one.contradicts.is_some()).map(|one| one.name.as_str()).collect();
     let contradicted =
         contradicting(&against).map_or(String::new(), |words| format!("; {words}, see ingest.json"));
-    let unjudged = match recordings.iter().filter(|own| own.unjudged.is_some()).count() {
+    let unjudged = match recordings.iter().filter(|one| one.unjudged.is_some()).count() {
         0 => String::new(),
         count => format!("; {count} recordings cannot be judged by the others"),
     };

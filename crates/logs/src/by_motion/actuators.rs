@@ -1,7 +1,7 @@
 //! Which columns steer and drive: what predicts the motion in recordings that it was not fitted to.
 
 use super::clocks::goes_with_time;
-use super::table::{Sums, Table, correlation, increments};
+use super::table::{LoggedTable, Sums, correlation, increments};
 
 /// Correlation from which on a column is a copy of another.
 const COPY: f64 = 0.999;
@@ -39,7 +39,7 @@ pub struct ActuatorChoice {
 
 /// Speeds and yaw rate on the rows of a table.
 pub(super) struct Response<'a> {
-    pub(super) table: &'a Table,
+    pub(super) table: &'a LoggedTable,
     pub(super) time: &'a [f64],
     pub(super) surge: &'a [f64],
     pub(super) rate: &'a [f64],
@@ -63,7 +63,7 @@ impl Response<'_> {
     pub(super) fn candidates(&self, free: &[usize], used: &[usize]) -> Vec<usize> {
         let columns = &self.table.columns;
         let is_copy =
-            |at: usize| used.iter().any(|own| correlation(&columns[*own], &columns[at]).abs() > COPY);
+            |at: usize| used.iter().any(|entry| correlation(&columns[*entry], &columns[at]).abs() > COPY);
         let fits = |at: &usize| {
             !used.contains(at)
                 && !is_copy(*at)
@@ -74,8 +74,8 @@ impl Response<'_> {
     }
 
     fn is_acceleration(&self, at: usize) -> bool {
-        let own = &self.table.columns[at];
-        let integral = self.table.integral(|row| own[row], self.time);
+        let entry = &self.table.columns[at];
+        let integral = self.table.integral(|row| entry[row], self.time);
         [self.surge, self.rate].into_iter().any(|of| {
             [4, 36].into_iter().all(|step| {
                 let spans = self.table.spans(step);
@@ -94,14 +94,15 @@ impl Response<'_> {
     pub(super) fn ranked(&self, candidates: &[usize], of: Of) -> Vec<ActuatorChoice> {
         let single = |at: &usize| self.choice(&[*at], of);
         let singles: Vec<ActuatorChoice> = candidates.iter().map(single).collect();
-        let best = |at: usize| singles.iter().find(|own| own.columns == [at]).map_or(0.0, |own| own.gain);
+        let best =
+            |at: usize| singles.iter().find(|entry| entry.columns == [at]).map_or(0.0, |entry| entry.gain);
         let pairs = candidates.iter().flat_map(|a| candidates.iter().map(move |b| [*a, *b]));
         let pairs = pairs.filter(|[a, b]| a < b && best(*a).max(best(*b)) > LITTLE && self.are_alike(*a, *b));
         let pairs = pairs.map(|pair| self.choice(&pair, of));
-        let pairs = pairs.filter(|own| own.columns.iter().all(|at| own.gain > best(*at) + BETTER));
+        let pairs = pairs.filter(|entry| entry.columns.iter().all(|at| entry.gain > best(*at) + BETTER));
         let mut all: Vec<ActuatorChoice> = pairs.collect();
         all.extend(singles.iter().cloned());
-        all.retain(|own| own.gain > LITTLE);
+        all.retain(|entry| entry.gain > LITTLE);
         all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         let is_sure = all.first().is_some_and(|first| self.is_sure(first, &all[1..], candidates, of));
         if let Some(first) = all.first_mut() {
@@ -117,9 +118,9 @@ impl Response<'_> {
         candidates: &[usize],
         of: Of,
     ) -> bool {
-        let own = self.signal(&first.columns, of);
+        let entry = self.signal(&first.columns, of);
         let others = candidates.iter().filter(|at| !first.columns.contains(at));
-        let is_apart = |other: &[f64]| self.together(&own, other) < TOGETHER;
+        let is_apart = |other: &[f64]| self.together(&entry, other) < TOGETHER;
         first.gain > GAIN
             && self.table.recordings.len() > 1
             && others.clone().all(|at| is_apart(&self.table.columns[*at]))
@@ -129,7 +130,7 @@ impl Response<'_> {
                 .take(COMPARED)
                 .all(|rival| {
                     let other = self.signal(&rival.columns, of);
-                    let [beside, back] = [[&own, &other], [&other, &own]]
+                    let [beside, back] = [[&entry, &other], [&other, &entry]]
                         .map(|[tried, known]| self.gain(&[known], &[known, tried], of).0);
                     beside > BESIDE && beside > OVER * back
                 })
@@ -154,9 +155,9 @@ impl Response<'_> {
     /// Whether two columns are of one kind: of about one size.
     fn are_alike(&self, a: usize, b: usize) -> bool {
         let about = |at: usize| {
-            let own = &self.table.columns[at];
-            let mean = own.iter().sum::<f64>() / own.len() as f64;
-            (mean, (super::table::scatter(own) / own.len() as f64).sqrt())
+            let entry = &self.table.columns[at];
+            let mean = entry.iter().sum::<f64>() / entry.len() as f64;
+            (mean, (super::table::scatter(entry) / entry.len() as f64).sqrt())
         };
         let ((mean_a, std_a), (mean_b, std_b)) = (about(a), about(b));
         (0.5..=2.0).contains(&(std_a / std_b)) && (mean_a - mean_b).abs() < std_a + std_b
@@ -191,18 +192,18 @@ impl Response<'_> {
             let target = if of == Of::Rate { self.rate } else { self.surge };
             for rows in &self.table.recordings {
                 let end = at + spans[at..].iter().take_while(|[_, to]| *to < rows.end).count();
-                let own = &spans[at..end];
+                let entry = &spans[at..end];
                 at = end;
-                let parts: Vec<Vec<f64>> = integrals.iter().map(|all| increments(all, own)).collect();
+                let parts: Vec<Vec<f64>> = integrals.iter().map(|all| increments(all, entry)).collect();
                 let parts: Vec<&[f64]> = parts.iter().map(Vec::as_slice).collect();
-                sums.push(Sums::of(&parts, &increments(target, own)));
+                sums.push(Sums::of(&parts, &increments(target, entry)));
             }
-            let whole = sums[1..].iter().fold(sums[0].clone(), |all, own| all.plus(own, 1.0));
+            let whole = sums[1..].iter().fold(sums[0].clone(), |all, entry| all.plus(entry, 1.0));
             let every: Vec<usize> = (0..integrals.len()).collect();
             let error = |which: &[usize]| {
-                let of = |own: &Sums| {
-                    let rest = if sums.len() > 1 { whole.plus(own, -1.0) } else { whole.clone() };
-                    Some(own.some(which).residual(&rest.some(which).solution()?))
+                let of = |entry: &Sums| {
+                    let rest = if sums.len() > 1 { whole.plus(entry, -1.0) } else { whole.clone() };
+                    Some(entry.some(which).residual(&rest.some(which).solution()?))
                 };
                 sums.iter().map(of).sum::<Option<f64>>()
             };

@@ -1,6 +1,6 @@
 //! Which columns may be the clock, and what it counts.
 
-use super::table::{Table, correlation};
+use super::table::{LoggedTable, correlation};
 use crate::TimeUnit;
 
 /// Share of steps that may go back.
@@ -26,7 +26,7 @@ pub struct ClockChoice {
 
 /// The columns that progress as the rows do, in each unit in which they may be a time, the most even first, those that count
 /// rows last.
-pub fn clocks(table: &Table) -> Vec<ClockChoice> {
+pub fn clocks(table: &LoggedTable) -> Vec<ClockChoice> {
     let mut all = Vec::new();
     for column in (0..table.columns.len()).filter(|at| table.moves(*at)) {
         let Some(unevenness) = unevenness(table, column) else { continue };
@@ -36,45 +36,45 @@ pub fn clocks(table: &Table) -> Vec<ClockChoice> {
             }
         }
     }
-    all.sort_by(|(a, own), (b, other)| own.is_counter.cmp(&other.is_counter).then(a.total_cmp(b)));
+    all.sort_by(|(a, entry), (b, other)| entry.is_counter.cmp(&other.is_counter).then(a.total_cmp(b)));
     all.into_iter().map(|(_, clock)| clock).collect()
 }
 
 /// How far the progress of a column is off that of the rows; `None` where it does not rise as they do.
-fn unevenness(table: &Table, at: usize) -> Option<f64> {
+fn unevenness(table: &LoggedTable, at: usize) -> Option<f64> {
     let of = |rows: &std::ops::Range<usize>| {
-        let own = &table.columns[at][rows.clone()];
-        let back = own.windows(2).filter(|pair| pair[1] < pair[0]).count() as f64;
-        let (first, whole, last) = (own[0], own[own.len() - 1] - own[0], (own.len() - 1) as f64);
+        let entry = &table.columns[at][rows.clone()];
+        let back = entry.windows(2).filter(|pair| pair[1] < pair[0]).count() as f64;
+        let (first, whole, last) = (entry[0], entry[entry.len() - 1] - entry[0], (entry.len() - 1) as f64);
         let off = |(row, value): (usize, &f64)| ((value - first) / whole - row as f64 / last).abs();
-        let most = own.iter().enumerate().map(off).fold(0.0, f64::max);
+        let most = entry.iter().enumerate().map(off).fold(0.0, f64::max);
         (whole > 0.0 && back <= BACK * last && most < UNEVEN).then_some(most)
     };
-    table.recordings.iter().map(of).try_fold(0.0, |most: f64, own| Some(most.max(own?)))
+    table.recordings.iter().map(of).try_fold(0.0, |most: f64, entry| Some(most.max(entry?)))
 }
 
 /// Whether times are possible ones in `unit`, and then whether they are as the numbers of rows.
-fn counts(table: &Table, at: usize, unit: TimeUnit) -> Option<bool> {
+fn counts(table: &LoggedTable, at: usize, unit: TimeUnit) -> Option<bool> {
     let (values, size) = (&table.columns[at], unit.seconds()?);
     let mut is_counter = unit == TimeUnit::S;
     for (rows, every) in table.recordings.iter().zip(&table.every) {
-        let own = &values[rows.clone()];
-        let whole = size * (own[own.len() - 1] - own[0]);
-        let step = whole / ((own.len() - 1) * every) as f64;
+        let entry = &values[rows.clone()];
+        let whole = size * (entry[entry.len() - 1] - entry[0]);
+        let step = whole / ((entry.len() - 1) * every) as f64;
         if step < STEP_S[0] || step > STEP_S[1] || whole < LENGTH_S[0] || whole > LENGTH_S[1] {
             return None;
         }
-        is_counter &= own.windows(2).all(|pair| pair[1] - pair[0] == *every as f64);
+        is_counter &= entry.windows(2).all(|pair| pair[1] - pair[0] == *every as f64);
     }
     Some(is_counter)
 }
 
 /// Whether a column is a time, a distance or a counter.
-pub(super) fn goes_with_time(table: &Table, at: usize) -> bool {
+pub(super) fn goes_with_time(table: &LoggedTable, at: usize) -> bool {
     let rows: Vec<f64> =
         table.recordings.iter().flat_map(|rows| (0..rows.len()).map(|row| row as f64)).collect();
-    let alone = |own: &std::ops::Range<usize>| {
-        correlation(&table.columns[at][own.clone()], &rows[own.clone()]).abs() > WITH_TIME
+    let alone = |entry: &std::ops::Range<usize>| {
+        correlation(&table.columns[at][entry.clone()], &rows[entry.clone()]).abs() > WITH_TIME
     };
     correlation(&table.columns[at], &rows).abs() > WITH_TIME || table.recordings.iter().all(alone)
 }

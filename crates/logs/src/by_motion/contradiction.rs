@@ -57,7 +57,7 @@ impl SampledRecording {
 
 /// What others say of a recording.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Judged {
+pub enum Agreement {
     /// It is as the others, as far as these tell.
     Alike,
     /// It is not, in words.
@@ -67,16 +67,16 @@ pub enum Judged {
 }
 
 /// Judges each of `recordings` by models of the others; `dt` is the time between samples \[s\].
-pub fn judged(recordings: &[SampledRecording], dt: f64) -> Vec<Judged> {
+pub fn judged(recordings: &[SampledRecording], dt: f64) -> Vec<Agreement> {
     if recordings.len() < LEAST {
-        return vec![Judged::Alike; recordings.len()];
+        return vec![Agreement::Alike; recordings.len()];
     }
     let steered = steered(recordings, dt);
     let surged = surged(recordings, dt);
     let both = steered.into_iter().zip(surged);
     both.map(|(steered, surged)| match (steered, surged) {
-        (Judged::Against(one), Judged::Against(other)) => Judged::Against(format!("{one}; {other}")),
-        (Judged::Against(why), _) | (_, Judged::Against(why)) => Judged::Against(why),
+        (Agreement::Against(one), Agreement::Against(other)) => Agreement::Against(format!("{one}; {other}")),
+        (Agreement::Against(why), _) | (_, Agreement::Against(why)) => Agreement::Against(why),
         (steered, _) => steered,
     })
     .collect()
@@ -92,7 +92,7 @@ fn signals(inputs: usize) -> Vec<(usize, Option<usize>)> {
 }
 
 /// Regressors that have no steering.
-const OWN: usize = 3;
+const BASE: usize = 3;
 
 fn steering_rows(
     recording: &SampledRecording,
@@ -105,7 +105,7 @@ fn steering_rows(
         let s = |k: usize| inputs[a][k] - b.map_or(0.0, |b| inputs[b][k]);
         let last = inputs[a].len().min(r.len() - 1);
         let row = |from: usize| {
-            let mut all = vec![0.0; OWN + 4];
+            let mut all = vec![0.0; BASE + 4];
             for k in from..from + window {
                 let (u, r, s) = (u[k], r[k], s(k));
                 let now = [r, r * r.abs(), u * r, s, s * u.abs(), s * u * u, s * s.abs()];
@@ -129,29 +129,30 @@ fn sums(rows: &[&(Vec<f64>, f64)], weights: &[f64]) -> Sums {
 /// Coefficients that outliers hardly move, and the robust deviation of the residuals.
 fn robust(rows: &[&(Vec<f64>, f64)]) -> Option<(Vec<f64>, f64)> {
     let mut weights = vec![1.0; rows.len()];
-    let mut found = None;
+    let mut last_fit = None;
     for _ in 0..ROUNDS {
         let solution = sums(rows, &weights).solution()?;
         let left: Vec<f64> = rows.iter().map(|(row, y)| (y - dot(&solution, row)).abs()).collect();
         let deviation = TO_STD * numerics::statistics::median(left.clone())?;
         let limit = (HUBER * deviation).max(f64::MIN_POSITIVE);
         weights = left.iter().map(|left| (limit / left).min(1.0)).collect();
-        found = Some((solution, deviation));
+        last_fit = Some((solution, deviation));
     }
-    found
+    last_fit
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-fn steered(recordings: &[SampledRecording], dt: f64) -> Vec<Judged> {
-    let none = || vec![Judged::Alike; recordings.len()];
-    let inputs = recordings.iter().flat_map(|own| &own.runs).map(|run| run.len() - 3).min().unwrap_or(0);
+fn steered(recordings: &[SampledRecording], dt: f64) -> Vec<Agreement> {
+    let none = || vec![Agreement::Alike; recordings.len()];
+    let inputs = recordings.iter().flat_map(|entry| &entry.runs).map(|run| run.len() - 3).min().unwrap_or(0);
     // What steers, and over which time: by what each recording says alone, so that none of them spoils it.
     let mut best: Option<(f64, Vec<Rows>)> = None;
     for (signal, window) in signals(inputs).into_iter().flat_map(|s| WINDOWS.map(|window| (s, window))) {
-        let rows: Vec<Rows> = recordings.iter().map(|own| steering_rows(own, dt, window, signal)).collect();
+        let rows: Vec<Rows> =
+            recordings.iter().map(|entry| steering_rows(entry, dt, window, signal)).collect();
         let alone: Vec<f64> = rows.iter().filter_map(explained_alone).collect();
         let gain =
             numerics::statistics::median(alone.clone()).filter(|_| alone.len() >= LEAST).unwrap_or(0.0);
@@ -165,32 +166,39 @@ fn steered(recordings: &[SampledRecording], dt: f64) -> Vec<Judged> {
     loop {
         let gains: Vec<Option<SteeringGain>> =
             (0..rows.len()).map(|at| SteeringGain::of(&rows, at, &apart)).collect();
-        let usual = gains.iter().flatten().map(|own| own.excited).collect();
+        let usual = gains.iter().flatten().map(|entry| entry.excited).collect();
         let Some(usual) = numerics::statistics::median(usual) else { return none() };
-        let excited = |own: &&SteeringGain| own.excited >= EXCITED * usual;
+        let excited = |entry: &&SteeringGain| entry.excited >= EXCITED * usual;
         let of_others = |at: usize| {
             let others = gains
                 .iter()
                 .enumerate()
                 .filter(|(other, _)| *other != at && is_among(&apart, *other).is_none());
-            spread(others.filter_map(|(_, own)| own.as_ref()).filter(excited).map(|own| own.gain).collect())
+            spread(
+                others
+                    .filter_map(|(_, entry)| entry.as_ref())
+                    .filter(excited)
+                    .map(|entry| entry.gain)
+                    .collect(),
+            )
         };
         let against = |at: usize| {
-            let own = gains[at].as_ref().filter(excited)?;
-            own.contradicts(of_others(at)).then(|| (at, own.gain, (own.gain - 1.0).abs() / own.error))
+            let entry = gains[at].as_ref().filter(excited)?;
+            entry.contradicts(of_others(at)).then(|| (at, entry.gain, (entry.gain - 1.0).abs() / entry.error))
         };
         let known = |at: &usize| is_among(&apart, *at).is_none();
         let next = (0..rows.len()).filter(known).filter_map(against).max_by(|a, b| a.2.total_cmp(&b.2));
         match next.filter(|_| 2 * apart.len() < rows.len()) {
             Some((at, gain, _)) => apart.push((at, gain)),
             None => {
-                let judge = |(at, own): (usize, &Option<SteeringGain>)| match (is_among(&apart, at), own) {
-                    (Some(gain), _) => Judged::Against(format!(
+                let judge = |(at, entry): (usize, &Option<SteeringGain>)| match (is_among(&apart, at), entry)
+                {
+                    (Some(gain), _) => Agreement::Against(format!(
                         "steering turns the ship {gain:.2} times as in the others: reversed, exchanged, or of another ship?"
                     )),
-                    (None, None) => Judged::Unjudged("it is too short"),
-                    (None, Some(own)) if !excited(&own) => Judged::Unjudged("it hardly steers"),
-                    (None, Some(_)) => Judged::Alike,
+                    (None, None) => Agreement::Unjudged("it is too short"),
+                    (None, Some(entry)) if !excited(&entry) => Agreement::Unjudged("it hardly steers"),
+                    (None, Some(_)) => Agreement::Alike,
                 };
                 return gains.iter().enumerate().map(judge).collect();
             }
@@ -206,12 +214,12 @@ fn is_among(apart: &[(usize, f64)], at: usize) -> Option<f64> {
 fn explained_alone(rows: &Rows) -> Option<f64> {
     let all: Vec<_> = rows.iter().collect();
     let whole = sums(&all, &vec![1.0; all.len()]);
-    let every: Vec<usize> = (0..OWN + 4).collect();
+    let every: Vec<usize> = (0..BASE + 4).collect();
     let error = |which: &[usize]| {
         let some = whole.some(which);
         Some(some.residual(&some.solution()?) / (all.len() as f64 - which.len() as f64))
     };
-    (all.len() > 2 * every.len()).then(|| Some(1.0 - error(&every)? / error(&every[..OWN])?)).flatten()
+    (all.len() > 2 * every.len()).then(|| Some(1.0 - error(&every)? / error(&every[..BASE])?)).flatten()
 }
 
 /// The gain of a recording's steering over that of the others, its error, and how much it steers.
@@ -226,17 +234,17 @@ impl SteeringGain {
     fn of(rows: &[Rows], at: usize, apart: &[(usize, f64)]) -> Option<Self> {
         let others = (0..rows.len()).filter(|other| *other != at && is_among(apart, *other).is_none());
         let (model, _) = robust(&others.flat_map(|other| &rows[other]).collect::<Vec<_>>())?;
-        let own = rows[at].iter().map(|(row, y)| {
-            (vec![dot(&model[OWN..], &row[OWN..]), 1.0], y - dot(&model[..OWN], &row[..OWN]))
+        let entry = rows[at].iter().map(|(row, y)| {
+            (vec![dot(&model[BASE..], &row[BASE..]), 1.0], y - dot(&model[..BASE], &row[..BASE]))
         });
-        let own: Vec<(Vec<f64>, f64)> = own.collect();
-        let own: Vec<_> = own.iter().collect();
-        let excited = own.iter().map(|(row, _)| row[0] * row[0]).sum::<f64>();
-        let (solution, deviation) = robust(&own).filter(|_| own.len() >= ROWS)?;
+        let entry: Vec<(Vec<f64>, f64)> = entry.collect();
+        let entry: Vec<_> = entry.iter().collect();
+        let excited = entry.iter().map(|(row, _)| row[0] * row[0]).sum::<f64>();
+        let (solution, deviation) = robust(&entry).filter(|_| entry.len() >= ROWS)?;
         Some(Self {
             gain: solution[0],
             error: deviation / excited.sqrt(),
-            excited: (excited / own.len() as f64).sqrt(),
+            excited: (excited / entry.len() as f64).sqrt(),
         })
     }
 
@@ -256,8 +264,8 @@ fn spread(values: Vec<f64>) -> (f64, f64) {
 }
 
 /// Surge as it runs by itself, from its inputs.
-fn surged(recordings: &[SampledRecording], dt: f64) -> Vec<Judged> {
-    let alike = || vec![Judged::Alike; recordings.len()];
+fn surged(recordings: &[SampledRecording], dt: f64) -> Vec<Agreement> {
+    let alike = || vec![Agreement::Alike; recordings.len()];
     let window = 4;
     let step = window as f64 * dt;
     let row = |run: &Vec<Vec<f64>>, k: usize, u: f64| {
@@ -275,15 +283,15 @@ fn surged(recordings: &[SampledRecording], dt: f64) -> Vec<Judged> {
     };
     let rows: Vec<Rows> = recordings
         .iter()
-        .map(|own| {
+        .map(|entry| {
             let of = |run| ends(run).map(move |k| (row(run, k, run[0][k]), run[0][k + window] - run[0][k]));
-            own.runs.iter().flat_map(of).collect()
+            entry.runs.iter().flat_map(of).collect()
         })
         .collect();
     // Errors of the free run of each, by a model of the others.
     let errors = |at: usize| -> Option<Vec<f64>> {
         let others: Vec<_> =
-            rows.iter().enumerate().filter(|(other, _)| *other != at).flat_map(|(_, own)| own).collect();
+            rows.iter().enumerate().filter(|(other, _)| *other != at).flat_map(|(_, entry)| entry).collect();
         let (model, _) = robust(&others)?;
         let mut all = Vec::new();
         for run in &recordings[at].runs {
@@ -296,7 +304,7 @@ fn surged(recordings: &[SampledRecording], dt: f64) -> Vec<Judged> {
         (all.len() >= ROWS && all.iter().all(|error| error.is_finite())).then_some(all)
     };
     let errors: Vec<Option<Vec<f64>>> = (0..recordings.len()).map(errors).collect();
-    let logarithm = |own: &Vec<f64>| libm::log((dot(own, own) / own.len() as f64).sqrt().max(1e-9));
+    let logarithm = |entry: &Vec<f64>| libm::log((dot(entry, entry) / entry.len() as f64).sqrt().max(1e-9));
     let logarithms: Vec<f64> = errors.iter().flatten().map(logarithm).collect();
     if logarithms.len() < LEAST {
         return alike();
@@ -304,16 +312,16 @@ fn surged(recordings: &[SampledRecording], dt: f64) -> Vec<Judged> {
     let (middle, deviation) = spread(logarithms);
     let all: Vec<f64> = errors.iter().flatten().flatten().map(|error| error.abs()).collect();
     let usual = TO_STD * numerics::statistics::median(all).unwrap_or(0.0);
-    let judge = |own: &Option<Vec<f64>>| {
-        let Some(own) = own else { return Judged::Alike };
-        let far = (logarithm(own) - middle) / deviation;
-        let beyond = own.iter().filter(|error| error.abs() > BEYOND.0 * usual).count() as f64;
-        match far > FAR || beyond > BEYOND.1 * own.len() as f64 {
-            true => Judged::Against(
+    let judge = |entry: &Option<Vec<f64>>| {
+        let Some(entry) = entry else { return Agreement::Alike };
+        let far = (logarithm(entry) - middle) / deviation;
+        let beyond = entry.iter().filter(|error| error.abs() > BEYOND.0 * usual).count() as f64;
+        match far > FAR || beyond > BEYOND.1 * entry.len() as f64 {
+            true => Agreement::Against(
                 "its speed does not follow its inputs as in the others: hauled, aground, or of another ship?"
                     .to_owned(),
             ),
-            false => Judged::Alike,
+            false => Agreement::Alike,
         }
     };
     errors.iter().map(judge).collect()

@@ -11,9 +11,9 @@ mod table;
 
 pub use actuators::ActuatorChoice;
 pub use clocks::{ClockChoice, clocks};
-pub use contradiction::{Judged, SampledRecording, judged};
+pub use contradiction::{Agreement, SampledRecording, judged};
 pub use motion::{Ground, Hypothesis, RateChoice, Speeds};
-pub use table::{RECORDINGS, ROWS, Table};
+pub use table::{LoggedTable, RECORDINGS, ROWS};
 
 use actuators::{Of, Response};
 use motion::{Fits, Motions, TURN};
@@ -65,8 +65,8 @@ pub struct FoundMotion {
 
 /// What the columns of `table` are, by the clock that explains most among `clocks`, the first of those that explain alike; `free` are the columns
 /// that are looked at.
-pub fn found_with_clock(
-    table: &Table,
+pub fn motion_with_clock(
+    table: &LoggedTable,
     clocks: &[ClockChoice],
     free: &[usize],
     fits: Fits,
@@ -81,10 +81,10 @@ pub fn found_with_clock(
         let time: Vec<f64> = table.columns[clock.column].iter().map(|count| size * count).collect();
         let is_copy = |at: &usize| *at == clock.column || is_copy(table, *at, clock.column);
         let free: Vec<usize> = free.iter().copied().filter(|at| !is_copy(at)).collect();
-        let found = found(table, &time, &free, fits);
-        let is_better = |known: &FoundMotion| found.score < SCORE && found.score + RIVAL.1 < known.score;
+        let moved = motion_of(table, &time, &free, fits);
+        let is_better = |known: &FoundMotion| moved.score < SCORE && moved.score + RIVAL.1 < known.score;
         if best.as_ref().is_none_or(|(_, known)| is_better(known)) {
-            best = Some((*clock, found));
+            best = Some((*clock, moved));
         }
     }
     best
@@ -92,7 +92,7 @@ pub fn found_with_clock(
 
 /// What the columns of `table` are, where `time` \[s\] is known for every row; `fits` says whether a column may be in a unit.
 /// `free` columns are those that are not the clock.
-pub fn found(table: &Table, time: &[f64], free: &[usize], fits: Fits) -> FoundMotion {
+pub fn motion_of(table: &LoggedTable, time: &[f64], free: &[usize], fits: Fits) -> FoundMotion {
     let free: Vec<usize> = free.iter().copied().filter(|at| table.moves(*at)).collect();
     let all = Motions::new(table, time, &free, fits).hypotheses();
     let Some(best) = all.first() else {
@@ -111,8 +111,8 @@ pub fn found(table: &Table, time: &[f64], free: &[usize], fits: Fits) -> FoundMo
     for (channel, column, unit, sign) in channels_of(best) {
         let mut rivals: Vec<(usize, f64)> = Vec::new();
         let other = |other: &Hypothesis| {
-            let own = channels_of(other).into_iter().find(|(name, ..)| same(name, channel))?;
-            (own.1 != column || own.2 != unit).then_some((own.1, other.score))
+            let entry = channels_of(other).into_iter().find(|(name, ..)| same(name, channel))?;
+            (entry.1 != column || entry.2 != unit).then_some((entry.1, other.score))
         };
         for (at, score) in all.iter().filter_map(other) {
             if rivals.iter().all(|(known, _)| *known != at) {
@@ -125,19 +125,19 @@ pub fn found(table: &Table, time: &[f64], free: &[usize], fits: Fits) -> FoundMo
         let is_sure = is_known && rivals.is_empty() && !(is_course && is_angle);
         channels.push(FoundChannel { channel, column, unit, sign, is_sure, score: best.score, rivals });
     }
-    let mut found = FoundMotion {
+    let mut moved = FoundMotion {
         channels,
         is_east: best.ground == Ground::East,
         score: best.score,
         is_known,
         ..FoundMotion::default()
     };
-    actuated(&mut found, table, time, &free, best);
-    found
+    actuated(&mut moved, table, time, &free, best);
+    moved
 }
 
 /// Whether two columns have the same numbers, but for their unit.
-fn is_copy(table: &Table, a: usize, b: usize) -> bool {
+fn is_copy(table: &LoggedTable, a: usize, b: usize) -> bool {
     a != b && 1.0 - table::correlation(&table.columns[a], &table.columns[b]).abs() < 1e-10
 }
 
@@ -170,11 +170,11 @@ fn channels_of(known: &Hypothesis) -> Vec<(&'static str, usize, &'static str, f6
     all
 }
 
-fn actuated(found: &mut FoundMotion, table: &Table, time: &[f64], free: &[usize], best: &Hypothesis) {
-    let of = |channel: &str| found.channels.iter().find(|own| own.channel == channel);
-    let values = |own: &FoundChannel| -> Vec<f64> {
-        let size = own.sign * crate::unit(own.unit).map_or(1.0, |unit| unit.factor);
-        table.columns[own.column].iter().map(|value| size * value).collect()
+fn actuated(moved: &mut FoundMotion, table: &LoggedTable, time: &[f64], free: &[usize], best: &Hypothesis) {
+    let of = |channel: &str| moved.channels.iter().find(|entry| entry.channel == channel);
+    let values = |entry: &FoundChannel| -> Vec<f64> {
+        let size = entry.sign * crate::unit(entry.unit).map_or(1.0, |unit| unit.factor);
+        table.columns[entry.column].iter().map(|value| size * value).collect()
     };
     let rate = of("y_r").map(values).or_else(|| Some(slope(table, time, &values(of("psi")?))));
     let surge = of("y_u").map(values).or_else(|| match best.speeds.0 {
@@ -185,14 +185,14 @@ fn actuated(found: &mut FoundMotion, table: &Table, time: &[f64], free: &[usize]
     });
     let (Some(rate), Some(surge)) = (rate, surge) else { return };
     let response = Response { table, time, surge: &surge, rate: &rate };
-    let used: Vec<usize> = found.channels.iter().map(|own| own.column).collect();
+    let used: Vec<usize> = moved.channels.iter().map(|entry| entry.column).collect();
     let candidates = response.candidates(free, &used);
     let (steering, drive) = (response.ranked(&candidates, Of::Rate), response.ranked(&candidates, Of::Surge));
-    (found.steering, found.drive, found.candidates) = (steering, drive, candidates);
+    (moved.steering, moved.drive, moved.candidates) = (steering, drive, candidates);
 }
 
 /// Slopes over a few rows.
-fn slope(table: &Table, time: &[f64], values: &[f64]) -> Vec<f64> {
+fn slope(table: &LoggedTable, time: &[f64], values: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; values.len()];
     for rows in &table.recordings {
         for row in rows.clone() {

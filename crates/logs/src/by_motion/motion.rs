@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
 
-use super::table::{STEPS, Sums, Table, dot, extent, increments, scatter};
+use super::table::{LoggedTable, STEPS, Sums, dot, extent, increments, scatter};
 
 /// Units that are tried, with their sizes.
 const ANGLES: [(&str, f64); 2] = [("rad", 1.0), ("deg", PI / 180.0)];
@@ -114,7 +114,7 @@ struct Angle {
 pub(super) type Fits<'a> = &'a dyn Fn(usize, &str) -> bool;
 
 pub(super) struct Motions<'a> {
-    table: &'a Table,
+    table: &'a LoggedTable,
     time: &'a [f64],
     /// Columns that move.
     free: &'a [usize],
@@ -126,13 +126,14 @@ pub(super) struct Motions<'a> {
 }
 
 impl<'a> Motions<'a> {
-    pub(super) fn new(table: &'a Table, time: &'a [f64], free: &'a [usize], fits: Fits<'a>) -> Self {
+    pub(super) fn new(table: &'a LoggedTable, time: &'a [f64], free: &'a [usize], fits: Fits<'a>) -> Self {
         let all = STEPS.map(|step| table.spans(step));
         let enough = |spans: &Vec<[usize; 2]>| spans.len() >= 8;
         let spans: Vec<Vec<[usize; 2]>> = all.into_iter().filter(enough).collect();
         let of = |spans: &Vec<[usize; 2]>| table.columns.iter().map(|c| increments(c, spans)).collect();
         let steps: Vec<Vec<Vec<f64>>> = spans.iter().map(of).collect();
-        let squares = steps.iter().map(|all| all.iter().map(|own| [dot(own, own), scatter(own)]).collect());
+        let squares =
+            steps.iter().map(|all| all.iter().map(|entry| [dot(entry, entry), scatter(entry)]).collect());
         Self { table, time, free, fits, spans, squares: squares.collect(), steps }
     }
 
@@ -194,10 +195,10 @@ impl<'a> Motions<'a> {
     }
 
     fn angle(&self, column: usize, unit: &'static str, size: f64) -> Option<Angle> {
-        let own = &self.table.columns[column];
-        let [least, most] = extent(own);
-        let is_wrapped = self.is_wrapped(own, TAU / size, most - least);
-        let mut values: Vec<f64> = own.iter().map(|value| size * value).collect();
+        let entry = &self.table.columns[column];
+        let [least, most] = extent(entry);
+        let is_wrapped = self.is_wrapped(entry, TAU / size, most - least);
+        let mut values: Vec<f64> = entry.iter().map(|value| size * value).collect();
         if is_wrapped {
             for [before, row] in self.pairs() {
                 let step = values[row] - values[before];
@@ -216,10 +217,10 @@ impl<'a> Motions<'a> {
 
     /// The two best rates of an angle.
     fn rates(&self, angle: usize, values: &[f64]) -> Vec<RateChoice> {
-        let mut found: Vec<RateChoice> = Vec::new();
+        let mut rates: Vec<RateChoice> = Vec::new();
         for column in self.free.iter().copied().filter(|column| *column != angle) {
-            let own = &self.table.columns[column];
-            let integral = self.table.integral(|row| own[row], self.time);
+            let entry = &self.table.columns[column];
+            let integral = self.table.integral(|row| entry[row], self.time);
             let best = self.spans.iter().filter_map(|spans| {
                 let [angle, integral] = [values, &integral].map(|all| increments(all, spans));
                 let lengths = increments(self.time, spans);
@@ -232,11 +233,11 @@ impl<'a> Motions<'a> {
                 let (unit, _) = RATES.into_iter().find(is)?;
                 Some(RateChoice { column, unit, sign: solution[0].signum(), share })
             });
-            found.extend(best.filter(|rate| rate.share > RATED).max_by(|a, b| a.share.total_cmp(&b.share)));
+            rates.extend(best.filter(|rate| rate.share > RATED).max_by(|a, b| a.share.total_cmp(&b.share)));
         }
-        found.sort_by(|a, b| b.share.total_cmp(&a.share));
-        found.truncate(2);
-        found
+        rates.sort_by(|a, b| b.share.total_cmp(&a.share));
+        rates.truncate(2);
+        rates
     }
 
     /// Hypotheses with each column as the speed, without sway.
@@ -244,9 +245,9 @@ impl<'a> Motions<'a> {
         let mut all = Vec::new();
         let is_fit = |column: &&usize| SPEEDS.iter().any(|(unit, _)| (self.fits)(**column, unit));
         for speed in self.free.iter().copied().filter(|s| *s != angle.column && is_fit(&s)) {
-            let own = &self.table.columns[speed];
-            let along = self.table.integral(|row| own[row] * angle.cos[row], self.time);
-            let across = self.table.integral(|row| own[row] * angle.sin[row], self.time);
+            let entry = &self.table.columns[speed];
+            let along = self.table.integral(|row| entry[row] * angle.cos[row], self.time);
+            let across = self.table.integral(|row| entry[row] * angle.sin[row], self.time);
             let [cosines, sines] = self.places([angle.column, speed], [&along, &across]);
             let pairs = cosines.iter().flat_map(|c| sines.iter().map(move |s| (*c, *s)));
             for ((c, [cc, cs]), (s, [sc, ss])) in pairs {
@@ -254,7 +255,7 @@ impl<'a> Motions<'a> {
                 if c == s || right > OFF_RIGHT {
                     continue;
                 }
-                let ahead = [cc, ss].map(|slope| slope * own.iter().sum::<f64>() > 0.0);
+                let ahead = [cc, ss].map(|slope| slope * entry.iter().sum::<f64>() > 0.0);
                 for (ground, position, metres) in self.grounds([(c, cc.signum()), (s, ss.signum())]) {
                     // North and east are where they are.
                     if !ahead[0] && ground != Ground::Metres || !ahead[1] && ground == Ground::East {
@@ -279,7 +280,7 @@ impl<'a> Motions<'a> {
 
     /// The columns that go along the zero of an angle, and across it, with these integrals: each with its slopes, the best three.
     fn places(&self, used: [usize; 2], [along, across]: [&Vec<f64>; 2]) -> [Vec<(usize, [f64; 2])>; 2] {
-        let mut found: [Vec<(f64, usize, [f64; 2])>; 2] = [Vec::new(), Vec::new()];
+        let mut axes: [Vec<(f64, usize, [f64; 2])>; 2] = [Vec::new(), Vec::new()];
         let most = self.spans.len();
         let usual: Vec<_> = [1, 2, 3]
             .into_iter()
@@ -292,8 +293,8 @@ impl<'a> Motions<'a> {
             .collect();
         for column in self.free.iter().copied().filter(|column| !used.contains(column)) {
             let best = usual.iter().filter_map(|(at, a, b, [aa, ab, bb])| {
-                let own = &self.steps[*at][column];
-                let (ya, yb, whole) = (dot(own, a), dot(own, b), aa * bb - ab * ab);
+                let entry = &self.steps[*at][column];
+                let (ya, yb, whole) = (dot(entry, a), dot(entry, b), aa * bb - ab * ab);
                 if whole <= 1e-9 * aa * bb {
                     return None;
                 }
@@ -304,12 +305,12 @@ impl<'a> Motions<'a> {
             let Some((share, [c, s])) = best.max_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
             let length = c.hypot(s);
             if share > PLACED && s.abs() <= OFF_AXIS * length {
-                found[0].push((share, column, [c, s]));
+                axes[0].push((share, column, [c, s]));
             } else if share > PLACED && c.abs() <= OFF_AXIS * length {
-                found[1].push((share, column, [c, s]));
+                axes[1].push((share, column, [c, s]));
             }
         }
-        found.map(|mut axis| {
+        axes.map(|mut axis| {
             axis.sort_by(|a, b| b.0.total_cmp(&a.0));
             axis.into_iter().take(3).map(|(_, column, slopes)| (column, slopes)).collect()
         })
@@ -359,7 +360,7 @@ impl<'a> Motions<'a> {
             let gains = sums.solution()?;
             let half = target.len() / 2;
             let of_axis = |rows: Range<usize>| {
-                let parts: Vec<&[f64]> = all.iter().map(|own| &own[rows.clone()]).collect();
+                let parts: Vec<&[f64]> = all.iter().map(|entry| &entry[rows.clone()]).collect();
                 let sums = Sums::of(&parts, &target[rows]);
                 sums.residual(&gains) / sums.square()
             };
@@ -388,8 +389,9 @@ impl<'a> Motions<'a> {
             Speeds::Ship(_, u, v) => [Some(u), v],
             Speeds::Earth([x, y]) => [Some(x), Some(y)],
         };
-        let is_used =
-            |column: usize| used.contains(&Some(column)) || position.iter().any(|(own, _)| *own == column);
+        let is_used = |column: usize| {
+            used.contains(&Some(column)) || position.iter().any(|(entry, _)| *entry == column)
+        };
         let rate = angle.rates.iter().copied().find(|rate| !is_used(rate.column));
         let score = unexplained + rate_score(rate) + if is_off { GAIN_CLEAR.1 } else { 0.0 };
         Hypothesis {
@@ -416,9 +418,9 @@ impl<'a> Motions<'a> {
         let used = [angle.column, surge, x, y];
         let metres = self.grounds(known.position).into_iter().find(|(ground, ..)| *ground == known.ground);
         let Some((.., metres)) = metres else { return Vec::new() };
-        let own = &self.table.columns[surge];
-        let along = self.table.integral(|row| own[row] * angle.cos[row], self.time);
-        let across = self.table.integral(|row| own[row] * angle.sin[row], self.time);
+        let entry = &self.table.columns[surge];
+        let along = self.table.integral(|row| entry[row] * angle.cos[row], self.time);
+        let across = self.table.integral(|row| entry[row] * angle.sin[row], self.time);
         let rate = known.rate.map(|rate| rate.column);
         let mut all = Vec::new();
         for sway in self.free.iter().copied().filter(|column| !used.contains(column) && rate != Some(*column))
@@ -426,9 +428,9 @@ impl<'a> Motions<'a> {
             if !(self.fits)(sway, unit) {
                 continue;
             }
-            let own = &self.table.columns[sway];
-            let back = self.table.integral(|row| -own[row] * angle.sin[row], self.time);
-            let out = self.table.integral(|row| own[row] * angle.cos[row], self.time);
+            let entry = &self.table.columns[sway];
+            let back = self.table.integral(|row| -entry[row] * angle.sin[row], self.time);
+            let out = self.table.integral(|row| entry[row] * angle.cos[row], self.time);
             let fit = self.explained(known.position, metres, &[[&along, &across], [&back, &out]]);
             let Some((unexplained, gains, alone)) = fit else { continue };
             let (ratio, speed) = (gains[1] / gains[0], self.speed_unit(surge, gains[0]));
@@ -452,8 +454,8 @@ impl<'a> Motions<'a> {
         // Position, speed, sign, metres, unit, and what is not explained.
         let mut pairs: Vec<(usize, usize, f64, &str, f64)> = Vec::new();
         for speed in self.free.iter().copied() {
-            let own = &self.table.columns[speed];
-            let integral = self.table.integral(|row| own[row], self.time);
+            let entry = &self.table.columns[speed];
+            let integral = self.table.integral(|row| entry[row], self.time);
             let steps: Vec<Vec<f64>> = self.spans.iter().map(|spans| increments(&integral, spans)).collect();
             for place in self.free.iter().copied().filter(|place| *place != speed && (self.fits)(*place, "m"))
             {
@@ -476,7 +478,7 @@ impl<'a> Motions<'a> {
             for angle in
                 angles.iter().filter(|angle| ![north.0, north.1, east.0, east.1].contains(&angle.column))
             {
-                let [vx, vy] = [north, east].map(|own| &self.table.columns[own.1]);
+                let [vx, vy] = [north, east].map(|entry| &self.table.columns[entry.1]);
                 for sign in [1.0, -1.0] {
                     let off = off_course(angle, vx, vy, sign);
                     if off < POINTS && !angle.rates.is_empty() {

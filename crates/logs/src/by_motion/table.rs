@@ -13,7 +13,7 @@ pub(super) const STEPS: [usize; 4] = [4, 12, 36, 100];
 
 /// Columns of some recordings, each thinned to few rows.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Table {
+pub struct LoggedTable {
     /// The columns, recording after recording.
     pub columns: Vec<Vec<f64>>,
     /// The rows of each recording.
@@ -22,7 +22,7 @@ pub struct Table {
     pub(super) every: Vec<usize>,
 }
 
-impl Table {
+impl LoggedTable {
     /// The table of `recordings`, each one of so many rows of a list of columns; absent values are NaN, and the one before counts.
     pub fn of(mut recordings: Vec<(usize, Vec<Vec<f64>>)>) -> Self {
         let rows = |recording: &[Vec<f64>]| recording.first().map_or(0, Vec::len);

@@ -5,7 +5,7 @@ use std::io::{BufRead, Cursor};
 use refusal::{Invalid, foreign};
 
 use crate::LogError;
-use crate::by_motion::Table;
+use crate::by_motion::LoggedTable;
 use crate::csv::LineCells;
 use crate::encoding::Lines;
 
@@ -106,11 +106,11 @@ impl Head {
     }
 
     /// The first rows as a table of one recording.
-    pub fn table(&self) -> Table {
+    pub fn table(&self) -> LoggedTable {
         let column = |at: usize| {
             self.rows.iter().map(|row| self.value(row.get(at).map_or("", String::as_str))).collect()
         };
-        Table::of(vec![(1, (0..self.columns.len()).map(column).collect())])
+        LoggedTable::of(vec![(1, (0..self.columns.len()).map(column).collect())])
     }
 
     /// The numbers in one of `every` rows of a text with these columns; times as text in seconds; NaN for what is none.

@@ -8,7 +8,7 @@ mod topics;
 
 pub use head::Head;
 pub use names::Named;
-pub use tables::{Choice, Clock, Guess, MOST, Question};
+pub use tables::{Clock, ColumnChoice, Guess, MOST, Question};
 pub use topics::{BagGuess, TopicGuess};
 
 use std::collections::BTreeMap;

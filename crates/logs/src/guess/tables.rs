@@ -5,7 +5,7 @@ use std::cmp::Reverse;
 use super::names::{Named, ROLES, Role};
 use super::{Head, Needed, Placed, usual_unit};
 use crate::by_motion::{
-    ActuatorChoice, ClockChoice, FoundChannel, FoundMotion, Table, clocks, found, found_with_clock,
+    ActuatorChoice, ClockChoice, FoundChannel, FoundMotion, LoggedTable, clocks, motion_of, motion_with_clock,
 };
 use crate::{TimeUnit, factor};
 
@@ -40,12 +40,12 @@ pub struct Question {
     /// The channel.
     pub channel: String,
     /// The columns, the best first.
-    pub choices: Vec<Choice>,
+    pub choices: Vec<ColumnChoice>,
 }
 
 /// A column that may be a channel, and why.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Choice {
+pub struct ColumnChoice {
     /// How it would be placed.
     pub placed: Placed,
     /// What speaks for it.
@@ -71,7 +71,7 @@ pub struct Guess {
     pub is_numbered: bool,
 }
 
-struct Search<'a> {
+struct TableSearch<'a> {
     head: &'a Head,
     names: Vec<Named>,
     needed: &'a [Needed],
@@ -86,9 +86,10 @@ struct Search<'a> {
 
 impl Guess {
     /// What `head` with the recordings in `table` is likely to have for a model with the channels `needed`.
-    pub fn of(head: &Head, table: &Table, needed: &[Needed]) -> Self {
+    pub fn of(head: &Head, table: &LoggedTable, needed: &[Needed]) -> Self {
         let names: Vec<Named> = head.columns.iter().map(|column| Named::of(column)).collect();
-        let fits = |at: usize, unit: &str| names[at].unit.is_none_or(|own| factor(own, unit) == Some(1.0));
+        let fits =
+            |at: usize, unit: &str| names[at].unit.is_none_or(|entry| factor(entry, unit) == Some(1.0));
         let looked = looked_at(table, &names, needed);
         let (clock, found) = with_clock(head, table, &names, &looked, &fits);
         let mut free = vec![true; names.len()];
@@ -101,28 +102,32 @@ impl Guess {
         };
         let largest = (0..names.len()).map(most).collect();
         let (placed, asked, missing) = (Vec::new(), Vec::new(), Vec::new());
-        let mut search = Search { head, names, needed, found, largest, free, placed, asked, missing };
+        let mut search = TableSearch { head, names, needed, found, largest, free, placed, asked, missing };
         search.motion();
         search.actuators();
         search.further();
-        let Search { found, free, mut placed, mut asked, missing, .. } = search;
+        let TableSearch { found, free, mut placed, mut asked, missing, .. } = search;
         asked.sort_by_key(|question| !missing.iter().any(|need| need.channel == question.channel));
         let mut clock = clock.map(|(_, clock)| clock);
         let unplaced = head.columns.iter().zip(&free).filter(|(_, free)| **free);
         let unplaced: Vec<String> = unplaced.map(|(column, _)| column.clone()).collect();
-        // Columns without a name of their own are called by their numbers.
-        let is_own =
-            |name: &String| !name.is_empty() && head.columns.iter().filter(|own| *own == name).count() == 1;
-        let used = placed.iter().map(|own| &own.column).chain(clock.iter().map(|own| &own.column));
-        let is_numbered = !head.has_header || !used.clone().all(is_own);
+        // Columns without a name alone are called by their numbers.
+        let is_unique = |name: &String| {
+            !name.is_empty() && head.columns.iter().filter(|entry| *entry == name).count() == 1
+        };
+        let used = placed.iter().map(|entry| &entry.column).chain(clock.iter().map(|entry| &entry.column));
+        let is_numbered = !head.has_header || !used.clone().all(is_unique);
         if is_numbered && head.has_header {
             let number = |name: &mut String| {
-                let at = head.columns.iter().position(|own| own == name).unwrap_or(0);
+                let at = head.columns.iter().position(|entry| entry == name).unwrap_or(0);
                 *name = (at + 1).to_string();
             };
-            placed.iter_mut().for_each(|own| number(&mut own.column));
-            asked.iter_mut().flat_map(|own| &mut own.choices).for_each(|own| number(&mut own.placed.column));
-            clock.iter_mut().for_each(|own| number(&mut own.column));
+            placed.iter_mut().for_each(|entry| number(&mut entry.column));
+            asked
+                .iter_mut()
+                .flat_map(|entry| &mut entry.choices)
+                .for_each(|entry| number(&mut entry.placed.column));
+            clock.iter_mut().for_each(|entry| number(&mut entry.column));
         }
         Self {
             clock,
@@ -142,7 +147,7 @@ impl Guess {
         self.missing.retain(|need| need.channel != channel);
         self.unplaced.retain(|column| *column != placed.column);
         for other in &mut self.asked {
-            other.choices.retain(|own| own.placed.column != placed.column);
+            other.choices.retain(|entry| entry.placed.column != placed.column);
         }
         self.asked.retain(|other| !other.choices.is_empty());
         self.placed.push(placed);
@@ -150,7 +155,7 @@ impl Guess {
 }
 
 /// The columns that are looked at: those that names say something of before others.
-fn looked_at(table: &Table, names: &[Named], needed: &[Needed]) -> Vec<usize> {
+fn looked_at(table: &LoggedTable, names: &[Named], needed: &[Needed]) -> Vec<usize> {
     let channels =
         ROLES.iter().map(|role| role.channel).chain(needed.iter().map(|need| need.channel.as_str()));
     let is_called = |at: usize| channels.clone().any(|channel| names[at].likeness(channel).is_some());
@@ -169,7 +174,7 @@ fn looked_at(table: &Table, names: &[Named], needed: &[Needed]) -> Vec<usize> {
 /// The clock, and what moves by it.
 fn with_clock(
     head: &Head,
-    table: &Table,
+    table: &LoggedTable,
     names: &[Named],
     looked: &[usize],
     fits: &dyn Fn(usize, &str) -> bool,
@@ -180,25 +185,25 @@ fn with_clock(
         Some((at, Clock { column: head.columns[at].clone(), unit, is_unit_guessed, step_s }))
     };
     let is_text = |at: usize| head.is_text(at) && head.has_iso_times(at);
-    let unit_fits = |own: &ClockChoice| match names[own.column].unit {
-        Some("s") => own.unit == TimeUnit::S,
-        Some("ms") => own.unit == TimeUnit::Ms,
+    let unit_fits = |entry: &ClockChoice| match names[entry.column].unit {
+        Some("s") => entry.unit == TimeUnit::S,
+        Some("ms") => entry.unit == TimeUnit::Ms,
         Some(_) => false,
-        None => own.unit == TimeUnit::S || !is_text(own.column),
+        None => entry.unit == TimeUnit::S || !is_text(entry.column),
     };
     let mut choices: Vec<ClockChoice> = clocks(table).into_iter().filter(unit_fits).collect();
     // Of clocks that explain alike, one that is called so, and one that is text.
-    choices.sort_by_key(|own| (!is_text(own.column), !names[own.column].is_time(), own.is_counter));
+    choices.sort_by_key(|entry| (!is_text(entry.column), !names[entry.column].is_time(), entry.is_counter));
     let free: Vec<usize> = looked.to_vec();
-    if let Some((choice, found)) = found_with_clock(table, &choices, &free, fits) {
+    if let Some((choice, moved)) = motion_with_clock(table, &choices, &free, fits) {
         let unit = match is_text(choice.column) {
             true => TimeUnit::Iso8601,
-            false if !found.is_known && names[choice.column].unit.is_none() => {
+            false if !moved.is_known && names[choice.column].unit.is_none() => {
                 count_of(head.largest(choice.column))
             }
             false => choice.unit,
         };
-        return (clock(choice.column, unit), found);
+        return (clock(choice.column, unit), moved);
     }
     // An uneven clock is known by its name; a few rows by their order.
     let called = names.iter().position(Named::is_time);
@@ -213,11 +218,11 @@ fn with_clock(
         (false, _) => count_of(head.largest(at)),
     };
     let size = unit.seconds().unwrap_or(1.0);
-    let known = table.columns.get(at).filter(|own| own.iter().all(|time| time.is_finite()));
+    let known = table.columns.get(at).filter(|entry| entry.iter().all(|time| time.is_finite()));
     let free: Vec<usize> = looked.iter().copied().filter(|other| *other != at).collect();
-    let time: Option<Vec<f64>> = known.map(|own| own.iter().map(|count| size * count).collect());
-    let found = time.map_or_else(FoundMotion::default, |time| found(table, &time, &free, fits));
-    (clock(at, unit), found)
+    let time: Option<Vec<f64>> = known.map(|entry| entry.iter().map(|count| size * count).collect());
+    let moved = time.map_or_else(FoundMotion::default, |time| motion_of(table, &time, &free, fits));
+    (clock(at, unit), moved)
 }
 
 /// What a time up to `largest` counts, if it counts from 1970: else seconds.
@@ -230,16 +235,16 @@ fn count_of(largest: f64) -> TimeUnit {
     }
 }
 
-impl Search<'_> {
+impl TableSearch<'_> {
     /// Places the channels of the motion.
     fn motion(&mut self) {
         let roles = ROLES.iter().filter(|role| !role.is_optional).map(|role| (role.channel, role.unit));
         for (channel, unit) in [("v_x", "m/s"), ("v_y", "m/s")].into_iter().chain(roles) {
-            let found = self.found.channels.iter().find(|own| own.channel == channel).cloned();
-            let is_sure = |own: &FoundChannel| own.is_sure && !self.names[own.column].is_other();
-            match found {
-                Some(found) if is_sure(&found) => self.place_found(&found),
-                Some(found) => self.near(&found, unit),
+            let nearest = self.found.channels.iter().find(|entry| entry.channel == channel).cloned();
+            let is_sure = |entry: &FoundChannel| entry.is_sure && !self.names[entry.column].is_other();
+            match nearest {
+                Some(nearest) if is_sure(&nearest) => self.place_found(&nearest),
+                Some(nearest) => self.near(&nearest, unit),
                 // Where motion told all that there is, it told that nothing is this channel; sway may be too little to be seen.
                 None if self.found.is_known && (channel != "y_v" || self.has("v_x")) => {}
                 None if self.is_said_otherwise(channel) => {}
@@ -254,7 +259,7 @@ impl Search<'_> {
 
     /// Whether another channel with the same information is placed: positions are logged one way.
     fn is_said_otherwise(&self, channel: &str) -> bool {
-        let places = |own: &FoundChannel| own.channel.ends_with("tude_deg") && own.is_sure;
+        let places = |entry: &FoundChannel| entry.channel.ends_with("tude_deg") && entry.is_sure;
         channel.ends_with("tude_deg") && self.has("x")
             || ["x", "y"].contains(&channel) && self.found.channels.iter().any(places)
     }
@@ -281,9 +286,9 @@ impl Search<'_> {
                         true => self.as_found(found),
                         false => self.placed_at(at, (found.channel, unit)),
                     };
-                    Choice { placed, why: format!("score {score:.3}") }
+                    ColumnChoice { placed, why: format!("score {score:.3}") }
                 };
-                let choices: Vec<Choice> = choices.map(choice).collect();
+                let choices: Vec<ColumnChoice> = choices.map(choice).collect();
                 if !choices.is_empty() {
                     self.asked.push(Question { channel: found.channel.to_owned(), choices });
                 }
@@ -358,9 +363,9 @@ impl Search<'_> {
             self.needed.iter().filter(|need| !self.has(&need.channel)).cloned().collect();
         let steers = |need: &Needed| need.unit == "rad";
         for need in &needed {
-            let own = if steers(need) { &self.found.steering } else { &self.found.drive };
+            let entry = if steers(need) { &self.found.steering } else { &self.found.drive };
             let is_alone = needed.iter().filter(|other| steers(other) == steers(need)).count() == 1;
-            let sure = own.first().filter(|first| is_alone && self.is_sure(first, need)).cloned();
+            let sure = entry.first().filter(|first| is_alone && self.is_sure(first, need)).cloned();
             match sure {
                 Some(first) => {
                     let at = first.columns[0];
@@ -379,9 +384,11 @@ impl Search<'_> {
             }
         }
         for need in self.missing.clone() {
-            let own = if steers(&need) { &self.found.steering } else { &self.found.drive };
-            let ranked =
-                own.iter().filter(|own| own.columns.len() == 1).map(|own| (own.columns[0], own.gain));
+            let entry = if steers(&need) { &self.found.steering } else { &self.found.drive };
+            let ranked = entry
+                .iter()
+                .filter(|entry| entry.columns.len() == 1)
+                .map(|entry| (entry.columns[0], entry.gain));
             let mut all: Vec<(usize, Option<f64>)> = ranked.map(|(at, gain)| (at, Some(gain))).collect();
             let others = self.found.candidates.iter().filter(|at| all.iter().all(|(known, _)| known != *at));
             let others: Vec<(usize, Option<f64>)> = others.map(|at| (*at, None)).collect();
@@ -391,11 +398,11 @@ impl Search<'_> {
                 let fits = unit.is_none_or(|unit| crate::shaft_factor(unit, &need.unit).is_some());
                 self.free[*at] && fits && !self.names[*at].is_other()
             });
-            let choice = |(at, gain): &(usize, Option<f64>)| Choice {
+            let choice = |(at, gain): &(usize, Option<f64>)| ColumnChoice {
                 placed: self.placed_at(*at, (&need.channel, &need.unit)),
                 why: gain.map_or("does not stand out".to_owned(), |gain| format!("gain {gain:.2}")),
             };
-            let choices: Vec<Choice> = all.iter().take(CHOICES).map(choice).collect();
+            let choices: Vec<ColumnChoice> = all.iter().take(CHOICES).map(choice).collect();
             if !choices.is_empty() && self.found.is_known {
                 self.asked.push(Question { channel: need.channel.clone(), choices });
             }

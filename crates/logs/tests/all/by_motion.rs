@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
 
 use logs::TimeUnit;
-use logs::by_motion::{Judged, SampledRecording, Table, judged};
+use logs::by_motion::{Agreement, LoggedTable, SampledRecording, judged};
 use logs::guess::{Guess, Head, Needed, Placed};
 
 /// Repeatable numbers.
@@ -107,15 +107,9 @@ fn mixed(seed: u64) -> Mixed {
     }
     let mut order: Vec<usize> = (0..NAMES.len() + 2).collect();
     (1..order.len()).for_each(|i| order.swap(i, draw.below(i + 1)));
-    let names: Vec<String> = (1..=order.len()).map(|i| format!("c{i}")).collect();
     let mixed: Vec<Vec<Vec<f64>>> =
         trials.iter().map(|columns| order.iter().map(|i| columns[*i].clone()).collect()).collect();
-    let cells: Vec<Vec<String>> =
-        mixed[0].iter().map(|column| column.iter().take(99).map(f64::to_string).collect()).collect();
-    let needed = [("n", "1/s"), ("delta", "rad")];
-    let needed = needed.map(|(channel, unit)| Needed { channel: channel.to_owned(), unit: unit.to_owned() });
-    let table = Table::of(mixed.into_iter().map(|columns| (1, columns)).collect());
-    let guess = Guess::of(&Head::of_cells(names, &cells), &table, &needed);
+    let guess = unnamed(mixed);
     // What counts across the heading turns with it.
     let across = |i: usize| [2, 5, 6].contains(&i) && turned[3] != turned[i] || i == 1 && turned[i];
     let is = |i: &usize| NAMES.get(*i).map(|name| (*name, units[*i].0, across(*i)));
@@ -174,7 +168,13 @@ fn guessed(names: &[&str], trials: Vec<Vec<Vec<f64>>>) -> Guess {
     let head = Head::of_cells(names.iter().map(|name| (*name).to_owned()).collect(), &cells);
     let needed = [("n", "1/s"), ("delta", "rad")];
     let needed = needed.map(|(channel, unit)| Needed { channel: channel.to_owned(), unit: unit.to_owned() });
-    Guess::of(&head, &Table::of(trials.into_iter().map(|columns| (1, columns)).collect()), &needed)
+    Guess::of(&head, &LoggedTable::of(trials.into_iter().map(|columns| (1, columns)).collect()), &needed)
+}
+
+/// The same with columns that are called `c1` and so on.
+fn unnamed(trials: Vec<Vec<Vec<f64>>>) -> Guess {
+    let names: Vec<String> = (1..=trials[0].len()).map(|i| format!("c{i}")).collect();
+    guessed(&names.iter().map(String::as_str).collect::<Vec<_>>(), trials)
 }
 
 const PLAIN: [&str; 9] = ["a", "b", "c", "d", "e", "f", "g", "h", "i"];
@@ -315,42 +315,19 @@ fn of_set_points_alone_nothing_is_taken() {
     assert_eq!((columns_of(&guess), guess.asked.len(), guess.missing.len()), (vec![], 0, 2));
 }
 
-/// A published set as it is logged: column, channel, unit.
-type Published<'a> = (&'a str, [(&'a str, &'a str, &'a str); 9]);
-
-const PUBLISHED: [Published; 2] = [
+/// Published sets: their folders, and how their columns are called in the order of [`NAMES`].
+const PUBLISHED: [(&str, &str); 2] = [
     (
         "esso_osaka",
-        [
-            ("t [s]", "t", "s"),
-            ("x_position_mid [m]", "x", "m"),
-            ("y_position_mid [m]", "y", "m"),
-            ("psi_hat [rad]", "psi", "rad"),
-            ("u_velo [m/s]", "y_u", "m/s"),
-            ("vm_velo [m/s]", "y_v", "m/s"),
-            ("r_angvelo [rad/s]", "y_r", "rad/s"),
-            ("n_prop [rps]", "n", "1/s"),
-            ("delta_rudder [rad]", "delta", "rad"),
-        ],
+        "t [s],x_position_mid [m],y_position_mid [m],psi_hat [rad],u_velo [m/s],vm_velo [m/s],r_angvelo [rad/s],delta_rudder \
+         [rad],n_prop [rps]",
     ),
-    (
-        "kvlcc2_hsva",
-        [
-            ("t_s", "t", "s"),
-            ("x_m", "x", "m"),
-            ("y_m", "y", "m"),
-            ("psi_rad", "psi", "rad"),
-            ("u_mps", "y_u", "m/s"),
-            ("v_mps", "y_v", "m/s"),
-            ("r_radps", "y_r", "rad/s"),
-            ("thrust_N", "n", "1/s"),
-            ("delta_rad", "delta", "rad"),
-        ],
-    ),
+    ("kvlcc2_hsva", "t_s,x_m,y_m,psi_rad,u_mps,v_mps,r_radps,delta_rad,thrust_N"),
 ];
+const UNITS: [&str; 7] = ["s", "m", "m", "rad", "m/s", "m/s", "rad/s"];
 
 /// The recordings of a published set, if it is there, and the place of each channel among the columns.
-fn published((folder, columns): &Published) -> Option<(Vec<Vec<Vec<f64>>>, Vec<usize>)> {
+fn published((folder, columns): &(&str, &str)) -> Option<(Vec<Vec<Vec<f64>>>, Vec<usize>)> {
     let (mut folders, mut files) =
         (vec![format!("../../../shared/data/{folder}").into()], Vec::<PathBuf>::new());
     while let Some(folder) = folders.pop() {
@@ -367,7 +344,7 @@ fn published((folder, columns): &Published) -> Option<(Vec<Vec<Vec<f64>>>, Vec<u
     let head = Head::of_csv(&texts[0]).unwrap();
     let read = |text: &String| head.numbers_of(text.as_bytes(), 1).unwrap();
     let place = |name: &str| head.columns.iter().position(|own| own == name).unwrap();
-    Some((texts.iter().map(read).collect(), columns.iter().map(|(name, ..)| place(name)).collect()))
+    Some((texts.iter().map(read).collect(), columns.split(',').map(place).collect()))
 }
 
 #[test]
@@ -392,26 +369,20 @@ fn oracle_columns_of_published_logs_are_found_without_names() {
             for column in changed.iter().flat_map(|i| recordings.iter_mut().map(|own| (*i, own))) {
                 column.1[places[column.0]].iter_mut().for_each(|value| *value *= by);
             }
-            let names: Vec<String> = (1..=recordings[0].len()).map(|i| format!("c{i}")).collect();
-            let cells: Vec<Vec<String>> =
-                recordings[0].iter().map(|own| own.iter().take(99).map(f64::to_string).collect()).collect();
-            let needed = [("n", "1/s"), ("delta", "rad")];
-            let needed =
-                needed.map(|(name, unit)| Needed { channel: name.to_owned(), unit: unit.to_owned() });
-            let table = Table::of(recordings.into_iter().map(|columns| (1, columns)).collect());
-            let guess = Guess::of(&Head::of_cells(names, &cells), &table, &needed);
-            for (i, (_, channel, usual)) in set.1.iter().enumerate() {
+            let guess = unnamed(recordings);
+            for (i, channel) in NAMES.iter().enumerate() {
                 let column = format!("c{}", places[i] + 1);
-                let unit = if changed.contains(&i) && !unit.is_empty() { unit } else { usual };
+                let unit = if changed.contains(&i) && !unit.is_empty() { Some(&unit) } else { UNITS.get(i) };
                 all += 1;
                 if i == 0 {
                     let clock = guess.clock.as_ref().unwrap();
-                    assert_eq!((&clock.column, clock.unit == TimeUnit::Ms), (&column, unit == "ms"));
+                    assert_eq!((&clock.column, clock.unit == TimeUnit::Ms), (&column, unit == Some(&"ms")));
                     (sure, named) = (sure + 1, named + 1);
-                } else if let Some(own) = guess.placed.iter().find(|own| own.channel == *channel) {
-                    assert!(own.column == column && (own.unit == unit || i > 6), "{}: {own:?}", set.0);
+                } else if let Some(own) = guess.placed.iter().find(|own| own.channel == **channel) {
+                    let is_right = own.column == column && unit.is_none_or(|unit| own.unit == **unit);
+                    assert!(is_right, "{}: {own:?}", set.0);
                     (sure, named) = (sure + 1, named + 1);
-                } else if let Some(question) = guess.asked.iter().find(|own| own.channel == *channel) {
+                } else if let Some(question) = guess.asked.iter().find(|own| own.channel == **channel) {
                     named += usize::from(question.choices.iter().any(|own| own.placed.column == column));
                 }
             }
@@ -437,7 +408,7 @@ fn oracle_reversed_steering_is_named_in_published_logs_and_nothing_else() {
             all.into_iter().filter(|own| own.runs[0].iter().flatten().all(|x| x.is_finite())).collect();
         let against = |all: &[SampledRecording]| -> Vec<usize> {
             let judged = judged(all, 1.0);
-            (0..all.len()).filter(|at| matches!(judged[*at], Judged::Against(_))).collect()
+            (0..all.len()).filter(|at| matches!(judged[*at], Agreement::Against(_))).collect()
         };
         assert_eq!(against(&all), Vec::<usize>::new(), "{}", set.0);
         let mut found = 0;
@@ -467,7 +438,7 @@ fn law_a_recording_with_reversed_steering_is_named_and_no_other() {
         let judged = judged(&sampled(&all), DT);
         for (other, own) in judged.iter().enumerate() {
             assert_eq!(
-                matches!(own, Judged::Against(why) if why.contains("steering")),
+                matches!(own, Agreement::Against(why) if why.contains("steering")),
                 other == at,
                 "{at}: {judged:?}"
             );
@@ -481,7 +452,7 @@ fn a_recording_that_is_hauled_is_named_and_one_that_hardly_steers_is_not_judged(
     all.push(trial(&mut Draw(11), 0.004));
     all[2][4].iter_mut().for_each(|u| *u = -0.5 * *u);
     let judged = judged(&sampled(&all), DT);
-    assert!(matches!(&judged[2], Judged::Against(_)), "{judged:?}");
-    assert!(matches!(&judged[7], Judged::Unjudged(_)), "{judged:?}");
-    assert_eq!(judged.iter().filter(|own| **own == Judged::Alike).count(), 6, "{judged:?}");
+    assert!(matches!(&judged[2], Agreement::Against(_)), "{judged:?}");
+    assert!(matches!(&judged[7], Agreement::Unjudged(_)), "{judged:?}");
+    assert_eq!(judged.iter().filter(|own| **own == Agreement::Alike).count(), 6, "{judged:?}");
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use logs::guess::{BagGuess, Choice, Guess, Head, Needed, Placed, Question, SentenceGuess};
+use logs::guess::{BagGuess, ColumnChoice, Guess, Head, Needed, Placed, Question, SentenceGuess};
 use logs::{Format, TimeUnit};
 
 use crate::commands::SEARCHED;
@@ -299,7 +299,7 @@ fn asked(question: &Question) -> String {
         "\n# Several columns may be `{}`: name the right one.\n# [[file.channel]]\n",
         question.channel
     );
-    for Choice { placed, why } in &question.choices {
+    for ColumnChoice { placed, why } in &question.choices {
         let _ = writeln!(text, "# column = {}          # in {}: {why}", quoted(&placed.column), placed.unit);
     }
     let first = question.choices.first().map_or("", |choice| choice.placed.unit.as_str());

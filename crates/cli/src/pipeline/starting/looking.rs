@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use files::{Error, open};
 use logs::Format;
-use logs::by_motion::{RECORDINGS, ROWS, Table};
-use logs::guess::{BagGuess, Choice, Guess, Head, Named, Needed, Placed, SentenceGuess};
+use logs::by_motion::{LoggedTable, RECORDINGS, ROWS};
+use logs::guess::{BagGuess, ColumnChoice, Guess, Head, Named, Needed, Placed, SentenceGuess};
 use refusal::{foreign, listed};
 use study::ingest_file::read::check_format;
 use study::refuse;
@@ -155,7 +155,7 @@ impl Looked {
             let channel = &question.channel;
             on_stderr(format_args!("Which column is `{channel}`? Its number, or nothing for none of these:"));
             for (number, choice) in question.choices.iter().enumerate() {
-                let Choice { placed: Placed { column, unit, .. }, why } = choice;
+                let ColumnChoice { placed: Placed { column, unit, .. }, why } = choice;
                 on_stderr(format_args!("  {}  `{}` in {unit}: {why}", number + 1, foreign(column)));
             }
             let mut line = String::new();
@@ -300,7 +300,7 @@ impl SeenTable {
         let length = open(path)?.metadata().map_err(unreadable)?.len();
         let head = Head::read(reader(path)?).map_err(|error| wrong(path, error))?;
         let packed = if path.extension().is_some_and(|end| end == "gz") { PACKED } else { 1.0 };
-        let rows = packed * length as f64 / head.row_bytes.max(1.0);
+        let rows = (packed * length as f64 / head.row_bytes.max(1.0)).round() - f64::from(head.has_header);
         Ok(Self { head, rows })
     }
 }
@@ -309,7 +309,7 @@ impl SeenTable {
 const PACKED: f64 = 4.0;
 
 /// The columns of the longest `files`, as they were `seen`.
-fn table(folder: &Path, files: &[String], seen: &[SeenTable], quiet: bool) -> Result<Table, Error> {
+fn table(folder: &Path, files: &[String], seen: &[SeenTable], quiet: bool) -> Result<LoggedTable, Error> {
     let mut longest: Vec<usize> = (0..files.len()).collect();
     longest.sort_by(|a, b| seen[*b].rows.total_cmp(&seen[*a].rows));
     longest.truncate(RECORDINGS);
@@ -324,7 +324,7 @@ fn table(folder: &Path, files: &[String], seen: &[SeenTable], quiet: bool) -> Re
         progress.advance(1);
         Ok((every, columns))
     };
-    Ok(Table::of(longest.into_iter().map(read).collect::<Result<_, Error>>()?))
+    Ok(LoggedTable::of(longest.into_iter().map(read).collect::<Result<_, Error>>()?))
 }
 
 /// The refusal of a folder without a log that is read: the first of `all` whose format is known, by its name.
