@@ -313,7 +313,7 @@ fn columns_are_the_same_without_names_and_as_excel_and_pandas_write_them() {
             assert!(found.unwrap() > 1000, "{found:?}");
         }
     };
-    ingested("plain", &["column = \"psi\"\nchannel = \"psi\"", "column = \"t\"\n"]);
+    ingested("plain", &["column = \"psi_rad\"\nchannel = \"psi\"", "column = \"t_s\"\n"]);
     let excel = |text: &str| {
         format!("\u{FEFF}sep=;\r\n{}", text.replace(',', ";").replace('.', ",").replace('\n', "\r\n"))
     };
@@ -327,7 +327,7 @@ fn columns_are_the_same_without_names_and_as_excel_and_pandas_write_them() {
         text.lines().enumerate().map(number).collect::<String>()
     };
     rewrite(&pandas);
-    ingested("pandas", &["column = \"psi\"\nchannel = \"psi\"", "column = \"t\"\n", "#   \"\"\n"]);
+    ingested("pandas", &["column = \"psi_rad\"\nchannel = \"psi\"", "column = \"t_s\"\n", "#   \"\"\n"]);
     rewrite(&|text| text.split_once('\n').unwrap().1.to_owned());
     let motion = [
         "header = false\ncolumns = 9",

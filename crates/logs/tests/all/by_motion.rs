@@ -366,8 +366,10 @@ fn oracle_columns_of_published_logs_are_found_without_names() {
         ];
         for (changed, by, unit) in changes {
             let mut recordings = recordings.clone();
-            for column in changed.iter().flat_map(|i| recordings.iter_mut().map(|own| (*i, own))) {
-                column.1[places[column.0]].iter_mut().for_each(|value| *value *= by);
+            for recording in &mut recordings {
+                for i in changed {
+                    recording[places[*i]].iter_mut().for_each(|value| *value *= by);
+                }
             }
             let guess = unnamed(recordings);
             for (i, channel) in NAMES.iter().enumerate() {
@@ -414,7 +416,7 @@ fn oracle_reversed_steering_is_named_in_published_logs_and_nothing_else() {
         let mut found = 0;
         for at in 0..all.len() {
             let mut turned = all.clone();
-            turned[at].runs[0][4].iter_mut().for_each(|helm| *helm = -*helm);
+            turned[at].runs[0][3].iter_mut().for_each(|helm| *helm = -*helm);
             let named = against(&turned);
             assert!(named.iter().all(|other| *other == at), "{} {at}: {named:?}", set.0);
             found += named.len();
