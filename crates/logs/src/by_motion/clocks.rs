@@ -61,7 +61,8 @@ fn counts(table: &LoggedTable, at: usize, unit: TimeUnit) -> Option<bool> {
         let entry = &values[rows.clone()];
         let whole = size * (entry[entry.len() - 1] - entry[0]);
         let step = whole / ((entry.len() - 1) * every) as f64;
-        if step < STEP_S[0] || step > STEP_S[1] || whole < LENGTH_S[0] || whole > LENGTH_S[1] {
+        let is_within = |value: f64, [low, high]: [f64; 2]| (low..=high).contains(&value);
+        if !is_within(step, STEP_S) || !is_within(whole, LENGTH_S) {
             return None;
         }
         is_counter &= entry.windows(2).all(|pair| pair[1] - pair[0] == *every as f64);

@@ -256,7 +256,8 @@ impl<'a> Motions<'a> {
                     continue;
                 }
                 let ahead = [cc, ss].map(|slope| slope * entry.iter().sum::<f64>() > 0.0);
-                for (ground, position, metres) in self.grounds([(c, cc.signum()), (s, ss.signum())]) {
+                let position = [(c, cc.signum()), (s, ss.signum())];
+                for (ground, metres) in self.grounds(position) {
                     // North and east are where they are.
                     if !ahead[0] && ground != Ground::Metres || !ahead[1] && ground == Ground::East {
                         continue;
@@ -317,10 +318,10 @@ impl<'a> Motions<'a> {
     }
 
     /// What two positions may be measured in, with the metres of each unit.
-    fn grounds(&self, position: [(usize, f64); 2]) -> Vec<(Ground, [(usize, f64); 2], [f64; 2])> {
+    fn grounds(&self, position: [(usize, f64); 2]) -> Vec<(Ground, [f64; 2])> {
         let mut all = Vec::new();
         if position.iter().all(|(column, _)| (self.fits)(*column, "m")) {
-            all.push((Ground::Metres, position, [1.0; 2]));
+            all.push((Ground::Metres, [1.0; 2]));
         }
         let extents = position.map(|(column, _)| extent(&self.table.columns[column]));
         let is_small = |at: usize, most: f64| {
@@ -329,10 +330,10 @@ impl<'a> Motions<'a> {
         };
         let east = |at: usize| DEGREE_M * libm::cos((0.5 * (extents[at][0] + extents[at][1])).to_radians());
         if is_small(0, 89.0) && is_small(1, 360.0) {
-            all.push((Ground::Compass, position, [DEGREE_M, east(0)]));
+            all.push((Ground::Compass, [DEGREE_M, east(0)]));
         }
         if is_small(0, 360.0) && is_small(1, 89.0) {
-            all.push((Ground::East, position, [east(1), DEGREE_M]));
+            all.push((Ground::East, [east(1), DEGREE_M]));
         }
         all
     }
@@ -417,7 +418,7 @@ impl<'a> Motions<'a> {
         let [x, y] = known.position.map(|(column, _)| column);
         let used = [angle.column, surge, x, y];
         let metres = self.grounds(known.position).into_iter().find(|(ground, ..)| *ground == known.ground);
-        let Some((.., metres)) = metres else { return Vec::new() };
+        let Some((_, metres)) = metres else { return Vec::new() };
         let entry = &self.table.columns[surge];
         let along = self.table.integral(|row| entry[row] * angle.cos[row], self.time);
         let across = self.table.integral(|row| entry[row] * angle.sin[row], self.time);
