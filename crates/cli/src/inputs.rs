@@ -14,7 +14,7 @@ use serde_json::json;
 use ship::engine::Run;
 use ship::model::Vessel;
 use study::trajectories::{KeptRuns, Layout, TrajectoryReader};
-use study::{Doubtful, LoggedHelm};
+use study::{Doubtful, LoggedHelm, carry_contradicting};
 
 use crate::cli::budget;
 use crate::failure::Failure;
@@ -65,6 +65,7 @@ fn opened(
     fits(path, &format!("a row group of {rows} rows"), at_once * layout.working_bytes())?;
     provenance.made(key, path, reader.digest(), reader.provenance())?;
     Doubtful::of(reader.provenance()).note(provenance);
+    carry_contradicting(reader.provenance(), provenance);
     LoggedHelm::of(reader.provenance()).note(provenance);
     Ok(reader)
 }

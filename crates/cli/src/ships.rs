@@ -152,7 +152,7 @@ pub struct NewArguments {
     /// her water; draught_m, if given, is compared
     #[arg(long, value_name = "KEY=VALUE,…", requires = "vessel", conflicts_with_all = ["logs", "chart"])]
     scale: Option<String>,
-    /// Folder of logs in CSV: what is in them is guessed, and what was guessed is marked
+    /// Folder of logs: what is in them is found by how it moves, and what was guessed is marked
     #[arg(long, value_name = "FOLDER")]
     logs: Option<PathBuf>,
     /// A chart, or the folder of an exchange set: the trial is planned on it
@@ -233,7 +233,7 @@ impl Task for NewArguments {
             (Some(file), None) => (of_ship(file, &read_hand_written(file)?, common.seed)?, String::new()),
             (None, None) => (simulated(preset()?, &name, charted.as_ref())?, String::new()),
             (None, Some(logs)) => {
-                let (files, looked) = measured(preset()?, logs, charted.as_ref())?;
+                let (files, looked) = measured(preset()?, logs, charted.as_ref(), common.quiet)?;
                 let (guessed, missing) = (looked.guessed(), looked.missing().len());
                 let half = looked.half_a_wind().map(|[channel, what]| {
                     format!("; `{channel}` is not used: no {what} of the wind was found")

@@ -19,6 +19,7 @@
 mod assemble;
 mod axes;
 mod bag;
+pub mod by_motion;
 pub mod chain;
 mod clock;
 mod columns;

@@ -12,6 +12,7 @@ use ship::model::DerivedChannel;
 
 use crate::assemble::{on_one_clock, sources};
 use crate::axes::{Contradictions, check_axes, drift, rescaled};
+use crate::by_motion::Agreement;
 use crate::gate::{check_share, keep_alive, keep_possible};
 use crate::quality::{Derivatives, check_pace};
 use crate::segment::Labelled;
@@ -156,6 +157,23 @@ pub struct RecordingSummary {
     /// Why no estimate is made of it unless asked, in words.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub doubtful: Vec<String>,
+    /// How it contradicts the other recordings, in words; it is used like these unless it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contradicts: Option<String>,
+    /// Why it cannot be judged whether it contradicts the others, in words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unjudged: Option<String>,
+}
+
+impl RecordingSummary {
+    /// Notes what the others say of it.
+    pub fn note(&mut self, agreement: Agreement) {
+        match agreement {
+            Agreement::Alike => {}
+            Agreement::Against(why) => self.contradicts = Some(why),
+            Agreement::Unjudged(why) => self.unjudged = Some(why.to_owned()),
+        }
+    }
 }
 
 fn is_zero(seconds: &f64) -> bool {
@@ -259,6 +277,8 @@ pub fn record(
         omitted: omitted.into_vec(),
         warnings,
         doubtful: doubts.into_iter().chain(contradictions.broken).collect(),
+        contradicts: None,
+        unjudged: None,
         channels: summaries,
         motion: motion.into_iter().flatten().collect(),
     };

@@ -270,6 +270,10 @@ fn recordings(found: &IngestDocument) -> HtmlTable<&RecordingSummary> {
 fn left_out(found: &IngestDocument) -> Markup {
     let omitted = found.omitted();
     let doubtful = || found.recordings.iter().filter(|recording| !recording.doubtful.is_empty());
+    let judged = || {
+        let all = found.recordings.iter().map(|one| (&one.name, &one.contradicts, &one.unjudged));
+        all.filter(|(_, against, unjudged)| against.is_some() || unjudged.is_some())
+    };
     html! {
         @if !omitted.as_slice().is_empty() {
             h3 { "Values left out" }
@@ -278,6 +282,15 @@ fn left_out(found: &IngestDocument) -> Markup {
         @if doubtful().next().is_some() {
             h3 { "Doubtful recordings" }
             ul { @for recording in doubtful() { li { (recording.name) ": " (recording.doubtful.join("; ")) } } }
+        }
+        @if judged().next().is_some() {
+            h3 { "Recordings beside the others" }
+            ul {
+                @for (name, against, unjudged) in judged() {
+                    @if let Some(why) = against { li { (name) " contradicts them: " (why) } }
+                    @if let Some(why) = unjudged { li { (name) " cannot be judged: " (why) } }
+                }
+            }
         }
     }
 }

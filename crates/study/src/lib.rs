@@ -16,7 +16,10 @@ mod tables;
 mod written;
 
 pub use compared_model::Tried;
-pub use notes::{Doubtful, LoggedHelm, at_rate, note_divided, note_reached};
+pub use notes::{
+    Doubtful, LoggedHelm, at_rate, carry_contradicting, contradicting, note_contradicting, note_divided,
+    note_reached, noted_contradicting,
+};
 pub use refusals::{invalid, refuse};
 pub use tables::estimates::{note_seed, seed};
 pub use tables::scores::{recommendations, validated};

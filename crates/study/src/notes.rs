@@ -71,6 +71,41 @@ impl Doubtful {
     }
 }
 
+/// The setting with the names of recordings that contradict the others.
+const CONTRADICTING: &str = "contradicting";
+
+/// Notes those of `recordings` that contradict the others, if there are any, in `provenance`.
+pub fn note_contradicting(recordings: &[RecordingSummary], provenance: &mut Provenance) {
+    let names = recordings.iter().filter(|one| one.contradicts.is_some()).map(|one| one.name.as_str());
+    let names: Vec<&str> = names.collect();
+    if !names.is_empty() {
+        provenance.settings.insert(CONTRADICTING.to_owned(), json!(names));
+    }
+}
+
+/// Notes in `provenance` what is noted in `of`.
+pub fn carry_contradicting(of: &Provenance, provenance: &mut Provenance) {
+    let noted = of.settings.get(CONTRADICTING).cloned();
+    provenance.settings.extend(noted.map(|noted| (CONTRADICTING.to_owned(), noted)));
+}
+
+/// What is noted in the `provenance` of trajectories, or of what was made of them, in words.
+pub fn noted_contradicting(provenance: &Provenance) -> Option<String> {
+    let names: Vec<String> = serde_json::from_value(provenance.settings.get(CONTRADICTING)?.clone()).ok()?;
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    contradicting(&names)
+        .map(|words| format!("{words}: another ship, loading or sensor? --leave-out leaves them out"))
+}
+
+/// Recordings of these names, in words.
+pub fn contradicting(names: &[&str]) -> Option<String> {
+    let (first, more) = names.split_first()?;
+    Some(match more.len() {
+        0 => format!("recording `{first}` contradicts the others"),
+        more => format!("recordings `{first}` and {more} more contradict the others"),
+    })
+}
+
 // Maneuvers that are steered by the sensors that are logged: their inputs follow the noise of the log.
 
 /// The setting of trajectories that lists them.

@@ -2904,6 +2904,10 @@ class RecordingSummary:
     warnings: list[WarningSummary] = field(default_factory=list)
     #: Why no estimate is made of it unless asked, in words.
     doubtful: list[str] = field(default_factory=list)
+    #: How it contradicts the other recordings, in words; it is used like these unless it is left out.
+    contradicts: str | None = None
+    #: Why it cannot be judged whether it contradicts the others, in words.
+    unjudged: str | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -68,7 +68,8 @@ pub(super) fn fit(
     let (runs, _) = flags.of.read(vessel, &mut provenance, inputs::runs)?;
     let (former, reference) = (former.as_deref(), reference.as_ref());
     let fit = ForceFit { vessel, settings, former, reference };
-    let model = fit.model(&runs).map_err(|e| unfit(e, &flags.vessel, flags.of.file()))?;
+    let mut model = fit.model(&runs).map_err(|e| unfit(e, &flags.vessel, flags.of.file()))?;
+    model.statements.extend(study::noted_contradicting(&provenance));
     let noted = [
         ("estimator", json!(Estimator::OutputError)),
         ("pool", json!(true)),

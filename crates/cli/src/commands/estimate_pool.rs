@@ -12,7 +12,7 @@ use serde_json::json;
 use ship::model::Vessel;
 use study::documents::{ChosenStructure, EstimateDocument, LeftOutScores, ModelStructure};
 use study::files::read_any_vessel;
-use study::{LoggedHelm, resamples};
+use study::{LoggedHelm, noted_contradicting, resamples};
 use validation::crossval::{CrossOptions, cross_validate, dealt};
 
 use crate::cli::{Common, none_given};
@@ -86,7 +86,8 @@ pub(super) fn pooled(
     let nominal = flags.nominal().source();
     let pooling = Pooling { pool, nominal, judgement };
     let set = pooling.judged(&runs, (estimator, asked.estimator.is_empty()), resampling);
-    let set = set.map_err(|e| Failure::of_pool(e, file))?;
+    let mut set = set.map_err(|e| Failure::of_pool(e, file))?;
+    set.trust.statements.extend(noted_contradicting(&provenance));
     let scores =
         |(Folds(folds), runs, pool)| left_out(asked, folds, (&pool, &runs), (common, &mut provenance));
     let left_out = dealt_runs.map(scores).transpose()?;

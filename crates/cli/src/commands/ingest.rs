@@ -6,14 +6,15 @@ use std::sync::Arc;
 
 use clap::Parser;
 use files::{Digest, Scratch, TableWriter, commit_with_document, free_bytes};
+use logs::by_motion::{SampledRecording, judged};
 use logs::{BLOCK, Plan, Recorded, RowSummary, Source, Totals};
 use seatrial::Logs;
 use serde_json::json;
-use study::Doubtful;
 use study::documents::{IngestDocument, RecordingSummary};
 use study::files::{read_any_vessel, read_ingest};
 use study::ingest_file::read::recorded;
 use study::trajectories::{Layout, MeasuredBlock};
+use study::{Doubtful, contradicting, note_contradicting};
 
 use crate::cli::{Common, beside, budget, folder_of};
 use crate::failure::{Failure, WorkProgress};
@@ -61,6 +62,7 @@ impl Task for IngestArguments {
         let (totals, recordings, digests) = all(&logs, &out, common.quiet, &mut writer)?;
         provenance.inputs.extend(digests);
         Doubtful::among(&recordings).note(&mut provenance);
+        note_contradicting(&recordings, &mut provenance);
         writer.set_inputs(&provenance);
         let document = logs.document(totals, recordings)?;
         commit_with_document(writer.finish()?, &summary_file, &provenance, &document)?;
@@ -149,8 +151,10 @@ fn all(logs: &Logs, out: &Path, quiet: bool, writer: &mut TableWriter) -> Result
         progress.advance(1);
         recording.map_err(Failure::from)
     };
+    let mut sampled = Vec::new();
     let mut fold = |(mut recorded, digests): (Recorded, Vec<Digest>)| {
         totals.number(&mut recorded);
+        sampled.push(SampledRecording::of(&recorded.runs, plan.exogenous.len()));
         for run in &recorded.runs {
             block.push(run);
             if block.is_full() {
@@ -170,6 +174,8 @@ fn all(logs: &Logs, out: &Path, quiet: bool, writer: &mut TableWriter) -> Result
     }
     block.write(&layout, &schema, writer)?;
     scratch.check()?;
+    let each = recordings.iter_mut().zip(judged(&sampled, 1.0 / rate_hz));
+    each.for_each(|(recording, judged): (&mut RecordingSummary, _)| recording.note(judged));
     Ok((totals, recordings, files))
 }
 
@@ -198,20 +204,28 @@ fn summary(out: &Path, document: &IngestDocument) -> Summary {
         [one] => format!("; doubtful: `{one}`, see ingest.json"),
         [first, more @ ..] => format!("; doubtful: `{first}` and {} more, see ingest.json", more.len()),
     };
+    let against: Vec<&str> =
+        recordings.iter().filter(|one| one.contradicts.is_some()).map(|one| one.name.as_str()).collect();
+    let contradicted =
+        contradicting(&against).map_or(String::new(), |words| format!("; {words}, see ingest.json"));
+    let unjudged = match recordings.iter().filter(|one| one.unjudged.is_some()).count() {
+        0 => String::new(),
+        count => format!("; {count} recordings cannot be judged by the others"),
+    };
     let label = document.data.map_or(String::new(), |label| format!("; {label}"));
     let omitted = document.omitted();
     let left_out = omitted.in_words().map_or(String::new(), |words| format!("; {words}"));
     let line = format!(
         "{runs} runs, {samples} samples, {} maneuvers from {} recordings; {dropped} rows dropped, {splits} gaps \
          that split a recording, {short} segments too short, {left_out_s:.0} s in no \
-         run{mended}{unused}{left_out}{warned}{doubted}{label}",
+         run{mended}{unused}{left_out}{warned}{doubted}{contradicted}{unjudged}{label}",
         maneuvers.len(),
         recordings.len(),
     );
     let details = json!({
         "runs": runs, "samples": samples, "recordings": recordings.len(), "maneuvers": maneuvers.len(),
         "dropped_rows": dropped, "unused_lines": rows.unused, "splits": splits, "short_segments": short, "left_out_s": left_out_s, "warnings": warnings,
-        "omitted": omitted.as_slice(), "doubtful": names,
+        "omitted": omitted.as_slice(), "doubtful": names, "contradicting": against,
     });
     Summary::of(out, line, details)
 }

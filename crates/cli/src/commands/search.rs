@@ -39,8 +39,8 @@ pub(super) fn searched(
     search.check()?;
     let written = SetPaths::of(common, asked, false)?;
     let promised = asked.promised(common)?;
-    let structure = search.terms(vessel, &mut provenance)?;
-    let FoundStructure { search: summary, model } = structure;
+    let FoundStructure { search: mut summary, model } = search.terms(vessel, &mut provenance)?;
+    summary.statements.extend(study::noted_contradicting(&provenance));
     let promise = asked.promise(promised, Some(&model), &mut provenance)?;
     let said = format!("{} terms; {}", summary.terms.len(), summary.statements.join("; "));
     let details =

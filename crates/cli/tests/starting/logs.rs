@@ -293,6 +293,55 @@ fn five_logs_and_a_wind_without_direction_give_the_core_of_a_ship_without_forces
 }
 
 #[test]
+fn columns_are_the_same_without_names_and_as_excel_and_pandas_write_them() {
+    let folder = tempfile::tempdir().unwrap();
+    run(&folder, "new coaster --vessel coaster").succeeds();
+    let simulate = "simulate dictionary --vessel coaster/vessel.toml --dictionary coaster/dictionary.toml";
+    run(&folder, &format!("{simulate} --out table.parquet")).succeeds();
+    logs_of_runs(&folder, &[("n", "n"), ("delta_rad", "delta")]);
+    let logs: Vec<_> =
+        fs::read_dir(folder.path().join("logs")).unwrap().map(|own| own.unwrap().path()).collect();
+    let whole: Vec<String> = logs.iter().map(|path| fs::read_to_string(path).unwrap()).collect();
+    let rewrite = |of: &dyn Fn(&str) -> String| {
+        logs.iter().zip(&whole).for_each(|(path, text)| fs::write(path, of(text)).unwrap());
+    };
+    let ingested = |name: &str, pieces: &[&str]| {
+        run(&folder, &format!("new {name} --vessel coaster --logs logs")).succeeds();
+        let text = String::from_utf8(bytes(&folder, &format!("{name}/ingest.toml"))).unwrap();
+        pieces.iter().for_each(|piece| assert!(text.contains(piece), "no `{piece}` in\n{text}"));
+        let named = text.contains("channel = \"n\"\n") && !text.contains("# channel = \"n\"");
+        if named && !text.contains("# channel = \"delta\"") {
+            run(&folder, &format!("run {name} --out out-{name} --quiet --stage ingest")).succeeds();
+            let found =
+                json(&folder, &format!("out-{name}/measured/ingest.json"))["data"]["samples"].as_u64();
+            assert!(found.unwrap() > 1000, "{found:?}");
+        }
+    };
+    ingested("plain", &["column = \"psi_rad\"\nchannel = \"psi\"", "column = \"t_s\"\n"]);
+    let excel = |text: &str| {
+        format!("\u{FEFF}sep=;\r\n{}", text.replace(',', ";").replace('.', ",").replace('\n', "\r\n"))
+    };
+    rewrite(&excel);
+    ingested("excel", &["separator = \";\"", "decimal = \",\"", "skip_lines = 1", "channel = \"psi\""]);
+    let pandas = |text: &str| {
+        let number = |(row, line): (usize, &str)| match row {
+            0 => format!(",{line}\n"),
+            row => format!("{},{line}\n", row - 1),
+        };
+        text.lines().enumerate().map(number).collect::<String>()
+    };
+    rewrite(&pandas);
+    ingested("pandas", &["column = \"psi_rad\"\nchannel = \"psi\"", "column = \"t_s\"\n", "#   \"\"\n"]);
+    rewrite(&|text| text.split_once('\n').unwrap().1.to_owned());
+    let motion = [
+        "header = false\ncolumns = 9",
+        "column = \"1\"\n",
+        "column = \"4\"\nchannel = \"psi\"  # guessed: by motion",
+    ];
+    ingested("nameless", &[&motion[..], &["column = \"7\"\nchannel = \"y_r\""]].concat());
+}
+
+#[test]
 fn logs_too_short_to_show_their_steps_give_times_above_zero() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("logs")).unwrap();

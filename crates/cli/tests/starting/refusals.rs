@@ -226,7 +226,7 @@ fn logs_without_columns_or_times() {
     refused(&folder, 3, line, &["logs/a.mcap: file", "a whole MCAP file"]);
     put(&folder, "logs/a.ulg", "");
     refused(&folder, 3, line, &["logs: logs: found `a.ulg` beside `a.mcap`", "bags of one format"]);
-    put(&folder, "logs/a.csv", "1,2\n3,4\n5,6\n");
+    put(&folder, "logs/a.csv", "1,speed\n3,4\n5,6\n");
     refused(&folder, 3, line, &["logs/a.csv: columns: found `1` in the first line"]);
     put(&folder, "logs/a.csv", "heading,speed\n3,4\n2,6\n1,6\n");
     refused(&folder, 3, line, &["logs/a.csv: time: found none", "write ingest.toml yourself"]);

@@ -93,9 +93,7 @@ impl TopicSearch<'_> {
                     column: (*field).to_owned(),
                     channel: channel.to_owned(),
                     unit: unit_of(channel).to_owned(),
-                    is_channel_guessed: false,
-                    is_unit_guessed: false,
-                    is_optional: false,
+                    ..Placed::default()
                 };
                 self.place(topic, placed);
             }
@@ -130,7 +128,7 @@ impl TopicSearch<'_> {
             unit: name.unit.unwrap_or_else(|| usual_unit(unit, largest)).to_owned(),
             is_channel_guessed: true,
             is_unit_guessed: name.unit.is_none(),
-            is_optional: false,
+            ..Placed::default()
         };
         self.place(topic, placed);
     }

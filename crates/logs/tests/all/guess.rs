@@ -10,7 +10,7 @@ fn needed(channel: &str, unit: &str) -> Needed {
 /// Column, channel and unit of what is placed of a log with `header` and two rows.
 fn placed(header: &str, rows: &str, model: &[Needed]) -> Vec<[String; 3]> {
     let head = Head::of_csv(&format!("{header}\n{rows}\n")).unwrap();
-    let guess = Guess::of(&head, model);
+    let guess = Guess::of(&head, &head.table(), model);
     guess.placed.into_iter().map(|own| [own.column, own.channel, own.unit]).collect()
 }
 
@@ -75,7 +75,7 @@ fn no_channel_is_guessed_where_a_word_or_a_unit_says_that_it_is_something_else()
 fn what_the_model_lacks_and_what_is_left_are_listed() {
     let head = Head::of_csv("t_s;delta_deg;torque_Nm\n0,0;1,5;2\n0,5;1,5;2\n1,0;1,5;2\n").unwrap();
     assert_eq!((head.separator, head.decimal), (';', ','));
-    let guess = Guess::of(&head, &[needed("delta", "rad"), needed("thrust", "N")]);
+    let guess = Guess::of(&head, &head.table(), &[needed("delta", "rad"), needed("thrust", "N")]);
     assert_eq!(guess.missing, [needed("thrust", "N")]);
     assert_eq!(guess.unplaced, ["torque_Nm"]);
     let clock = guess.clock.unwrap();
@@ -87,7 +87,7 @@ fn clocks_are_known_by_units_by_text_and_by_size() {
     let clock = |column: &str, times: [&str; 3]| {
         let rows = times.map(|time| format!("{time},1")).join("\n");
         let head = Head::of_csv(&format!("{column},a\n{rows}\n0,0\n")).unwrap();
-        let clock = Guess::of(&head, &[]).clock.unwrap();
+        let clock = Guess::of(&head, &head.table(), &[]).clock.unwrap();
         (clock.unit, clock.is_unit_guessed)
     };
     assert_eq!(clock("time [ms]", ["0", "100", "200"]), (TimeUnit::Ms, false));
@@ -99,7 +99,7 @@ fn clocks_are_known_by_units_by_text_and_by_size() {
     let times = ["2024-05-01T12:00:00Z", "2024-05-01T12:00:01Z", "2024-05-01T12:00:02Z"];
     let text =
         Head::of_csv(&format!("utc,a\n{}\n", times.map(|time| format!("{time},1")).join("\n"))).unwrap();
-    let clock = Guess::of(&text, &[]).clock.unwrap();
+    let clock = Guess::of(&text, &text.table(), &[]).clock.unwrap();
     assert_eq!((clock.unit, clock.step_s), (TimeUnit::Iso8601, 1.0));
 }
 

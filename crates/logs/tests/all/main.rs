@@ -5,6 +5,7 @@ mod allocation;
 mod angles;
 mod aside;
 mod assembled;
+mod by_motion;
 mod chain;
 mod clocks;
 mod declared;

@@ -121,7 +121,7 @@ fn mark(placed: &Placed) -> String {
 }
 
 /// The bytes of the log at `path`, unpacked where its name ends with `.gz`.
-fn reader(path: &Path) -> Result<Box<dyn BufRead>, Error> {
+pub(super) fn reader(path: &Path) -> Result<Box<dyn BufRead>, Error> {
     let file = open(path)?;
     Ok(match path.extension().is_some_and(|end| end == "gz") {
         true => Box::new(BufReader::new(MultiGzDecoder::new(file))),
@@ -130,7 +130,7 @@ fn reader(path: &Path) -> Result<Box<dyn BufRead>, Error> {
 }
 
 /// What is wrong with the log at `path`.
-fn wrong(path: &Path, error: LogError) -> Error {
+pub(super) fn wrong(path: &Path, error: LogError) -> Error {
     match error {
         LogError::Unreadable(error) => Error::io(path, "read", error),
         LogError::Invalid(wrong) => invalid(path, &wrong),
@@ -149,7 +149,8 @@ pub(super) fn quoted(text: &str) -> String {
 fn channel(placed: &Placed) -> String {
     let [column, channel, unit] = [&placed.column, &placed.channel, &placed.unit].map(|text| quoted(text));
     let optional = if placed.is_optional { ", optional = true" } else { "" };
-    format!("{{ column = {column}, channel = {channel}, unit = {unit}{optional} }}")
+    let sign = if placed.is_reversed { ", sign = -1.0" } else { "" };
+    format!("{{ column = {column}, channel = {channel}, unit = {unit}{sign}{optional} }}")
 }
 
 /// Endings of files in Parquet.
@@ -187,6 +188,28 @@ fn first(table: &ForeignTable, column: &str) -> Vec<String> {
             .or_else(|_| table.texts(column, |text| keep(text.to_owned()))),
     };
     cells
+}
+
+/// The numbers in one of `every` rows of the file at `path`, column by column: times in seconds, NaN for what is none.
+pub(super) fn columns(path: &Path, every: usize) -> Result<Vec<Vec<f64>>, Error> {
+    let table = ForeignTable::open(path)?;
+    let of = |column: &String| {
+        let (mut all, mut row) = (Vec::new(), 0_usize);
+        let mut keep = |number: f64| {
+            if row.is_multiple_of(every) {
+                all.push(number);
+            }
+            row += 1;
+        };
+        // What is no number is refused when the file is ingested, if it is needed there.
+        let _ = match table.timed(column) {
+            Some(Timed::Moments { .. } | Timed::OfDay { .. }) => table.seconds(column, &mut keep),
+            _ => table.numbers(column, &mut keep),
+        };
+        all.resize(table.rows().div_ceil(every), f64::NAN);
+        all
+    };
+    Ok(table.columns().iter().map(of).collect())
 }
 
 /// A time \[s\] as text: of which day says nothing about the step between rows.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use logs::guess::{BagGuess, Guess, Head, Needed, Placed, SentenceGuess};
+use logs::guess::{BagGuess, ColumnChoice, Guess, Head, Needed, Placed, Question, SentenceGuess};
 use logs::{Format, TimeUnit};
 
 use crate::commands::SEARCHED;
@@ -22,7 +22,7 @@ pub(super) fn written(looked: &Looked, preset: &Preset) -> String {
             let lacks = looked.half_a_wind();
             let placed: String = guess.placed.iter().map(|placed| channel(placed, lacks)).collect();
             let step_s = guess.clock.as_ref().map_or(1.0, |clock| clock.step_s);
-            general(looked, rate_hz, step_s) + &files(looked, head, guess) + &placed
+            general(looked, guess, rate_hz, step_s) + &files(looked, head, guess) + &placed
         }
         LogGuess::Bag(guess) => {
             general_of_bags(looked, guess, rate_hz) + &bags::groups(guess, &looked.patterns, &looked.files)
@@ -31,7 +31,15 @@ pub(super) fn written(looked: &Looked, preset: &Preset) -> String {
             general_of_sentences(looked, guess, rate_hz) + &bags::group(guess, &looked.patterns)
         }
     };
-    looked.missing().iter().for_each(|need| text += &missing(need, &looked.found));
+    if let LogGuess::Table(_, guess) = &looked.found {
+        guess.asked.iter().for_each(|question| text += &asked(question));
+    }
+    let is_asked = |need: &&Needed| match &looked.found {
+        LogGuess::Table(_, guess) => guess.asked.iter().any(|question| question.channel == need.channel),
+        _ => false,
+    };
+    let missed = looked.missing().iter().filter(|need| !is_asked(need));
+    missed.for_each(|need| text += &missing(need, &looked.found));
     text += &unplaced(looked);
     text += preset.thrusters();
     text
@@ -156,11 +164,11 @@ fn average(rate_hz: f64) -> String {
 }
 
 /// The keys of the whole file, for tables with a row every `step_s`.
-fn general(looked: &Looked, rate_hz: f64, step_s: f64) -> String {
+fn general(looked: &Looked, guess: &Guess, rate_hz: f64, step_s: f64) -> String {
     let max_gap_s = gap_s(step_s, rate_hz);
     let is_fast = step_s * rate_hz < 0.5;
     let mut text = format!(
-        "# What is in the logs: {} files in {}. Lines marked \"guessed\" were guessed by names and numbers: check them.\n\
+        "# What is in the logs: {} files in {}. Lines marked \"guessed\" were guessed by motion and by names: check them.\n\
          sample_rate_hz = {rate_hz:?}            # rate of the trajectories [Hz]: that of vessel.toml\n\
          max_gap_s = {max_gap_s:?}{MARK}: five rows of the logs [s]; over longer gaps nothing is interpolated\n",
         looked.files.len(),
@@ -169,8 +177,25 @@ fn general(looked: &Looked, rate_hz: f64, step_s: f64) -> String {
     if is_fast {
         text += &average(rate_hz);
     }
-    text += "\n# Axes: x north, y east, heading clockwise from north; body x forward, y starboard. The other choice is \"enu\", \"flu\".\n";
-    let _ = writeln!(text, "frame = \"ned\"{MARK}\nbody = \"frd\"{MARK}");
+    let axes = match guess.is_east {
+        true => [
+            "enu",
+            "flu",
+            "x east, y north, heading counter-clockwise from east; body x forward, y port",
+            "ned",
+            "frd",
+        ],
+        false => [
+            "ned",
+            "frd",
+            "x north, y east, heading clockwise from north; body x forward, y starboard",
+            "enu",
+            "flu",
+        ],
+    };
+    let [frame, body, words, other_frame, other_body] = axes;
+    let _ = writeln!(text, "\n# Axes: {words}. The other choice is \"{other_frame}\", \"{other_body}\".");
+    let _ = writeln!(text, "frame = \"{frame}\"{MARK}\nbody = \"{body}\"{MARK}");
     if looked.patterns.iter().any(|pattern| pattern.contains('/')) {
         text += "\n# The maneuver of a recording is named after its folder.\n";
         let _ = writeln!(text, "maneuver_from_file = \"{{kind}}/*\"{MARK}");
@@ -210,6 +235,17 @@ fn files(looked: &Looked, head: &Head, guess: &Guess) -> String {
     if head.decimal != '.' {
         let _ = writeln!(text, "decimal = {}", quoted(&head.decimal.to_string()));
     }
+    let skipped = head.skip_lines + usize::from(guess.is_numbered && head.has_header);
+    if guess.is_numbered {
+        let _ = writeln!(
+            text,
+            "# Columns are called by their numbers.\nheader = false\ncolumns = {}",
+            head.columns.len()
+        );
+    }
+    if skipped > 0 {
+        let _ = writeln!(text, "skip_lines = {skipped}");
+    }
     if let Some(clock) = &guess.clock {
         let unit = match clock.unit {
             TimeUnit::S => "s",
@@ -230,7 +266,10 @@ fn files(looked: &Looked, head: &Head, guess: &Guess) -> String {
 }
 
 fn channel(placed: &Placed, lacks: Option<[&str; 2]>) -> String {
-    let mark = |guessed: bool, why: &str| if guessed { format!("{MARK}: {why}") } else { String::new() };
+    let mark = |guessed: bool, why: &str| {
+        let why = placed.by_motion.as_deref().unwrap_or(why);
+        if guessed { format!("{MARK}: {why}") } else { String::new() }
+    };
     let mut text = format!(
         "\n[[file.channel]]\ncolumn = {}\nchannel = {}{}\nunit = {}{}\n",
         quoted(&placed.column),
@@ -239,6 +278,9 @@ fn channel(placed: &Placed, lacks: Option<[&str; 2]>) -> String {
         quoted(&placed.unit),
         mark(placed.is_unit_guessed, "the column's name says none"),
     );
+    if placed.is_reversed {
+        let _ = writeln!(text, "sign = -1.0{MARK}: by motion");
+    }
     if placed.is_optional {
         let why = match lacks {
             Some([channel, what]) if channel == placed.channel => {
@@ -248,6 +290,20 @@ fn channel(placed: &Placed, lacks: Option<[&str; 2]>) -> String {
         };
         let _ = writeln!(text, "optional = true            # {why}");
     }
+    text
+}
+
+/// Columns that may be a channel, as comments.
+fn asked(question: &Question) -> String {
+    let mut text = format!(
+        "\n# Several columns may be `{}`: name the right one.\n# [[file.channel]]\n",
+        question.channel
+    );
+    for ColumnChoice { placed, why } in &question.choices {
+        let _ = writeln!(text, "# column = {}          # in {}: {why}", quoted(&placed.column), placed.unit);
+    }
+    let first = question.choices.first().map_or("", |choice| choice.placed.unit.as_str());
+    let _ = writeln!(text, "# channel = {}\n# unit = {}", quoted(&question.channel), quoted(first));
     text
 }
 

@@ -1,21 +1,21 @@
 //! Looks at a folder of logs: which files, which columns or topics, of which ship.
 
 use std::collections::BTreeSet;
-use std::io::Read;
+use std::io::{IsTerminal, stderr, stdin};
 use std::path::{Path, PathBuf};
 
 use files::{Error, open};
-use flate2::read::MultiGzDecoder;
 use logs::Format;
-use logs::guess::{BagGuess, Guess, Head, Named, Needed, Placed, SentenceGuess};
+use logs::by_motion::{LoggedTable, RECORDINGS, ROWS};
+use logs::guess::{BagGuess, ColumnChoice, Guess, Head, Named, Needed, Placed, SentenceGuess};
 use refusal::{foreign, listed};
 use study::ingest_file::read::check_format;
-use study::{invalid, refuse};
+use study::refuse;
 
-use crate::pipeline::starting::bags::{self, BAGS, PARQUET, PERHAPS, SENTENCES, is_of_sentences};
-
-/// Bytes of a log that are looked at.
-const LOOKED: u64 = 1 << 17;
+use crate::failure::{WorkProgress, on_stderr};
+use crate::pipeline::starting::bags::{
+    self, BAGS, PARQUET, PERHAPS, SENTENCES, is_of_sentences, reader, wrong,
+};
 
 /// Channels of the relative wind, of which a model needs both.
 const WIND: [&str; 2] = ["wind", "wind_from"];
@@ -25,6 +25,9 @@ const CSV: [&str; 3] = [".csv", ".csv.gz", ".tsv"];
 
 /// Endings of logs that only a person can describe.
 const OTHERS: [&str; 2] = [".bin", ".mat"];
+
+/// Most questions to the terminal.
+const QUESTIONS: usize = 3;
 
 /// What is in the first of the logs.
 #[derive(Debug)]
@@ -58,8 +61,8 @@ pub struct Looked {
 const LONG: f64 = 0.95;
 
 impl Looked {
-    /// Looks at the logs in `folder` and in its subfolders, for a model that needs the channels `needed`.
-    pub fn at(folder: &Path, needed: &[Needed]) -> Result<Self, Error> {
+    /// Looks at the logs in `folder` and in its subfolders, for a model that needs the channels `needed`; shows progress unless `quiet`.
+    pub fn at(folder: &Path, needed: &[Needed], quiet: bool) -> Result<Self, Error> {
         if !folder.is_dir() {
             let remedy = "name the folder of the logs";
             return Err(refuse(folder, "--logs", "no such folder", "a folder with logs", remedy));
@@ -82,7 +85,7 @@ impl Looked {
         match (files.is_empty(), bags.is_empty(), said.is_empty()) {
             (false, ..) => {
                 let others = bags.into_iter().chain(said).chain(others).collect();
-                Self::of_tables(folder, files, others, needed)
+                Self::of_tables(folder, (files, others), needed, quiet)
             }
             (true, false, _) => Self::of_bags(folder, bags, said.into_iter().chain(others).collect(), needed),
             (true, true, false) => Self::of_sentences(folder, said, others.collect(), needed),
@@ -92,9 +95,9 @@ impl Looked {
 
     fn of_tables(
         folder: &Path,
-        files: Vec<String>,
-        others: Vec<String>,
+        (files, others): (Vec<String>, Vec<String>),
         needed: &[Needed],
+        quiet: bool,
     ) -> Result<Self, Error> {
         let first = &files[0];
         let seen: Vec<SeenTable> =
@@ -106,7 +109,7 @@ impl Looked {
         let mut rows: Vec<f64> = seen.iter().map(|log| log.rows).collect();
         rows.sort_by(f64::total_cmp);
         let (usual_rows, head) = (rows[rows.len() / 2], seen[0].head.clone());
-        let guess = Guess::of(&head, needed);
+        let guess = Guess::of(&head, &table(folder, &files, &seen, quiet)?, needed);
         let Some(clock) = &guess.clock else {
             let lacking = format!("none that is called a time or increases among {}", listed(&head.columns));
             let remedy = "write ingest.toml yourself, with its `time` (docs/own-logs.md)";
@@ -138,6 +141,30 @@ impl Looked {
         let patterns = patterns(&files, &[SENTENCES.as_slice(), &PERHAPS].concat());
         let (folder, usual_s, found) = (folder.to_owned(), guess.length_s, LogGuess::Sentences(guess));
         Ok(Self { folder, patterns, files, usual_s, found, others })
+    }
+
+    /// Asks the terminal, if there is one, which column is a channel that several may be.
+    pub(super) fn ask(&mut self, quiet: bool) {
+        let LogGuess::Table(_, guess) = &mut self.found else { return };
+        let mut at = 0;
+        for _ in 0..QUESTIONS {
+            let Some(question) = guess.asked.get(at) else { return };
+            if quiet || !stdin().is_terminal() || !stderr().is_terminal() {
+                return;
+            }
+            let channel = &question.channel;
+            on_stderr(format_args!("Which column is `{channel}`? Its number, or nothing for none of these:"));
+            for (number, choice) in question.choices.iter().enumerate() {
+                let ColumnChoice { placed: Placed { column, unit, .. }, why } = choice;
+                on_stderr(format_args!("  {}  `{}` in {unit}: {why}", number + 1, foreign(column)));
+            }
+            let mut line = String::new();
+            let answered = stdin().read_line(&mut line).ok().and_then(|_| line.trim().parse::<usize>().ok());
+            match answered.filter(|number| (1..=question.choices.len()).contains(number)) {
+                Some(number) => guess.answer(at, number - 1),
+                None => at += 1,
+            }
+        }
     }
 
     /// Recordings that a model may be tried on: one of every five, none of fewer than three. Names that a list with commas cannot hold
@@ -270,20 +297,34 @@ impl SeenTable {
             return Ok(Self { head, rows: rows as f64 });
         }
         let unreadable = |e| Error::io(path, "read", e);
-        let file = open(path)?;
-        let length = file.metadata().map_err(unreadable)?.len();
-        let mut bytes = Vec::new();
-        let is_packed = path.extension().is_some_and(|end| end == "gz");
-        match is_packed {
-            // Damage is reported when the file is ingested.
-            true => drop(MultiGzDecoder::new(file).take(LOOKED).read_to_end(&mut bytes)),
-            false => drop(file.take(LOOKED).read_to_end(&mut bytes).map_err(unreadable)?),
-        }
-        let text = String::from_utf8_lossy(&bytes);
-        let head = Head::of_csv(&text).map_err(|wrong| invalid(path, &wrong))?;
-        let unseen = if is_packed { 1.0 } else { length as f64 / bytes.len() as f64 };
-        Ok(Self { head, rows: unseen * (text.lines().count() - 1) as f64 })
+        let length = open(path)?.metadata().map_err(unreadable)?.len();
+        let head = Head::read(reader(path)?).map_err(|error| wrong(path, error))?;
+        let packed = if path.extension().is_some_and(|end| end == "gz") { PACKED } else { 1.0 };
+        let rows = (packed * length as f64 / head.row_bytes.max(1.0)).round() - f64::from(head.has_header);
+        Ok(Self { head, rows })
     }
+}
+
+/// How many times longer a packed log is, about.
+const PACKED: f64 = 4.0;
+
+/// The columns of the longest `files`, as they were `seen`.
+fn table(folder: &Path, files: &[String], seen: &[SeenTable], quiet: bool) -> Result<LoggedTable, Error> {
+    let mut longest: Vec<usize> = (0..files.len()).collect();
+    longest.sort_by(|a, b| seen[*b].rows.total_cmp(&seen[*a].rows));
+    longest.truncate(RECORDINGS);
+    let progress = WorkProgress::new("logs", longest.len(), quiet);
+    let read = |at: usize| {
+        let (path, SeenTable { head, rows }) = (folder.join(&files[at]), &seen[at]);
+        let every = (rows / ROWS as f64).floor().max(1.0) as usize;
+        let columns = match ends(&files[at], &PARQUET) {
+            true => bags::columns(&path, every)?,
+            false => head.numbers_of(reader(&path)?, every).map_err(|error| wrong(&path, error))?,
+        };
+        progress.advance(1);
+        Ok((every, columns))
+    };
+    Ok(LoggedTable::of(longest.into_iter().map(read).collect::<Result<_, Error>>()?))
 }
 
 /// The refusal of a folder without a log that is read: the first of `all` whose format is known, by its name.
@@ -307,7 +348,10 @@ fn check_columns(
     (first, known): (&str, &Head),
     (file, head): (&str, &Head),
 ) -> Result<(), Error> {
-    if head.columns == known.columns && head.separator == known.separator {
+    if head.columns == known.columns
+        && head.separator == known.separator
+        && head.has_header == known.has_header
+    {
         return Ok(());
     }
     let lacks = |these: &Head, those: &Head| {

@@ -31,7 +31,8 @@ pub fn simulated(preset: &Preset, name: &str, charted: Option<&Charted>) -> Resu
     Ok(files.into_iter().map(with_schema).collect())
 }
 
-/// The files of a study of `preset` with the logs in the folder `logs`, and what was found there. On a chart its next trial is planned.
+/// The files of a study of `preset` with the logs in the folder `logs`, and what was found there: unless `quiet`, the terminal is
+/// asked what may be several. On a chart its next trial is planned.
 ///
 /// # Errors
 /// A folder without logs, or with those of several ships; a log whose columns cannot be read; a chart as of [`simulated`].
@@ -39,8 +40,10 @@ pub fn measured(
     preset: &Preset,
     logs: &Path,
     charted: Option<&Charted>,
+    quiet: bool,
 ) -> Result<(Vec<NewFile>, Looked), Error> {
-    let mut looked = Looked::at(logs, &preset.needed())?;
+    let mut looked = Looked::at(logs, &preset.needed(), quiet)?;
+    looked.ask(quiet);
     let is_wind_logged = looked.take_wind();
     let mut files = vec![
         ("vessel.toml".to_owned(), preset.without_truth(is_wind_logged)),
