@@ -12,7 +12,6 @@ use ship::model::DerivedChannel;
 
 use crate::assemble::{on_one_clock, sources};
 use crate::axes::{Contradictions, check_axes, drift, rescaled};
-use crate::by_motion::Agreement;
 use crate::gate::{check_share, keep_alive, keep_possible};
 use crate::quality::{Derivatives, check_pace};
 use crate::segment::Labelled;
@@ -163,17 +162,6 @@ pub struct RecordingSummary {
     /// Why it cannot be judged whether it contradicts the others, in words.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unjudged: Option<String>,
-}
-
-impl RecordingSummary {
-    /// Notes what the others say of it.
-    pub fn note(&mut self, agreement: Agreement) {
-        match agreement {
-            Agreement::Alike => {}
-            Agreement::Against(why) => self.contradicts = Some(why),
-            Agreement::Unjudged(why) => self.unjudged = Some(why.to_owned()),
-        }
-    }
 }
 
 fn is_zero(seconds: &f64) -> bool {

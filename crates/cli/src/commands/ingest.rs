@@ -175,7 +175,7 @@ fn all(logs: &Logs, out: &Path, quiet: bool, writer: &mut TableWriter) -> Result
     block.write(&layout, &schema, writer)?;
     scratch.check()?;
     let each = recordings.iter_mut().zip(judged(&sampled, 1.0 / rate_hz));
-    each.for_each(|(recording, judged): (&mut RecordingSummary, _)| recording.note(judged));
+    each.for_each(|(recording, judged): (&mut RecordingSummary, _)| judged.noted(recording));
     Ok((totals, recordings, files))
 }
 

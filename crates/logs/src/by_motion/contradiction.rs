@@ -2,6 +2,7 @@
 
 use super::table::Sums;
 use crate::RecordedRun;
+use crate::record::RecordingSummary;
 
 /// Samples over which changes are compared, of which the one that steering explains most by is taken.
 const WINDOWS: [usize; 4] = [2, 4, 8, 16];
@@ -64,6 +65,17 @@ pub enum Agreement {
     Against(String),
     /// It cannot be judged, in words.
     Unjudged(&'static str),
+}
+
+impl Agreement {
+    /// Notes it in the summary of its `recording`.
+    pub fn noted(self, recording: &mut RecordingSummary) {
+        match self {
+            Self::Alike => {}
+            Self::Against(why) => recording.contradicts = Some(why),
+            Self::Unjudged(why) => recording.unjudged = Some(why.to_owned()),
+        }
+    }
 }
 
 /// Judges each of `recordings` by models of the others; `dt` is the time between samples \[s\].

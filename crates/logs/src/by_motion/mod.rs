@@ -179,7 +179,7 @@ fn actuated(moved: &mut FoundMotion, table: &LoggedTable, time: &[f64], free: &[
     let rate = of("y_r").map(values).or_else(|| Some(slope(table, time, &values(of("psi")?))));
     let surge = of("y_u").map(values).or_else(|| match best.speeds.0 {
         Speeds::Earth([x, y]) => {
-            Some(table.columns[x].iter().zip(&table.columns[y]).map(|(x, y)| x.hypot(*y)).collect())
+            Some(table.columns[x].iter().zip(&table.columns[y]).map(|(x, y)| libm::hypot(*x, *y)).collect())
         }
         Speeds::Ship(..) => None,
     });

@@ -251,7 +251,7 @@ impl<'a> Motions<'a> {
             let [cosines, sines] = self.places([angle.column, speed], [&along, &across]);
             let pairs = cosines.iter().flat_map(|c| sines.iter().map(move |s| (*c, *s)));
             for ((c, [cc, cs]), (s, [sc, ss])) in pairs {
-                let right = (cc * sc + cs * ss).abs() / (cc.hypot(cs) * sc.hypot(ss));
+                let right = (cc * sc + cs * ss).abs() / (libm::hypot(cc, cs) * libm::hypot(sc, ss));
                 if c == s || right > OFF_RIGHT {
                     continue;
                 }
@@ -304,7 +304,7 @@ impl<'a> Motions<'a> {
                 Some((1.0 - (square - slopes[0] * ya - slopes[1] * yb) / scatter, slopes))
             });
             let Some((share, [c, s])) = best.max_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
-            let length = c.hypot(s);
+            let length = libm::hypot(c, s);
             if share > PLACED && s.abs() <= OFF_AXIS * length {
                 axes[0].push((share, column, [c, s]));
             } else if share > PLACED && c.abs() <= OFF_AXIS * length {
@@ -507,7 +507,7 @@ fn rate_score(rate: Option<RateChoice>) -> f64 {
 
 /// The mean angle between where speeds point and `angle` \[rad\].
 fn off_course(angle: &Angle, vx: &[f64], vy: &[f64], sign: f64) -> f64 {
-    let speeds: Vec<f64> = vx.iter().zip(vy).map(|(x, y)| x.hypot(*y)).collect();
+    let speeds: Vec<f64> = vx.iter().zip(vy).map(|(x, y)| libm::hypot(*x, *y)).collect();
     let usual = 0.5 * speeds.iter().sum::<f64>() / speeds.len() as f64;
     let (mut sum, mut count) = (0.0, 0.0);
     for row in (0..speeds.len()).filter(|row| speeds[*row] > usual) {

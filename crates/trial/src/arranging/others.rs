@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use refusal::Invalid;
 use ship::engine::Streams;
 
-use super::{Arranging, Promised, TrialKind, best_of};
+use super::{Arranging, Kept, Promised, TrialKind, best_of};
 use crate::campaign::{Parts, Plan, practice};
 
 /// Random orders of the pieces that the search may begin with, and random trials that it is compared with.
@@ -37,7 +37,7 @@ impl Arranging<'_> {
     }
 
     /// The trial that was `found`, the `shares` in order, the best of random trials and today's practice, with what each promises: the
-    /// best one first; none where nothing is foretold. The random trials and the practice have the maneuvers of the dictionary.
+    /// best one first; none where nothing is foretold, and none beyond the limits of generated maneuvers. The random trials and the practice have the maneuvers of the dictionary.
     pub(super) fn compared(
         &self,
         found: Plan,
@@ -58,6 +58,10 @@ impl Arranging<'_> {
         for (trial, plan) in trials {
             parts.make(self.generator, &plan)?;
             let (initial, inputs) = parts.joined(&plan);
+            let is_arranged = trial == TrialKind::Arranged;
+            if !is_arranged && matches!(self.kept(&(initial, inputs.clone())), Kept::Beyond(_)) {
+                continue;
+            }
             let errors = self.foretold((initial, self.vessel.model.undisturbed(&inputs)));
             compared.push((plan, Promised { trial, errors }));
         }

@@ -39,6 +39,8 @@ pub struct Channels<'a> {
     pub inputs: usize,
 }
 
+/// Steps of a search after which numbers still have an effect.
+const ASTRAY: usize = 3;
 /// With fewer independent units for each number only gross faults show.
 const FEW: usize = 2;
 
@@ -67,8 +69,13 @@ impl Problem<'_> {
 
     /// Why the fit from `theta` failed by `error`: a wrong sign, where one explains that it came to no end.
     pub fn explained(&self, error: Unfit, theta: &[f64], channels: Channels) -> Unfit {
-        let Unfit::Unfinished(steps) = error else { return error };
-        let Ok((fit, _)) = Pass::new(self, None).search(theta, self.settings.most_steps) else {
+        let steps = match error {
+            Unfit::Unfinished(steps) => steps,
+            // Where a wrong sign leads astray, numbers lose their effect.
+            Unfit::Undetermined(_) => ASTRAY,
+            _ => return error,
+        };
+        let Ok((fit, _)) = Pass::new(self, None).search(theta, steps.min(self.settings.most_steps)) else {
             return error;
         };
         let mut signs = self.signs(&fit, channels.all);
