@@ -165,7 +165,8 @@ fn law_guesses_of_published_ships_turn_and_check_within_what_ships_do() {
         );
         assert!((3.0..25.0).contains(&first) && (3.0..40.0).contains(&second), "{first} {second}");
         let terms = text.lines().filter(|line| line.contains("parameter = "));
-        assert!(terms.clone().count() == 14 && terms.clone().all(|line| line.contains("prior = ")), "{text}");
+        let is_known = |line: &str| line.contains("prior = ") || line.contains("fixed = true");
+        assert!(terms.clone().count() == 19 && terms.clone().all(is_known), "{text}");
         assert!(
             text.lines().filter(|line| line.contains("nominal = ")).all(|line| line.contains("  # ")),
             "{text}"

@@ -661,11 +661,10 @@ fn golden_arranged_experiments() {
         combined-00000 36
         steady-turn-00008 75
         within
-        ARelative -5.67988784 3.85240376 721
-        combined-00000 36
+        ARelative -5.81050619 1.22781706 848
+        combined 51
         surge 48
-        zig-zag-00001 36
-        combined-00009 40
+        combined-00009 61
         within
         ",
     );
