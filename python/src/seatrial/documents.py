@@ -90,6 +90,8 @@ State = Literal["u", "v", "r"]
 StepState = Literal["done", "missed", "spoiled", "under-way", "ahead"]
 #: What a candidate is.
 Suspect = Literal["term", "late", "current", "sign"]
+#: A trial that a design is compared with.
+TrialKind = Literal["arranged", "shares", "random", "practice"]
 #: What becomes of a model that runs are asked about.
 Verdict = Literal["not-rejected", "rejected", "none"]
 #: What is odd about a channel.
@@ -1286,7 +1288,7 @@ class FigureMerit:
     #: Its standard deviation; null of a single run.
     std: float | None = None
     #: Lower end of the 95 % interval: of the mean, or of 95 % of the models that the data leave possible; null of a
-    #: single run.
+    #: single run, and where more than 5 % of these have no figures.
     low: float | None = None
     #: Upper end.
     high: float | None = None
@@ -1337,8 +1339,6 @@ class FittedForces:
     captive_source: str | None = None
     #: What is wrong with the ship by these recordings; null where that was not asked.
     criticism: Criticism | None = None
-    #: Forces that were tried as additions, one after the other; the description has those that were added.
-    tried: list[TriedForce] = field(default_factory=list)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1399,20 +1399,6 @@ class FollowedStep:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ForcesWithoutFold:
-    """The search without the recordings of a fold."""
-
-    #: The fold.
-    fold: int
-    #: What was tried, one after the other.
-    tried: list[TriedForce]
-    #: Why no more was tried; null where as many were added as are allowed.
-    ended: str | None = None
-    #: Why there is no fit; null where there is one.
-    failed: str | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
 class Foretold:
     """Errors that estimates of many trials of the same experiment have: medians over estimates drawn from their
     predicted distribution, to first order in their errors. Where the true parameters are known, priors pull every
@@ -1441,26 +1427,6 @@ class FoundDrift:
     unit: str
     #: Over which time it drifts, 100,000 where it stays.
     time_s: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class FoundForce:
-    """A force that a search found."""
-
-    #: `surge`, `sway` or `yaw`.
-    degree: str
-    #: The product, as a term is written.
-    term: str
-    #: Name of its number.
-    parameter: str
-    #: The number's unit; `1` in the prime system.
-    unit: str
-    #: The number, with all that were found fitted to all recordings.
-    value: float
-    #: Its standard error; null at a bound.
-    standard_error: float | None = None
-    #: Searches without a fold that found it too.
-    found_by_folds: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -2817,6 +2783,16 @@ class PromiseUpdate:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Promised:
+    """What a trial promises."""
+
+    #: Which trial.
+    trial: TrialKind
+    #: Its errors; null where it does not tell every parameter.
+    errors: Foretold | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class PublishedLimits:
     """Errors at which the figures of a published study end."""
 
@@ -3160,7 +3136,7 @@ class SearchSummary:
     vessel: str
     #: Length of the windows that were fitted \[s\].
     fitted_window_s: float
-    #: From the start of one to that of the next \[s\]; of forces they stand side by side.
+    #: From the start of one to that of the next \[s\].
     every_s: float
     #: Length of the windows that models were scored on \[s\]; null: whole runs.
     window_s: float | None = None
@@ -3176,7 +3152,7 @@ class SearchSummary:
     std_v: float
     #: Of yaw rate.
     std_r: float
-    #: The ridge Λ that was chosen; null for forces, which have none.
+    #: The ridge Λ that was chosen; null where none was found.
     ridge: float | None = None
     #: Ridges in the order that they were tried in.
     candidates: list[Candidate]
@@ -3186,12 +3162,10 @@ class SearchSummary:
     nested: NestedScore
     #: How often recordings were drawn again and searched anew, where few terms were asked for.
     resamples: Resamples | None = None
-    #: The terms that were found; of a ship with forces, those of the delivered ship whose numbers are free.
+    #: The terms that were found.
     terms: list[SearchTerm]
     #: What the models of an average are made of, where an average was asked for.
     average: AverageSummary | None = None
-    #: The forces that were found, where the vessel has forces.
-    forces: SearchedForces | None = None
     #: The forces that were fitted beside, where the search began with a core for a ship with forces.
     beside: BesideForces | None = None
     #: What was found, in words.
@@ -3221,34 +3195,6 @@ class SearchTerm:
     chosen_by_resamples: int | None = None
     #: In how many of the searches without a fold it was chosen too; null where all terms are kept.
     chosen_by_folds: int | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class SearchedForces:
-    """A search for forces that a ship lacks."""
-
-    #: Whether `model.json` has the forces that were found. Else it is the ship as she was: the interval of
-    #: `nested.margin` holds 0, lies below it, or there is none; or none was found.
-    delivered: bool
-    #: Forces that the search on all recordings found, in the order in which they were added.
-    found: list[FoundForce]
-    #: What that search tried, one after the other.
-    tried: list[TriedForce]
-    #: Why it tried no more; null where as many were added as are allowed.
-    ended: str | None = None
-    #: The searches without each fold.
-    without: list[ForcesWithoutFold]
-    #: Most forces that a search adds.
-    most_added: int
-    #: Weight of the priors.
-    prior_weight: float
-    #: Whether every window has a start of its own, or starts at its first measured sample.
-    unknown_starts: bool
-    #: Cost of the ship as she was, fitted to all recordings: the mean of Huber's function of the windows' RMS errors in
-    #: standard deviations, with what the priors add.
-    base_cost: float
-    #: That with the forces that were found.
-    found_cost: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -3356,6 +3302,8 @@ class Sequence:
     statement: str
     #: The errors that its estimate is to have, where that is by output error.
     foretold: Foretold | None = None
+    #: What each trial that it was compared with promises, by its own sequence: the one that was taken first.
+    promised: list[Promised] = field(default_factory=list)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -3638,28 +3586,6 @@ class TriedFit:
     score: float | None = None
     #: Whether it is the delivered one.
     chosen: bool
-
-
-@dataclass(frozen=True, kw_only=True)
-class TriedForce:
-    """A force that was tried as an addition to the ship, on recordings that were left out."""
-
-    #: `surge`, `sway` or `yaw`.
-    degree: str
-    #: The product, as a term is written.
-    term: str
-    #: Name of its number.
-    parameter: str
-    #: By which share the cost of recordings that were left out of both fits falls with it; below 0 where it rises.
-    #: Folds count in which the ship without it has a fit and follows them. Null where these are fewer than two, or
-    #: where with it a fold has no fit or a simulation diverges.
-    share_left_out: float | None = None
-    #: The standard error of that, over the folds.
-    standard_error: float | None = None
-    #: Number of folds that whole recordings were dealt into.
-    folds: int
-    #: Whether it was added: the share is above its standard error.
-    added: bool
 
 
 @dataclass(frozen=True, kw_only=True)
