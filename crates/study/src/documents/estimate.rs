@@ -292,7 +292,7 @@ impl Document for EstimateDocument {
             "terms chosen_by_folds loss excess ridge ridges fold margin search_norm base_norm average_norm",
         ),
         ("1", "over_search over_base models chosen recordings_each chosen_by_resamples searches failed"),
-        ("1", "search_diverged most_added prior_weight base_cost found_cost share_left_out found_by_folds"),
+        ("1", "search_diverged"),
         ("1", "ratio after_another wanted reached share units prime_value"),
         ("the unit beside it", "visible_from std"),
         (
