@@ -248,6 +248,16 @@ impl Task for MeritArguments {
                 .zip(&vessel.nominal)
                 .all(|(value, nominal)| value.is_none_or(|v| v == *nominal));
         let draws = self.draws.or((is_guess && read_model(&self.vessel)?.is_none()).then_some(DRAWS));
+        let unsimulated = |e| match e {
+            Unsimulated::Unheld(e) => refused(e),
+            Unsimulated::Diverged(e) => Failure::invalid(&self.vessel, &e),
+        };
+        if self.draws.is_none() && draws.is_some() && self.trajectories.is_none() {
+            // The ship as she is written is judged before others like her.
+            let mut own = Merits::new(&vessel, generator.as_ref(), length_m).map_err(refused)?;
+            own.simulate().map_err(unsimulated)?;
+            own.found().map_err(|e| Failure::NoAnswer(format!("{}: {e}", file.display())))?;
+        }
         match (&self.trajectories, draws) {
             (Some(file), _) => {
                 let reader = inputs::trajectories(file, "trajectories", &vessel, &mut provenance)?;
@@ -260,10 +270,7 @@ impl Task for MeritArguments {
                     merits.add(&reader.runs(block)?, reader.poses(block)?.as_deref(), are_logged);
                 }
             }
-            (None, None) => merits.simulate().map_err(|e| match e {
-                Unsimulated::Unheld(e) => refused(e),
-                Unsimulated::Diverged(e) => Failure::invalid(&self.vessel, &e),
-            })?,
+            (None, None) => merits.simulate().map_err(unsimulated)?,
             (None, Some(draws)) => {
                 let seed = common.seed.unwrap_or(1);
                 merits.simulate_drawn(&self.covariance(&vessel)?, draws, seed).map_err(refused)?;
