@@ -18,6 +18,9 @@ const ROUNDS: usize = 5;
 const HUBER: f64 = 1.5;
 /// Robust deviations of a median deviation.
 const TO_STD: f64 = 1.4826;
+/// A gain below this is none of any ship; where more than this share of recordings has one, nothing is judged.
+const ABSURD: f64 = -2.0;
+const FAILS: f64 = 0.1;
 /// Steering is reversed with a gain below this, the errors taken three times reaching no further than that.
 const REVERSED: f64 = -0.15;
 const AT_MOST: f64 = 0.25;
@@ -181,6 +184,12 @@ fn steered(recordings: &[SampledRecording], dt: f64) -> Vec<Agreement> {
         let usual = gains.iter().flatten().map(|entry| entry.excited).collect();
         let Some(usual) = numerics::statistics::median(usual) else { return none() };
         let excited = |entry: &&SteeringGain| entry.excited >= EXCITED * usual;
+        let absurd = gains.iter().flatten().filter(excited).filter(|entry| entry.gain < ABSURD).count();
+        if absurd as f64 > FAILS * rows.len() as f64 {
+            // Not the recordings differ: the model is too crude for their maneuvers.
+            let why = "steering differs too much from maneuver to maneuver";
+            return vec![Agreement::Unjudged(why); recordings.len()];
+        }
         let of_others = |at: usize| {
             let others = gains
                 .iter()
@@ -263,8 +272,9 @@ impl SteeringGain {
     /// Whether it is reversed, or far below those of the others.
     fn contradicts(&self, (middle, deviation): (f64, f64)) -> bool {
         let most = self.gain + ERRORS * self.error;
-        self.gain < REVERSED && most < AT_MOST
-            || self.gain < middle - LOW * deviation && most < middle - deviation
+        let is_reversed = self.gain < REVERSED && most < AT_MOST;
+        let is_low = self.gain < middle - LOW * deviation && most < middle - deviation;
+        self.gain > ABSURD && (is_reversed || is_low)
     }
 }
 
