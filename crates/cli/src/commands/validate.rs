@@ -254,9 +254,9 @@ impl Task for MeritArguments {
         };
         if self.draws.is_none() && draws.is_some() && self.trajectories.is_none() {
             // The ship as she is written is judged before others like her.
-            let mut own = Merits::new(&vessel, generator.as_ref(), length_m).map_err(refused)?;
-            own.simulate().map_err(unsimulated)?;
-            own.found().map_err(|e| Failure::NoAnswer(format!("{}: {e}", file.display())))?;
+            let mut written = Merits::new(&vessel, generator.as_ref(), length_m).map_err(refused)?;
+            written.simulate().map_err(unsimulated)?;
+            written.found().map_err(|e| Failure::NoAnswer(format!("{}: {e}", file.display())))?;
         }
         match (&self.trajectories, draws) {
             (Some(file), _) => {
