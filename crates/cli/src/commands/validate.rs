@@ -247,18 +247,27 @@ impl Task for MeritArguments {
                 .iter()
                 .zip(&vessel.nominal)
                 .all(|(value, nominal)| value.is_none_or(|v| v == *nominal));
-        let draws = self.draws.or((is_guess && read_model(&self.vessel)?.is_none()).then_some(DRAWS));
+        let is_guess = is_guess && read_model(&self.vessel)?.is_none();
+        // What she does undisturbed says less than what ships like her do.
+        let measured = |file: &&PathBuf| {
+            Ok::<_, Failure>(!is_guess || self.dictionary.is_none() || !inputs::are_simulated(file, &vessel)?)
+        };
+        let trajectories = match &self.trajectories {
+            Some(file) if measured(&file)? => Some(file),
+            _ => None,
+        };
+        let draws = self.draws.or((is_guess && trajectories.is_none()).then_some(DRAWS));
         let unsimulated = |e| match e {
             Unsimulated::Unheld(e) => refused(e),
             Unsimulated::Diverged(e) => Failure::invalid(&self.vessel, &e),
         };
-        if self.draws.is_none() && draws.is_some() && self.trajectories.is_none() {
+        if self.draws.is_none() && draws.is_some() {
             // The ship as she is written is judged before others like her.
             let mut written = Merits::new(&vessel, generator.as_ref(), length_m).map_err(refused)?;
             written.simulate().map_err(unsimulated)?;
             written.found().map_err(|e| Failure::NoAnswer(format!("{}: {e}", file.display())))?;
         }
-        match (&self.trajectories, draws) {
+        match (trajectories, draws) {
             (Some(file), _) => {
                 let reader = inputs::trajectories(file, "trajectories", &vessel, &mut provenance)?;
                 let are_logged = !reader.true_states();
