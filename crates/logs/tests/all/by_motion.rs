@@ -326,8 +326,11 @@ const PUBLISHED: [(&str, &str); 2] = [
 ];
 const UNITS: [&str; 7] = ["s", "m", "m", "rad", "m/s", "m/s", "rad/s"];
 
+/// Recordings by columns, and which of these are meant.
+type Published = (Vec<Vec<Vec<f64>>>, Vec<usize>);
+
 /// The recordings of a published set, if it is there, and the place of each channel among the columns.
-fn published((folder, columns): &(&str, &str)) -> Option<(Vec<Vec<Vec<f64>>>, Vec<usize>)> {
+fn published((folder, columns): &(&str, &str)) -> Option<Published> {
     let (mut folders, mut files) =
         (vec![format!("../../../shared/data/{folder}").into()], Vec::<PathBuf>::new());
     while let Some(folder) = folders.pop() {
@@ -452,7 +455,7 @@ fn law_a_recording_with_reversed_steering_is_named_and_no_other() {
 fn a_recording_that_is_hauled_is_named_and_one_that_hardly_steers_is_not_judged() {
     let mut all = trials(10, 7);
     all.push(trial(&mut Draw(11), 0.004));
-    all[2][4].iter_mut().for_each(|u| *u = -0.5 * *u);
+    all[2][4].iter_mut().for_each(|u| *u *= -0.5);
     let judged = judged(&sampled(&all), DT);
     assert!(matches!(&judged[2], Agreement::Against(_)), "{judged:?}");
     assert!(matches!(&judged[7], Agreement::Unjudged(_)), "{judged:?}");
