@@ -5,7 +5,7 @@ use estimation::fitting::{Settings, Starts};
 use estimation::pooled::{FreeRunErrors, Score};
 use estimation::search::{
     Alone, Dealt, FittedShip, Kind, NestedScore, Recording, Roles, SearchError, SearchOptions, Searched,
-    ShipsWithoutFold, averaged, core, fits, folds, judged_ships, library, search, with_channels,
+    averaged, core, fits, folds, library, search, unscored, with_channels,
 };
 use numerics::statistics::mean;
 use rayon::prelude::*;
@@ -228,10 +228,10 @@ impl AveragedSearch<'_> {
 
     /// The document of a search without a model.
     fn unfound(&self, recordings: &[Recording], dealt: Dealt) -> SearchSummary {
-        let none = vec![ShipsWithoutFold { search: None, base: None }; self.options.folds];
-        let judged = judged_ships(recordings, dealt.folds, &none, dealt.are_inputs_held);
+        let windows = recordings.iter().map(|recording| recording.windows() as u64).sum();
         let samples = recordings.iter().map(|recording| recording.samples() as u64).sum();
-        SearchSummary::unfound(&self.search.vessel, self.options, [judged.windows, samples], judged.nested)
+        let nested = unscored(recordings, dealt.folds);
+        SearchSummary::unfound(&self.search.vessel, self.options, [windows, samples], nested)
     }
 
     /// Both ways to fit the forces.

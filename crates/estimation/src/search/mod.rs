@@ -2,8 +2,7 @@
 //!
 //! In addition to the base structure, a library of terms is fitted by the errors of free simulations over overlapping
 //! windows, with a ridge penalty Λβ² on each scaled parameter β. Λ is chosen by cross-validation over whole
-//! recordings, each fold on its own path. The whole algorithm is then scored on recordings that it has not seen. A search that
-//! adds forces to a ship is scored in the same way ([`judged_ships`]).
+//! recordings, each fold on its own path. The whole algorithm is then scored on recordings that it has not seen.
 
 mod average;
 mod compact;
@@ -31,8 +30,7 @@ pub use average::{
 };
 pub use compact::SizeScore;
 pub use judged::{
-    Alone, Dealt, FittedShip, JudgedShips, Kind, Margin, NestedAverage, NestedRecording, NestedScore,
-    ShipsWithoutFold, judged_ships,
+    Alone, Dealt, FittedShip, Kind, Margin, NestedAverage, NestedRecording, NestedScore, unscored,
 };
 pub use library::{core, library, with_channels};
 pub use nested::Candidate;
