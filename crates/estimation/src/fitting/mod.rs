@@ -25,7 +25,7 @@ use thiserror::Error;
 
 pub use criticism::Channels;
 pub use fit::{Estimates, Fit, Parameter};
-pub use simulated::{MeasuredRun, PredictedErrors, RunInformation, SimulatedRun, StateSlopes, WhiteNoise};
+pub use simulated::{MeasuredRun, PredictedErrors, RunInformation, SimulatedRun, StateSlopes};
 
 /// How long inputs before a window may act in it, where thrusters follow theirs late \[s\].
 const HISTORY_S: f64 = 20.0;

@@ -8,6 +8,7 @@ use std::convert::Infallible;
 
 use numerics::least_squares::{Ended, Ending, Expansion, Linearization, Residuals, minimize};
 use numerics::{Watch, add_outer, congruence, scaled_inverse};
+use regression::Noise;
 use ship::forces::{Body, Dual, Forces};
 
 use super::fit::conditioned;
@@ -27,15 +28,6 @@ pub struct SimulatedRun<'a> {
     pub width: usize,
     /// From one sample to the next \[s\].
     pub sample_s: f64,
-}
-
-/// What disturbs a run, white in every sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WhiteNoise {
-    /// Standard deviations of the errors of u, v \[m/s\], r \[rad/s\], above 0.
-    pub measurement: [f64; 3],
-    /// Standard deviation of each component of the current \[m/s\].
-    pub current: f64,
 }
 
 /// Sums over the samples of a run: square matrices of θ, row-major.
@@ -137,7 +129,7 @@ impl SimulatedRun<'_> {
     }
 
     /// The information about θ under `noise` of samples after the known start; `None` where a simulation is not finite.
-    pub fn information(&self, forces: &Forces, theta: &[f64], noise: &WhiteNoise) -> Option<RunInformation> {
+    pub fn information(&self, forces: &Forces, theta: &[f64], noise: &Noise) -> Option<RunInformation> {
         let slopes = self.slopes(forces, theta)?;
         let n = theta.len();
         let weights = noise.measurement.map(|std| 1.0 / (std * std));

@@ -2,13 +2,14 @@
 
 use rayon::prelude::*;
 use refusal::Invalid;
+use regression::Noise;
 use ship::engine::Run;
 use ship::model::{ForceModel, Vessel};
 
 use super::RunEstimators;
 use super::outcome::RunError;
 use crate::estimator::AdditionalUnknowns;
-use crate::fitting::{MeasuredRun, PredictedErrors, Prior, SimulatedRun, Unfit, WhiteNoise};
+use crate::fitting::{MeasuredRun, PredictedErrors, Prior, SimulatedRun, Unfit};
 use crate::predictor::{Flow, InitialState, NoiseModel};
 use crate::{EstimateCovariance, EstimateStatus, Estimator, RunEstimate};
 
@@ -44,7 +45,7 @@ impl From<Unsuited> for Invalid {
 }
 
 /// The noise that errors of a ship with forces are predicted from.
-fn white(levels: Option<&NoiseModel>) -> Result<WhiteNoise, Invalid> {
+fn white(levels: Option<&NoiseModel>) -> Result<Noise, Invalid> {
     let refused = |found: &str, remedy: &str| {
         let expected =
             "white noise in u, v and r and at most a white current, which errors of forces are weighed by";
@@ -68,7 +69,7 @@ fn white(levels: Option<&NoiseModel>) -> Result<WhiteNoise, Invalid> {
     }
     match levels.measurement.contains(&0.0) {
         true => refused("no noise in a state", "state what the sensor has, however little"),
-        false => Ok(WhiteNoise { measurement: levels.measurement, current }),
+        false => Ok(Noise { measurement: levels.measurement, current }),
     }
 }
 
@@ -118,7 +119,7 @@ impl RunEstimators<'_> {
 struct Single<'a> {
     vessel: &'a Vessel,
     moved: &'a ForceModel,
-    noise: WhiteNoise,
+    noise: Noise,
 }
 
 impl Single<'_> {

@@ -16,7 +16,7 @@ use super::dynamics::{Flow, NoiseModel};
 use super::products::Products;
 use super::sweep::{Sensitivities, Step, add_draws, backward, sweep};
 use super::{Recordings, Unknowns};
-use crate::fitting::{Inputs, SimulatedRun, WhiteNoise};
+use crate::fitting::{Inputs, SimulatedRun};
 
 /// Information of one run about the parameters, those of terms with intercepts, per sample: n × n matrices, row-major, symmetric,
 /// in the order of [`ship::model::ParameterLayout`].
@@ -58,9 +58,8 @@ pub fn output_information(
 
 /// That of a ship with forces, by tangents of her steps.
 fn of_forces(model: &Model, moved: &ForceModel, run: &Simulated, noise: &Noise) -> Option<OutputInformation> {
-    let white = WhiteNoise { measurement: noise.measurement, current: noise.current };
     let simulated = run.of_forces(model, moved);
-    let sums = simulated.information(&moved.forces, run.theta, &white)?;
+    let sums = simulated.information(&moved.forces, run.theta, noise)?;
     let share = 1.0 / simulated.samples().max(1) as f64;
     let [information, process] =
         [sums.measurement, sums.current].map(|sum| sum.into_iter().map(|entry| share * entry).collect());
@@ -70,14 +69,13 @@ fn of_forces(model: &Model, moved: &ForceModel, run: &Simulated, noise: &Noise) 
 /// Sum over the samples of a run of what measurement errors alone leave to be known of the parameters: F of [`output_information`],
 /// times their number. `None` if the simulation is not finite.
 pub fn summed_information(model: &Model, run: &Simulated, noise: &Noise) -> Option<Vec<f64>> {
+    let still = Noise { current: 0.0, ..*noise };
     let Some(moved) = &model.forces else {
         let Simulated { theta, initial, exogenous } = *run;
-        let still = Noise { current: 0.0, ..*noise };
         let mean = output_information(model, theta, initial, exogenous, &still)?.information;
         let samples = (exogenous.len() / model.exogenous().max(1)) as f64;
         return Some(mean.into_iter().map(|entry| samples * entry).collect());
     };
-    let still = WhiteNoise { measurement: noise.measurement, current: 0.0 };
     let sums = run.of_forces(model, moved).information(&moved.forces, run.theta, &still);
     sums.map(|sums| sums.measurement)
 }

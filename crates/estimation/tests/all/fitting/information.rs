@@ -1,6 +1,7 @@
 //! Laws of the information of simulated runs.
 
-use estimation::fitting::{MeasuredRun, Prior, SimulatedRun, WhiteNoise};
+use estimation::fitting::{MeasuredRun, Prior, SimulatedRun};
+use regression::Noise;
 use ship::forces::Forces;
 
 use crate::fitting::ship::{KVLCC2, Normals, forces};
@@ -60,7 +61,7 @@ fn differences(forces: &Forces, theta: &[f64], inputs: &[f64]) -> Vec<Vec<[f64; 
 fn law_the_information_is_that_of_differences_of_simulations() {
     let forces = forces(KVLCC2);
     let (theta, inputs) = (forces.nominal(), inputs(200));
-    let noise = WhiteNoise { measurement: NOISE, current: 0.0 };
+    let noise = Noise { measurement: NOISE, current: 0.0 };
     let found = run(&inputs).information(&forces, &theta, &noise).unwrap();
     let slopes = differences(&forces, &theta, &inputs);
     let n = theta.len();
@@ -83,7 +84,7 @@ fn law_the_information_is_that_of_differences_of_simulations() {
 fn law_what_a_current_adds_is_that_of_ships_carried_by_each_draw() {
     let forces = forces(KVLCC2);
     let (theta, inputs) = (forces.nominal(), inputs(60));
-    let noise = WhiteNoise { measurement: NOISE, current: 0.03 };
+    let noise = Noise { measurement: NOISE, current: 0.03 };
     let found = run(&inputs).information(&forces, &theta, &noise).unwrap();
     let slopes = run(&inputs).slopes(&forces, &theta).unwrap();
     let n = theta.len();
@@ -123,7 +124,7 @@ fn law_what_a_current_adds_is_that_of_ships_carried_by_each_draw() {
 fn law_predicted_errors_are_those_of_many_fits() {
     let forces = forces(KVLCC2);
     let (truth, inputs) = (forces.nominal(), inputs(240));
-    let noise = WhiteNoise { measurement: NOISE, current: 0.0 };
+    let noise = Noise { measurement: NOISE, current: 0.0 };
     let priors: Vec<f64> = forces.parameters().iter().map(|own| own.prior.unwrap()).collect();
     let known: Vec<f64> = priors.iter().map(|own| 1.0 / (own * own)).collect();
     let free = vec![true; truth.len()];
