@@ -158,15 +158,16 @@ impl Arranging<'_> {
         } else {
             Vec::new()
         };
-        let promised = compared.iter().map(|(_, promised)| *promised).collect();
-        if let Some((plan, _)) = compared.into_iter().next() {
+        let promised: Vec<Promised> = compared.iter().map(|(_, promised)| *promised).collect();
+        if let Some((plan, _)) = compared.into_iter().next().filter(|(plan, _)| *plan != now) {
+            value = self.values(std::slice::from_ref(&plan), &mut parts)?[0];
             now = plan;
         }
-        let value = self.values(std::slice::from_ref(&now), &mut parts)?[0];
         let gain = libm::exp((value - start.max(LOWEST)) / self.degree()) - 1.0;
         let (initial, inputs) = parts.joined(&now);
         let run = (initial, self.vessel.model.undisturbed(&inputs));
-        let (foretold, value) = (self.foretold(run.clone()), self.criterion_of(&run).unwrap_or(value));
+        let value = self.criterion_of(&run).unwrap_or(value);
+        let foretold = promised.first().map_or_else(|| self.foretold(run), |first| first.errors);
         let limits = self.kept(&(initial, inputs));
         let name = |(q, n): &(usize, usize)| (self.generator.maneuvers()[*q].name.clone(), *n);
         Ok(Arranged { parts: now.iter().map(name).collect(), value, gain, tried, limits, foretold, promised })

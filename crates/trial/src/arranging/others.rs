@@ -37,7 +37,8 @@ impl Arranging<'_> {
     }
 
     /// The trial that was `found`, the `shares` in order, the best of random trials and today's practice, with what each promises: the
-    /// best one first; none where nothing is foretold, and none beyond the limits of generated maneuvers. The random trials and the practice have the maneuvers of the dictionary.
+    /// best one first; none where nothing is foretold, and none but the first beyond the limits of generated maneuvers. The random
+    /// trials and the practice have the maneuvers of the dictionary.
     pub(super) fn compared(
         &self,
         found: Plan,
@@ -65,8 +66,8 @@ impl Arranging<'_> {
             let errors = self.foretold((initial, self.vessel.model.undisturbed(&inputs)));
             compared.push((plan, Promised { trial, errors }));
         }
-        compared.sort_by(|(_, a), (_, b)| a.product().total_cmp(&b.product()));
         compared.retain(|(_, promised)| promised.errors.is_some());
+        compared.sort_by(|(_, a), (_, b)| a.product().total_cmp(&b.product()));
         Ok(compared)
     }
 
