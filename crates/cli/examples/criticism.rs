@@ -106,6 +106,8 @@ fn rejections(
     let vessel = study.vessel();
     let (model, rate_hz) = (vessel.model.with_intercepts(), vessel.sample_rate_hz);
     let levels = stated.then(|| campaign.levels(rate_hz));
+    let known =
+        Subject { model: &model, runs: &[], rate_hz, known_start: true, levels, names: &[], signs: &[] };
     let single = |runs: &[SimulatedRun]| -> Result<Vec<Criticism>, Box<dyn Error>> {
         let estimates = study.estimate(runs, Estimator::Iv)?;
         let thetas = estimates.iter().map(|e| e.estimate.as_ref().map(|(theta, _)| theta));
@@ -113,16 +115,7 @@ fn rejections(
         let some = |some: &[(&SimulatedRun, &Vec<f64>)]| {
             let views: Vec<RunView> = some.iter().map(|(run, _)| run.run.view()).collect();
             let woven = some.iter().map(|(_, theta)| model.layout().woven(theta, [0.0; 3]));
-            let subject = Subject {
-                model: &model,
-                runs: &views,
-                rate_hz,
-                known_start: true,
-                levels,
-                names: &[],
-                signs: &[],
-            };
-            criticise_each(&subject, &woven.collect::<Vec<_>>())
+            criticise_each(&Subject { runs: &views, ..known }, &woven.collect::<Vec<_>>())
         };
         Ok(pairs.par_chunks(TOGETHER).flat_map_iter(some).flatten().collect())
     };
@@ -130,16 +123,7 @@ fn rejections(
         let runs = pooled(some);
         let found = Pool::new(vessel).estimate(&runs.cut(None), Estimator::Iv).ok()?;
         let views: Vec<RunView> = some.iter().map(|run| run.run.view()).collect();
-        let subject = Subject {
-            model: &model,
-            runs: &views,
-            rate_hz,
-            known_start: true,
-            levels,
-            names: &[],
-            signs: &[],
-        };
-        criticise(&subject, &found.parameters(&model)?)
+        criticise(&Subject { runs: &views, ..known }, &found.parameters(&model)?)
     };
     let pooled: Vec<Criticism> = lacking.par_chunks_exact(TOGETHER).filter_map(together).collect();
     let (right, lacking) = (single(right)?, single(lacking)?);

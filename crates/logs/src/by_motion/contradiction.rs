@@ -1,5 +1,8 @@
 //! Recordings that contradict the others: crude models of each by all others, which outliers do not move.
 
+use numerics::dot;
+use numerics::statistics::median;
+
 use super::table::Sums;
 use crate::RecordedRun;
 use crate::record::RecordingSummary;
@@ -148,16 +151,12 @@ fn robust(rows: &[&(Vec<f64>, f64)]) -> Option<(Vec<f64>, f64)> {
     for _ in 0..ROUNDS {
         let solution = sums(rows, &weights).solution()?;
         let left: Vec<f64> = rows.iter().map(|(row, y)| (y - dot(&solution, row)).abs()).collect();
-        let deviation = TO_STD * numerics::statistics::median(left.clone())?;
+        let deviation = TO_STD * median(left.clone())?;
         let limit = (HUBER * deviation).max(f64::MIN_POSITIVE);
         weights = left.iter().map(|left| (limit / left).min(1.0)).collect();
         last_fit = Some((solution, deviation));
     }
     last_fit
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn steered(recordings: &[SampledRecording], dt: f64) -> Vec<Agreement> {
@@ -169,8 +168,7 @@ fn steered(recordings: &[SampledRecording], dt: f64) -> Vec<Agreement> {
         let rows: Vec<Rows> =
             recordings.iter().map(|entry| steering_rows(entry, dt, window, signal)).collect();
         let alone: Vec<f64> = rows.iter().filter_map(explained_alone).collect();
-        let gain =
-            numerics::statistics::median(alone.clone()).filter(|_| alone.len() >= LEAST).unwrap_or(0.0);
+        let gain = median(alone.clone()).filter(|_| alone.len() >= LEAST).unwrap_or(0.0);
         if gain > STEERS && best.as_ref().is_none_or(|(known, _)| gain > *known) {
             best = Some((gain, rows));
         }
@@ -182,7 +180,7 @@ fn steered(recordings: &[SampledRecording], dt: f64) -> Vec<Agreement> {
         let gains: Vec<Option<SteeringGain>> =
             (0..rows.len()).map(|at| SteeringGain::of(&rows, at, &apart)).collect();
         let usual = gains.iter().flatten().map(|entry| entry.excited).collect();
-        let Some(usual) = numerics::statistics::median(usual) else { return none() };
+        let Some(usual) = median(usual) else { return none() };
         let excited = |entry: &&SteeringGain| entry.excited >= EXCITED * usual;
         let absurd = gains.iter().flatten().filter(excited).filter(|entry| entry.gain < ABSURD).count();
         if absurd as f64 > FAILS * rows.len() as f64 {
@@ -280,9 +278,9 @@ impl SteeringGain {
 
 /// Median and robust deviation.
 fn spread(values: Vec<f64>) -> (f64, f64) {
-    let middle = numerics::statistics::median(values.clone()).unwrap_or(0.0);
+    let middle = median(values.clone()).unwrap_or(0.0);
     let off = values.iter().map(|value| (value - middle).abs()).collect();
-    (middle, (TO_STD * numerics::statistics::median(off).unwrap_or(0.0)).max(SPREAD))
+    (middle, (TO_STD * median(off).unwrap_or(0.0)).max(SPREAD))
 }
 
 /// Surge as it runs by itself, from its inputs.
@@ -333,7 +331,7 @@ fn surged(recordings: &[SampledRecording], dt: f64) -> Vec<Agreement> {
     }
     let (middle, deviation) = spread(logarithms);
     let all: Vec<f64> = errors.iter().flatten().flatten().map(|error| error.abs()).collect();
-    let usual = TO_STD * numerics::statistics::median(all).unwrap_or(0.0);
+    let usual = TO_STD * median(all).unwrap_or(0.0);
     let judge = |entry: &Option<Vec<f64>>| {
         let Some(entry) = entry else { return Agreement::Alike };
         let far = (logarithm(entry) - middle) / deviation;

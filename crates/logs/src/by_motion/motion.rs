@@ -3,7 +3,9 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
 
-use super::table::{LoggedTable, STEPS, Sums, dot, extent, increments, scatter};
+use numerics::dot;
+
+use super::table::{LoggedTable, STEPS, Sums, extent, increments, scatter};
 
 /// Units that are tried, with their sizes.
 const ANGLES: [(&str, f64); 2] = [("rad", 1.0), ("deg", PI / 180.0)];

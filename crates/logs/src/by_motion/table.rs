@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use numerics::solve;
+use numerics::{dot, solve};
 
 /// Most rows of a recording that are looked at.
 pub const ROWS: usize = 1200;
@@ -92,10 +92,6 @@ pub(super) fn extent(values: &[f64]) -> [f64; 2] {
 
 pub(super) fn increments(values: &[f64], spans: &[[usize; 2]]) -> Vec<f64> {
     spans.iter().map(|[from, to]| values[*to] - values[*from]).collect()
-}
-
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Σ (y − mean)².
