@@ -10,7 +10,7 @@ use seatrial::{Merits, Unsimulated};
 use serde_json::json;
 use ship::model::Vessel;
 use study::campaign_file::CampaignFile;
-use study::documents::{ValidationDocument, merit_rows};
+use study::documents::{ModelDocument, ValidationDocument, merit_rows};
 use study::estimates;
 use study::files::{read_any_simulated, read_campaign, read_dictionary, read_model};
 use study::parts::MAIN;
@@ -241,20 +241,14 @@ impl Task for MeritArguments {
         let file = self.dictionary.as_ref().or(self.trajectories.as_ref()).unwrap_or(&self.vessel);
         let refused = |e| Failure::invalid(file, &e);
         let mut merits = Merits::new(&vessel, generator.as_ref(), length_m).map_err(refused)?;
-        let is_guess = vessel.model.prior_deviations().iter().any(Option::is_some)
-            && vessel
-                .value
-                .iter()
-                .zip(&vessel.nominal)
-                .all(|(value, nominal)| value.is_none_or(|v| v == *nominal));
-        let is_guess = is_guess && read_model(&self.vessel)?.is_none();
-        // What she does undisturbed says less than what ships like her do.
-        let measured = |file: &&PathBuf| {
-            Ok::<_, Failure>(!is_guess || self.dictionary.is_none() || !inputs::are_simulated(file, &vessel)?)
-        };
+        let model = read_model(&self.vessel)?;
+        let is_guess = model.is_none() && vessel.is_guess();
         let trajectories = match &self.trajectories {
-            Some(file) if measured(&file)? => Some(file),
-            _ => None,
+            // What a guessed ship does undisturbed says less than what ships like her do.
+            Some(file) if is_guess && self.dictionary.is_some() && inputs::are_simulated(file, &vessel)? => {
+                None
+            }
+            given => given.as_ref(),
         };
         let draws = self.draws.or((is_guess && trajectories.is_none()).then_some(DRAWS));
         let unsimulated = |e| match e {
@@ -282,7 +276,9 @@ impl Task for MeritArguments {
             (None, None) => merits.simulate().map_err(unsimulated)?,
             (None, Some(draws)) => {
                 let seed = common.seed.unwrap_or(1);
-                merits.simulate_drawn(&self.covariance(&vessel)?, draws, seed).map_err(refused)?;
+                merits
+                    .simulate_drawn(&self.covariance(model.as_ref(), &vessel)?, draws, seed)
+                    .map_err(refused)?;
             }
         }
         if self.slopes {
@@ -304,8 +300,8 @@ impl Task for MeritArguments {
 
 impl MeritArguments {
     /// What is known of the parameters: by the model's file, or by their priors.
-    fn covariance(&self, vessel: &Vessel) -> Result<Covariance, Failure> {
-        let of_model = read_model(&self.vessel)?.and_then(|model| model.errors_of_parameters().cloned());
+    fn covariance(&self, model: Option<&ModelDocument>, vessel: &Vessel) -> Result<Covariance, Failure> {
+        let of_model = model.and_then(|model| model.errors_of_parameters().cloned());
         of_model.or_else(|| Covariance::of_priors(&vessel.model)).ok_or_else(|| {
             let expected =
                 "a model with one, as `estimate --fit together` writes it, or priors of a ship's parameters";

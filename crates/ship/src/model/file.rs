@@ -144,6 +144,13 @@ impl Vessel {
         ))
     }
 
+    /// Whether her parameters are known by priors alone: no true value is another than the nominal one.
+    pub fn is_guess(&self) -> bool {
+        let mut both = self.value.iter().zip(&self.nominal);
+        self.model.prior_deviations().iter().any(Option::is_some)
+            && both.all(|(value, nominal)| value.is_none_or(|value| value == *nominal))
+    }
+
     /// The true values where every parameter has one, else the nominal ones.
     pub fn best_known(&self) -> Source {
         if self.value.iter().all(Option::is_some) { Source::Value } else { Source::Nominal }
