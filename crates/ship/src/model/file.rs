@@ -144,11 +144,9 @@ impl Vessel {
         ))
     }
 
-    /// Whether her parameters are known by priors alone: no true value is another than the nominal one.
+    /// Whether her parameters are known by priors alone: none has a true value.
     pub fn is_guess(&self) -> bool {
-        let mut both = self.value.iter().zip(&self.nominal);
-        self.model.prior_deviations().iter().any(Option::is_some)
-            && both.all(|(value, nominal)| value.is_none_or(|value| value == *nominal))
+        self.model.prior_deviations().iter().any(Option::is_some) && self.value.iter().all(Option::is_none)
     }
 
     /// The true values where every parameter has one, else the nominal ones.
