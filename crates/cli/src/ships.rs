@@ -141,18 +141,19 @@ pub struct NewArguments {
     #[arg(value_name = "FOLDER")]
     out: PathBuf,
     /// The ship to begin with: a preset, or a vessel.toml with forces
-    #[arg(long, value_name = "PRESET|vessel.toml", required_unless_present = "guess")]
+    #[arg(long, value_name = "PRESET|vessel.toml", required_unless_present_any = ["guess", "logs"])]
     vessel: Option<String>,
     /// A ship from her main dimensions, by textbook formulas, with a prior for every free parameter: length_m, beam_m, draught_m
     /// and block; if known, also density_kg_m3, speed_m_s, mass_kg, propeller_diameter_m, rudder_area_m2, rudder_height_m,
     /// rudder_rate_deg_s, x_g_m
-    #[arg(long, value_name = "KEY=VALUE,…", conflicts_with_all = ["vessel", "logs", "chart"])]
+    #[arg(long, value_name = "KEY=VALUE,…", conflicts_with_all = ["vessel", "chart"])]
     guess: Option<String>,
     /// The ship geometrically similar to --vessel, a preset, file or fitted model with forces: length_m, and density_kg_m3 of
     /// her water; draught_m, if given, is compared
-    #[arg(long, value_name = "KEY=VALUE,…", requires = "vessel", conflicts_with_all = ["logs", "chart"])]
+    #[arg(long, value_name = "KEY=VALUE,…", requires = "vessel", conflicts_with = "chart")]
     scale: Option<String>,
-    /// Folder of logs: what is in them is found by how it moves, and what was guessed is marked
+    /// Folder of logs, of the ship that the others name or of one that is not known: what is in them is found by how it moves,
+    /// and what was guessed is marked
     #[arg(long, value_name = "FOLDER")]
     logs: Option<PathBuf>,
     /// A chart, or the folder of an exchange set: the trial is planned on it
@@ -200,14 +201,6 @@ fn help() -> String {
 impl Task for NewArguments {
     fn run(&self, common: &Common) -> Result<Summary, Failure> {
         let out = &common.out;
-        let vessel = self.vessel.as_deref().unwrap_or_default();
-        let preset =
-            || Preset::named(vessel).map_err(|e| Failure::Usage(format!("--vessel: {e}, or a vessel.toml")));
-        let file = Some(Path::new(vessel)).filter(|file| file.is_file());
-        let with = |flag: &str| {
-            let expected = "a preset with it; name the preset that the ship is most like";
-            Failure::Usage(format!("--vessel: found a file together with {flag}, expected {expected}"))
-        };
         if out.symlink_metadata().is_ok() {
             let remedy = "name another, or run this one";
             return Err(Failure::refuse(out, "folder", "it there already", "a new folder", remedy));
@@ -217,23 +210,26 @@ impl Task for NewArguments {
             self.chart.as_deref().zip(self.place).map(|(file, place)| Charted { file, place, slot });
         let name = out.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
         let written = self.written(common)?;
-        let (files, said) = match (file, &self.logs) {
-            _ if let Some((written, named)) = &written => {
-                let files = match &self.scale {
-                    // Of a ship without a rudder there are no standard maneuvers.
-                    Some(_) if !written.text.contains("\n[[rudder]]") => {
-                        vec![(VESSEL.to_owned(), written.text.clone())]
-                    }
-                    _ => of_ship(named, &written.text, common.seed)?,
-                };
-                (files, format!("; {}", written.said))
+        let of_file;
+        let preset = match (&written, &self.vessel) {
+            (Some((written, named)), _) => {
+                of_file = of_ship(named, &written.text, common.seed)?;
+                Some(&of_file)
             }
-            (Some(_), Some(_)) => return Err(with("--logs")),
-            (Some(_), None) if self.chart.is_some() => return Err(with("--chart")),
-            (Some(file), None) => (of_ship(file, &read_hand_written(file)?, common.seed)?, String::new()),
-            (None, None) => (simulated(preset()?, &name, charted.as_ref())?, String::new()),
-            (None, Some(logs)) => {
-                let (files, looked) = measured(preset()?, logs, charted.as_ref(), common.quiet)?;
+            (None, None) => None,
+            (None, Some(vessel)) if Path::new(vessel).is_file() => {
+                let file = Path::new(vessel);
+                of_file = of_ship(file, &read_hand_written(file)?, common.seed)?;
+                Some(&of_file)
+            }
+            (None, Some(name)) => {
+                let unknown = |e| Failure::Usage(format!("--vessel: {e}, or a vessel.toml"));
+                Some(Preset::named(name).map_err(unknown)?)
+            }
+        };
+        let (files, mut said) = match (&self.logs, preset) {
+            (Some(logs), preset) => {
+                let (files, looked) = measured(preset, logs, charted.as_ref(), common.quiet)?;
                 let (guessed, missing) = (looked.guessed(), looked.missing().len());
                 let half = looked.half_a_wind().map(|[channel, what]| {
                     format!("; `{channel}` is not used: no {what} of the wind was found")
@@ -242,7 +238,16 @@ impl Task for NewArguments {
                 let said = format!("; {logs} logs, {guessed} lines guessed, {missing} channels missing");
                 (files, said + &half.unwrap_or_default())
             }
+            (None, Some(preset)) => (simulated(preset, &name, charted.as_ref())?, String::new()),
+            (None, None) => {
+                return Err(Failure::Usage(
+                    "--vessel: found none, expected a ship; name a preset".to_owned(),
+                ));
+            }
         };
+        if let Some((written, _)) = &written {
+            said += &format!("; {}", written.said);
+        }
         let schemas = schemas();
         std::fs::create_dir_all(folder_of(out)).map_err(|e| files::Error::io(out, "create", e))?;
         let has_next = files.iter().any(|(name, _)| name.starts_with("next/"));

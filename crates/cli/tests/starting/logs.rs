@@ -243,6 +243,12 @@ fn logs_of_a_ship_with_forces_come_to_their_page_by_two_commands() {
         // Better known than by the logs alone.
         assert!(own["standard_error"].as_f64().is_none_or(|before| after < before), "{own} after {after}");
     }
+    // Without a ship the twin propellers are found, too.
+    let ran = run(&folder, "new unknown --logs logs").succeeds();
+    let ingest = String::from_utf8(bytes(&folder, "unknown/ingest.toml")).unwrap();
+    assert!(ran.stdout.contains("0 channels missing"), "{ran}{ingest}");
+    let unknown = String::from_utf8(bytes(&folder, "unknown/vessel.toml")).unwrap();
+    assert!(unknown.contains("role = \"port\""), "{unknown}");
     // The only model of an average stands for a vessel.
     assert!(model["data"]["members"].is_null());
     run(&folder, "export --model out/measured/model.json --to python --out alone/").succeeds();
@@ -287,6 +293,32 @@ fn five_logs_and_a_wind_without_direction_give_the_core_of_a_ship_without_forces
     assert_eq!([terms(1), terms(2)].concat(), ["v", "u r", "r", "u^2 delta"]);
     assert_eq!(json(&folder, "out/measured/estimate.json")["data"]["structure"]["chosen"], "core");
     // What they taught counts for the next trial. The model of five logs cannot hold the plan's speeds: that is said.
+    // The same core where nothing is known of the ship but her logs, or else her main dimensions.
+    let known = run(&folder, "new unknown --logs logs").succeeds();
+    assert!(known.stdout.contains("0 channels missing") && !known.stdout.contains("next/"), "{known}");
+    run(
+        &folder,
+        "run unknown --out unknown-out --quiet --set study.estimate.bootstrap=20 --set study.test=[]",
+    )
+    .succeeds();
+    let alone = json(&folder, "unknown-out/measured/model.json")["data"].clone();
+    let names = |d: usize| -> Vec<String> {
+        let all = alone["degrees"][d]["parameters"].as_array().unwrap();
+        all.iter().map(|term| term["term"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!([names(1), names(2)], [terms(1), terms(2)]);
+    let guess = "--guess length_m=100,beam_m=16,draught_m=6,block=0.7";
+    run(&folder, &format!("new dimensions {guess} --logs logs")).succeeds();
+    let text = |name: &str| String::from_utf8(bytes(&folder, name)).unwrap();
+    assert!(text("dimensions/vessel.toml").contains("[[rudder]]"));
+    assert!(!text("dimensions/vessel.toml").contains("[value]"));
+    assert!(
+        text("dimensions/ingest.toml").contains("delta")
+            && text("dimensions/next/dictionary.toml").contains("zig-zag")
+    );
+    // And a ship in a file of her own.
+    run(&folder, "new again --vessel dimensions/vessel.toml --logs logs").succeeds();
+    assert_eq!(text("again/vessel.toml"), text("dimensions/vessel.toml"));
     let next = json(&folder, "out/measured/next/design.json")["data"].clone();
     assert!(next["prior"]["shares"].is_object() && next["sequence"]["foretold"].is_object(), "{next}");
     assert!(ran.stdout.contains("without next-plan") && ran.stderr.contains("[[speed_mode]]"), "{ran}");

@@ -41,6 +41,8 @@ pub struct Placed {
     pub is_optional: bool,
     /// Whether it counts the other way.
     pub is_reversed: bool,
+    /// Whether some of its numbers are below zero; false where numbers were not looked at.
+    pub has_negative: bool,
     /// How it was found by motion, if it was.
     pub by_motion: Option<String>,
 }

@@ -64,6 +64,9 @@ const COMMON: &str = "\
     hat mid measured meas actual act feedback fb filtered filt estimated est body ship port ps starboard stbd sb \
     left right fore aft data value ground log";
 
+/// Words of either side of a ship, the channel's first.
+const SIDES: [&str; 2] = ["port ps left p l", "starboard stbd sb right s r"];
+
 /// Symbols, which name other things too, and the words that may stand beside each.
 const SYMBOLS: &[(&str, &str)] = &[
     ("u", "velo vel velocity speed surge linear"),
@@ -173,6 +176,10 @@ impl Named {
         let number = parts.get(1).filter(|part| part.chars().all(|c| c.is_ascii_digit()));
         let sets = role.or(steered)?;
         let is_wind = |set: &[&str]| set.contains(&"wind");
+        let side = SIDES.iter().find(|words| parts.contains(&words.split(' ').next().unwrap_or_default()));
+        if side.is_some_and(|words| !self.words.iter().any(|word| is_among(word, words))) {
+            return None;
+        }
         let fits = |set: &&[&str]| {
             self.has(set) && number.is_none_or(|number| says(number)) && (is_wind(set) || !says("wind"))
         };

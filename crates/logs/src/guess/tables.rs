@@ -76,8 +76,8 @@ struct TableSearch<'a> {
     names: Vec<Named>,
     needed: &'a [Needed],
     found: FoundMotion,
-    /// The largest modulus in each column.
-    largest: Vec<f64>,
+    /// The largest modulus in each column, and whether a number is below zero.
+    largest: Vec<(f64, bool)>,
     free: Vec<bool>,
     placed: Vec<Placed>,
     asked: Vec<Question>,
@@ -98,7 +98,8 @@ impl Guess {
         }
         let most = |at: usize| {
             let all = table.columns.get(at).into_iter().flatten().filter(|value| value.is_finite());
-            all.fold(head.largest(at), |most: f64, value| most.max(value.abs()))
+            let largest = all.clone().fold(head.largest(at), |most: f64, value| most.max(value.abs()));
+            (largest, all.clone().any(|value| *value < 0.0))
         };
         let largest = (0..names.len()).map(most).collect();
         let (placed, asked, missing) = (Vec::new(), Vec::new(), Vec::new());
@@ -319,7 +320,7 @@ impl TableSearch<'_> {
 
     fn placed_at(&self, at: usize, (channel, unit): (&str, &str)) -> Placed {
         let name = &self.names[at];
-        let largest = self.largest[at];
+        let (largest, has_negative) = self.largest[at];
         let usual = || match unit {
             "rad" if channel.starts_with("delta") && largest > HARD_OVER => "deg".to_owned(),
             unit => usual_unit(unit, largest).to_owned(),
@@ -333,6 +334,7 @@ impl TableSearch<'_> {
             is_channel_guessed: name.likeness(channel) != Some(0),
             is_unit_guessed: name.unit.is_none(),
             is_optional: role.is_some_and(|role| role.is_optional) && !is_needed,
+            has_negative,
             ..Placed::default()
         }
     }
@@ -362,7 +364,9 @@ impl TableSearch<'_> {
         let needed: Vec<Needed> =
             self.needed.iter().filter(|need| !self.has(&need.channel)).cloned().collect();
         let steers = |need: &Needed| need.unit == "rad";
-        for need in &needed {
+        self.sides(&needed);
+        for need in needed.iter().filter(|need| !self.has(&need.channel)).cloned().collect::<Vec<_>>().iter()
+        {
             let entry = if steers(need) { &self.found.steering } else { &self.found.drive };
             let is_alone = needed.iter().filter(|other| steers(other) == steers(need)).count() == 1;
             let sure = entry.first().filter(|first| is_alone && self.is_sure(first, need)).cloned();
@@ -406,6 +410,33 @@ impl TableSearch<'_> {
             if !choices.is_empty() && self.found.is_known {
                 self.asked.push(Question { channel: need.channel.clone(), choices });
             }
+        }
+    }
+
+    /// Places the propellers to port and to starboard that names do not tell: what turns the ship to starboard is the one to port.
+    fn sides(&mut self, needed: &[Needed]) {
+        let [port, starboard] = needed else { return };
+        let are_sides = port.channel.ends_with("port") && starboard.channel.ends_with("starboard");
+        let pair =
+            self.found.steering.first().filter(|pair| are_sides && self.found.is_known && pair.is_sure);
+        let Some(&ActuatorChoice { columns: ref pair, gain, sign, .. }) = pair else { return };
+        let &[a, b] = &pair[..] else { return };
+        let fits = |at: usize| {
+            let unit = self.names[at].unit;
+            self.free[at]
+                && !self.names[at].is_other()
+                && unit.is_none_or(|unit| crate::shaft_factor(unit, &port.unit).is_some())
+        };
+        let is_named = |need: &Needed| self.best(&need.channel, &need.unit).is_some();
+        if !fits(a) || !fits(b) || is_named(port) && is_named(starboard) {
+            return;
+        }
+        let sides = if sign > 0.0 { [a, b] } else { [b, a] };
+        for (at, need) in sides.into_iter().zip([port, starboard]) {
+            self.free[at] = false;
+            let by_motion = Some(format!("by motion, gain {gain:.2}"));
+            let placed = self.placed_at(at, (&need.channel, &need.unit));
+            self.placed.push(Placed { by_motion, ..placed });
         }
     }
 

@@ -61,8 +61,9 @@ pub struct Looked {
 const LONG: f64 = 0.95;
 
 impl Looked {
-    /// Looks at the logs in `folder` and in its subfolders, for a model that needs the channels `needed`; shows progress unless `quiet`.
-    pub fn at(folder: &Path, needed: &[Needed], quiet: bool) -> Result<Self, Error> {
+    /// Looks at the logs in `folder` and in its subfolders, for a model that needs the channels of one of `needed`: of the first that are all
+    /// there, or else of those of which fewest are missing. Shows progress unless `quiet`.
+    pub fn at(folder: &Path, needed: &[Vec<Needed>], quiet: bool) -> Result<Self, Error> {
         if !folder.is_dir() {
             let remedy = "name the folder of the logs";
             return Err(refuse(folder, "--logs", "no such folder", "a folder with logs", remedy));
@@ -96,7 +97,7 @@ impl Looked {
     fn of_tables(
         folder: &Path,
         (files, others): (Vec<String>, Vec<String>),
-        needed: &[Needed],
+        needed: &[Vec<Needed>],
         quiet: bool,
     ) -> Result<Self, Error> {
         let first = &files[0];
@@ -109,7 +110,9 @@ impl Looked {
         let mut rows: Vec<f64> = seen.iter().map(|log| log.rows).collect();
         rows.sort_by(f64::total_cmp);
         let (usual_rows, head) = (rows[rows.len() / 2], seen[0].head.clone());
-        let guess = Guess::of(&head, &table(folder, &files, &seen, quiet)?, needed);
+        let table = table(folder, &files, &seen, quiet)?;
+        let guess =
+            fewest(needed, |needed| Ok(Guess::of(&head, &table, needed)), |guess| guess.missing.len())?;
         let Some(clock) = &guess.clock else {
             let lacking = format!("none that is called a time or increases among {}", listed(&head.columns));
             let remedy = "write ingest.toml yourself, with its `time` (docs/own-logs.md)";
@@ -124,9 +127,10 @@ impl Looked {
         folder: &Path,
         files: Vec<String>,
         others: Vec<String>,
-        needed: &[Needed],
+        needed: &[Vec<Needed>],
     ) -> Result<Self, Error> {
-        let guess = bags::guessed(folder, &files, needed)?;
+        let guess =
+            fewest(needed, |needed| bags::guessed(folder, &files, needed), |guess| guess.missing.len())?;
         let (folder, patterns, usual_s) = (folder.to_owned(), patterns(&files, &BAGS), guess.length_s);
         Ok(Self { folder, patterns, files, usual_s, found: LogGuess::Bag(guess), others })
     }
@@ -135,9 +139,11 @@ impl Looked {
         folder: &Path,
         files: Vec<String>,
         others: Vec<String>,
-        needed: &[Needed],
+        needed: &[Vec<Needed>],
     ) -> Result<Self, Error> {
-        let guess = bags::guessed_sentences(&folder.join(&files[0]), needed)?;
+        let first = folder.join(&files[0]);
+        let guess =
+            fewest(needed, |needed| bags::guessed_sentences(&first, needed), |guess| guess.missing.len())?;
         let patterns = patterns(&files, &[SENTENCES.as_slice(), &PERHAPS].concat());
         let (folder, usual_s, found) = (folder.to_owned(), guess.length_s, LogGuess::Sentences(guess));
         Ok(Self { folder, patterns, files, usual_s, found, others })
@@ -241,7 +247,8 @@ impl Looked {
         }
     }
 
-    fn placed(&self) -> Box<dyn Iterator<Item = &Placed> + '_> {
+    /// The channels that were found.
+    pub(super) fn placed(&self) -> Box<dyn Iterator<Item = &Placed> + '_> {
         match &self.found {
             LogGuess::Table(_, guess) => Box::new(guess.placed.iter()),
             LogGuess::Bag(guess) => Box::new(guess.topics.iter().flat_map(|topic| &topic.placed)),
@@ -257,6 +264,27 @@ impl Looked {
             LogGuess::Sentences(guess) => &guess.missing,
         }
     }
+}
+
+/// The guess for the first of `needed` that lacks nothing, or else the first of those that lack least.
+fn fewest<T>(
+    needed: &[Vec<Needed>],
+    guess: impl Fn(&[Needed]) -> Result<T, Error>,
+    missing: impl Fn(&T) -> usize,
+) -> Result<T, Error> {
+    let (first, others) =
+        needed.split_first().map_or((&[][..], needed), |(first, others)| (&first[..], others));
+    let mut best = guess(first)?;
+    for needed in others {
+        if missing(&best) == 0 {
+            break;
+        }
+        let other = guess(needed)?;
+        if missing(&other) < missing(&best) {
+            best = other;
+        }
+    }
+    Ok(best)
 }
 
 fn ends(name: &str, ends: &[&str]) -> bool {

@@ -4,6 +4,7 @@ mod bags;
 mod ingest;
 mod looking;
 mod presets;
+mod unknown;
 
 use std::path::Path;
 
@@ -32,18 +33,27 @@ pub fn simulated(preset: &Preset, name: &str, charted: Option<&Charted>) -> Resu
 }
 
 /// The files of a study of `preset` with the logs in the folder `logs`, and what was found there: unless `quiet`, the terminal is
-/// asked what may be several. On a chart its next trial is planned.
+/// asked what may be several. On a chart its next trial is planned. Of a ship of which nothing else is known the terms are usual ones.
 ///
 /// # Errors
 /// A folder without logs, or with those of several ships; a log whose columns cannot be read; a chart as of [`simulated`].
 pub fn measured(
-    preset: &Preset,
+    preset: Option<&Preset>,
     logs: &Path,
     charted: Option<&Charted>,
     quiet: bool,
 ) -> Result<(Vec<NewFile>, Looked), Error> {
-    let mut looked = Looked::at(logs, &preset.needed(), quiet)?;
+    let needed = preset.map_or_else(unknown::needed, |preset| vec![preset.needed()]);
+    let mut looked = Looked::at(logs, &needed, quiet)?;
     looked.ask(quiet);
+    let unknown;
+    let preset = match preset {
+        Some(preset) => preset,
+        None => {
+            unknown = unknown::ship(&looked);
+            &unknown
+        }
+    };
     let is_wind_logged = looked.take_wind();
     let mut files = vec![
         ("vessel.toml".to_owned(), preset.without_truth(is_wind_logged)),
@@ -66,14 +76,17 @@ pub fn schemas() -> Vec<NewFile> {
 fn trial(preset: &Preset, charted: Option<&Charted>) -> Result<Vec<(String, String)>, Error> {
     let plan = charted.map(|charted| preset.plan().map_err(|why| Error::invalid(charted.file, why)));
     let plan = plan.transpose()?;
+    if preset.dictionary.is_empty() {
+        return Ok(Vec::new());
+    }
     let maneuvers = match preset.is_of_forces() {
-        true => preset.dictionary.to_owned(),
-        false => drawn(preset.dictionary, plan.map_or("", |(template, _)| template)),
+        true => preset.dictionary.to_string(),
+        false => drawn(&preset.dictionary, plan.map_or("", |(template, _)| template)),
     };
-    let campaign = preset.campaign.to_owned();
+    let campaign = preset.campaign.to_string();
     let mut files = vec![("next/dictionary.toml", maneuvers), ("next/campaign.toml", campaign)];
     if let (Some(charted), Some((template, side_m))) = (charted, plan) {
-        let by_shares = without_maneuvers(template, preset.campaign);
+        let by_shares = without_maneuvers(template, &preset.campaign);
         let template = if preset.is_of_forces() { template } else { &by_shares };
         files.push(("next/plan.toml", planned(charted, "next", (template, side_m))?));
     }

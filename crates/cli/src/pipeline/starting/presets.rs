@@ -1,5 +1,6 @@
 //! Ships that a new study can begin with.
 
+use std::borrow::Cow;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -27,18 +28,18 @@ pub(super) fn with_schema((name, text): NewFile) -> NewFile {
 }
 
 /// A ship that a new study can begin with.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Preset {
     /// Its name.
     pub name: &'static str,
     /// What it is, in a few words.
     pub about: &'static str,
-    vessel: &'static str,
-    /// Its maneuvers.
-    pub(super) dictionary: &'static str,
+    pub(super) vessel: Cow<'static, str>,
+    /// Its maneuvers; empty if it has none.
+    pub(super) dictionary: Cow<'static, str>,
     /// Its simulated trials.
-    pub(super) campaign: &'static str,
-    settings: &'static str,
+    pub(super) campaign: Cow<'static, str>,
+    pub(super) settings: Cow<'static, str>,
     /// Inputs as a table, if a maneuver plays one.
     table: Option<(&'static str, &'static str)>,
     /// The thrusters that its forces are made by, as `ingest.toml` has them.
@@ -53,10 +54,10 @@ macro_rules! preset {
         Preset {
             name: $name,
             about: $about,
-            vessel: include_str!(concat!("../../../presets/", $name, "/vessel.toml")),
-            dictionary: include_str!(concat!("../../../presets/", $name, "/dictionary.toml")),
-            campaign: include_str!(concat!("../../../presets/", $name, "/campaign.toml")),
-            settings: include_str!(concat!("../../../presets/", $name, "/study.toml")),
+            vessel: Cow::Borrowed(include_str!(concat!("../../../presets/", $name, "/vessel.toml"))),
+            dictionary: Cow::Borrowed(include_str!(concat!("../../../presets/", $name, "/dictionary.toml"))),
+            campaign: Cow::Borrowed(include_str!(concat!("../../../presets/", $name, "/campaign.toml"))),
+            settings: Cow::Borrowed(include_str!(concat!("../../../presets/", $name, "/study.toml"))),
             table: [$(Some(($table, include_str!(concat!("../../../presets/", $name, "/", $table)))),)? None][0],
             thrusters: [$(Some(include_str!(concat!("../../../presets/", $name, "/", $thrusters))),)? None][0],
             plan: [$(Some((include_str!(concat!("../../../presets/", $name, "/plan.toml.in")), $side)),)? None][0],
@@ -102,15 +103,20 @@ impl Preset {
         PRESETS.iter().find(|preset| preset.name == name).ok_or_else(unknown)
     }
 
+    /// The ship in the text of a `vessel.toml`, without maneuvers.
+    pub(super) fn of_vessel(text: String) -> Self {
+        Self { name: "vessel.toml", about: "a ship of its own", vessel: text.into(), ..Self::default() }
+    }
+
     /// The files of a study of it that is simulated.
-    pub(super) fn files(&self) -> impl Iterator<Item = (&'static str, &'static str)> {
+    pub(super) fn files(&self) -> impl Iterator<Item = (&'static str, &str)> {
         let files = [
-            ("vessel.toml", self.vessel),
-            ("dictionary.toml", self.dictionary),
-            ("campaign.toml", self.campaign),
-            ("study.toml", self.settings),
+            ("vessel.toml", &*self.vessel),
+            ("dictionary.toml", &*self.dictionary),
+            ("campaign.toml", &*self.campaign),
+            ("study.toml", &*self.settings),
         ];
-        files.into_iter().chain(self.table)
+        files.into_iter().filter(|(_, text)| !text.is_empty()).chain(self.table)
     }
 
     /// The thrusters that its forces are made by, as `ingest.toml` has them; empty if its inputs are logged.
@@ -131,7 +137,8 @@ impl Preset {
 
     /// `vessel.toml` without true parameters, which no real ship has, and with the relative wind where that `is_logged`.
     pub(super) fn without_truth(&self, is_wind_logged: bool) -> String {
-        let lines = self.vessel.lines().filter(|line| !line.starts_with("value = "));
+        let text = self.vessel.split_once(TRUE_NUMBERS).map_or(&*self.vessel, |(text, _)| text);
+        let lines = text.lines().filter(|line| !line.starts_with("value = "));
         let mut text: String = lines.map(|line| format!("{}\n", without_value(line))).collect();
         for (degree, asymmetry) in STRAIGHT_AHEAD {
             let name = &asymmetry[..3];
@@ -226,27 +233,27 @@ const TRIALS: u32 = 8;
 /// Draws until a ship is one that can be.
 const DRAWS: u64 = 100;
 
-/// The files of a study of the ship with rudders in `text`, that of `file`: standard maneuvers and a sea for her length and speed.
+/// The line before the true numbers in a file that is written here.
+const TRUE_NUMBERS: &str = "\n\n# The true numbers, which simulated trials follow: ";
+
+/// The ship with forces in `text`, that of `file`: standard maneuvers and a sea for her length and speed, if a rudder steers her.
 /// What she is simulated by is what the text says, or else its nominal numbers, or with a `seed` numbers drawn from their priors.
 ///
 /// # Errors
-/// A text that is no vessel; a ship that no rudder steers.
-pub fn of_ship(file: &Path, text: &str, seed: Option<u64>) -> Result<Vec<NewFile>, Error> {
+/// A text that is no vessel; a ship without forces.
+pub fn of_ship(file: &Path, text: &str, seed: Option<u64>) -> Result<Preset, Error> {
     let refuse = |invalid: Invalid| Error::invalid(file, invalid);
     let written: VesselFile = parse_toml(text, file)?;
     let vessel = Vessel::from_file(written.clone()).map_err(refuse)?;
     let text: String = text.split_inclusive('\n').filter(|line| !line.starts_with("#:schema ")).collect();
-    let remedy = "begin with a preset, `seatrial new <folder> --vessel <preset>`, and replace its files";
-    let none = |thing: &str, found: &str| {
-        let expected = "a ship with forces and a rudder, which standard maneuvers are written for";
-        refuse(Invalid::new(thing, found, expected, remedy))
-    };
     let Some(ship) = written.ship.as_ref().filter(|_| vessel.model.forces.is_some()) else {
-        return Err(none("[ship]", "none in this file"));
+        let remedy = "begin with a preset, `seatrial new <folder> --vessel <preset>`, and replace its files";
+        let expected = "a ship with forces, which standard maneuvers are written for";
+        return Err(refuse(Invalid::new("[ship]", "none in this file", expected, remedy)));
     };
-    let Some(rudder) = written.rudder.first().map(|rudder| rudder.input.as_str()) else {
-        return Err(none("[[rudder]]", "none"));
-    };
+    let of_file = Preset::of_vessel(with_truth(&text, &written, &vessel, seed).map_err(refuse)?);
+    // Of a ship without a rudder there are no standard maneuvers.
+    let Some(rudder) = written.rudder.first().map(|rudder| rudder.input.as_str()) else { return Ok(of_file) };
     let (length_m, speed_m_s) = (ship.length_m, ship.speed_m_s);
     let of = |name: &str| Preset::named(name).map_err(refuse);
     let sea = if length_m < AT_SEA_M { SAILED } else { AT_SEA };
@@ -266,13 +273,12 @@ pub fn of_ship(file: &Path, text: &str, seed: Option<u64>) -> Result<Vec<NewFile
     let settings = format!(
         "{HEAD}\n# Standard maneuvers and their figures, by the length between perpendiculars [m]\n[merit]\nlength_m = {length_m}\n"
     );
-    let files = [
-        ("vessel.toml", with_truth(&text, &written, &vessel, seed).map_err(refuse)?),
-        ("dictionary.toml", scaled(of(SAILED.0)?.dictionary, SAILED)),
-        ("campaign.toml", scaled(of(sea.0)?.campaign, sea)),
-        ("study.toml", settings),
-    ];
-    Ok(files.into_iter().map(|(name, text)| with_schema((name.to_owned(), text))).collect())
+    Ok(Preset {
+        dictionary: scaled(&of(SAILED.0)?.dictionary, SAILED).into(),
+        campaign: scaled(&of(sea.0)?.campaign, sea).into(),
+        settings: settings.into(),
+        ..of_file
+    })
 }
 
 fn parsed(text: &str) -> Result<VesselFile, Invalid> {
@@ -309,10 +315,7 @@ fn with_truth(text: &str, file: &VesselFile, vessel: &Vessel, seed: Option<u64>)
             None => "the nominal ones".to_owned(),
             Some(seed) => format!("drawn from the priors with seed {seed}"),
         };
-        let mut text = format!(
-            "{}\n\n# The true numbers, which simulated trials follow: {origin}.\n[value]\n",
-            text.trim_end()
-        );
+        let mut text = format!("{}{TRUE_NUMBERS}{origin}.\n[value]\n", text.trim_end());
         for (i, name) in names.iter().enumerate().filter(|(i, _)| vessel.value[*i].is_none()) {
             _ = writeln!(
                 text,
