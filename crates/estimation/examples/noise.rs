@@ -325,7 +325,8 @@ impl Ship {
             let negate = |input| run.exogenous.iter_mut().skip(input).step_by(width).for_each(|x| *x = -*x);
             negated.into_iter().for_each(negate);
             let (pool, runs) = (Pool::new(&self.vessel), PooledRuns::new(vec![run], &BTreeMap::new()));
-            let found = estimate(&pool, &runs, Estimator::Iv, &judgement, Resampling::Given(&[])).ok();
+            let found =
+                estimate(&pool, &runs, Estimator::PredictionError, &judgement, Resampling::Given(&[])).ok();
             let criticism = found.and_then(|found| found.criticism);
             criticism.iter().flat_map(Criticism::wrong_signs).map(|sign| sign.name.clone()).collect()
         };

@@ -134,8 +134,11 @@ fn estimate_any(
     let estimated = solved(pool, parts, estimator)?;
     let judge = Judge { pool, estimated: &estimated, parts, judgement, resampling };
     let mut degrees = judge.degrees().map_err(PoolError::Unread)?;
-    let parameters = degrees.iter().flat_map(|degree| &degree.parameters);
-    let estimates: Vec<_> = parameters.map(|p| Some([p.estimate?, p.standard_error?])).collect();
+    let errors = estimated.errors_of_predictions(pool);
+    let parameters = degrees.iter().flat_map(|degree| &degree.parameters).enumerate();
+    let error = |i: usize| errors.as_ref().map(|errors| errors[i]);
+    let estimates: Vec<_> =
+        parameters.map(|(i, p)| Some([p.estimate?, p.standard_error.or_else(|| error(i))?])).collect();
     let (model, nominal) = (&pool.vessel.model, &pool.vessel.nominal);
     let (signs, turned) = (signs(model, nominal, &estimates), against_nominal(model, nominal, &estimates));
     let mut criticism = criticism(pool, &estimated, runs, &signs).map_err(PoolError::Unread)?;

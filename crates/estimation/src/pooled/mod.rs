@@ -131,6 +131,20 @@ impl Estimated {
         whole(&self.degrees)
     }
 
+    /// Standard errors of θ̂ by white innovations, which tell even of one part; `None` without predictions.
+    fn errors_of_predictions(&self, pool: &Pool) -> Option<Vec<f64>> {
+        let (searched, scales) = self.searched.as_ref()?;
+        let layout = pool.model.layout();
+        let of_degree = |d| {
+            let places = layout.terms(d);
+            let covariance = searched.covariance_of(places.clone());
+            (0..places.len())
+                .map(|i| covariance[i * (places.len() + 1)].max(0.0).sqrt())
+                .collect::<Vec<f64>>()
+        };
+        matches!(scales.follow(), Follow::Predicted(..)).then(|| (0..3).flat_map(of_degree).collect())
+    }
+
     /// Whether instruments were simulated.
     pub fn instrumented(&self) -> bool {
         self.iv.is_some()

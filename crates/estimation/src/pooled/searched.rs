@@ -22,7 +22,8 @@ pub struct Searched {
     pub parameters: Vec<f64>,
     /// Their covariance, as many rows: (G − 1)/G Σ δ δᵀ with the change δ of the estimate if one of the G parts is
     /// left out, to first order (jackknife), so that errors may be correlated in any way within a part, and it is not
-    /// too small for few parts. Zero for fixed parameters and those at a bound.
+    /// too small for few parts. Zero for fixed parameters and those at a bound. Of one part that of white innovations, for
+    /// [`Follow::Predicted`].
     pub covariance: Vec<f64>,
     /// Per parameter the effective number of parts: how many equally informative ones would give the same
     /// information; 0 for fixed ones.
@@ -246,6 +247,14 @@ impl PooledProblem<'_> {
             }
             settled.push(settled_part.without_sums());
         })?;
+        if self.parts.count() == 1 && matches!(self.asked.follow, Follow::Predicted(..)) {
+            let freedom = (3.0 * minimum.sums.samples - free as f64).max(1.0);
+            let variance = minimum.sums.squares.iter().sum::<f64>() / freedom;
+            let entries = inverse.iter().enumerate();
+            entries.for_each(|(k, entry)| {
+                covariance[places[k / free] * all + places[k % free]] = variance * entry
+            });
+        }
         let alike = |[sum, squares]: [f64; 2]| if squares > 0.0 { sum * sum / squares } else { 0.0 };
         let mut currents = Vec::new();
         if self.asked.unknown().is_some_and(|unknown| unknown.current.is_some()) {

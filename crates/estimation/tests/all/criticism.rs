@@ -175,6 +175,23 @@ fn law_an_input_with_the_opposite_sign_is_named_and_a_right_one_is_not() {
     }
 }
 
+/// Parts of one run cannot be compared: the errors of its predictions tell how far estimates are from zero.
+#[test]
+fn law_an_input_with_the_opposite_sign_is_named_by_one_run() {
+    let vessel = paper();
+    let experiment = experiment(&vessel);
+    for negated in [None, Some(2)] {
+        let mut runs = whole(&experiment, recorded(&experiment, &vessel, &[], 1));
+        negated.into_iter().for_each(|input| turn(&mut runs[0], input));
+        let (runs, quick) = (PooledRuns::new(runs, &BTreeMap::new()), Judgement { replicates: 0, seed: 1 });
+        let found =
+            estimate(&Pool::new(&vessel), &runs, Estimator::PredictionError, &quick, Resampling::Given(&[]));
+        let criticism = found.unwrap().criticism.unwrap();
+        let named: Vec<&str> = criticism.wrong_signs().map(|sign| sign.name.as_str()).collect();
+        assert_eq!(named, negated.map(|_| "`tau3` acts with the opposite sign").as_slice());
+    }
+}
+
 #[test]
 fn law_a_logged_channel_that_no_term_has_is_named() {
     let vessel = paper();
