@@ -323,6 +323,11 @@ fn surged(recordings: &[SampledRecording], dt: f64) -> Vec<Agreement> {
         (all.len() >= ROWS && all.iter().all(|error| error.is_finite())).then_some(all)
     };
     let logarithm = |entry: &Vec<f64>| libm::log((dot(entry, entry) / entry.len() as f64).sqrt().max(1e-9));
+    // The mean square of what a speed is off its mean.
+    let scattered = |at: usize| {
+        let speeds: Vec<f64> = recordings[at].runs.iter().flat_map(|run| run[0].iter().copied()).collect();
+        scatter(&speeds) / speeds.len().max(1) as f64
+    };
     // Who contradicts most is no longer asked about the others.
     let mut apart: Vec<(usize, f64)> = Vec::new();
     loop {
@@ -338,7 +343,9 @@ fn surged(recordings: &[SampledRecording], dt: f64) -> Vec<Agreement> {
         let against = |(at, entry): &(usize, Vec<f64>)| {
             let far = (logarithm(entry) - middle) / deviation;
             let beyond = entry.iter().filter(|error| error.abs() > BEYOND.0 * usual).count() as f64;
-            (far > FAR || beyond > BEYOND.1 * entry.len() as f64).then_some((*at, far))
+            let is_far = far > FAR || beyond > BEYOND.1 * entry.len() as f64;
+            // A model that is better than no model follows it.
+            (is_far && dot(entry, entry) > scattered(*at) * entry.len() as f64).then_some((*at, far))
         };
         match errors.iter().filter_map(against).max_by(|a, b| a.1.total_cmp(&b.1)) {
             Some(most) if 2 * apart.len() < rows.len() => apart.push(most),

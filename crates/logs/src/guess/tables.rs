@@ -326,7 +326,8 @@ impl TableSearch<'_> {
     fn contradicted(&mut self, found: &FoundChannel) {
         let typed = self.typed.iter().find(|(channel, _)| channel == found.channel);
         if found.is_sure && typed.is_some_and(|(_, at)| *at != found.column || found.sign < 0.0) {
-            let why = format!("by motion, score {:.3}, against the type of the message", found.score);
+            let way = if found.sign < 0.0 { "reversed, " } else { "" };
+            let why = format!("{way}by motion, score {:.3}, against the type of the message", found.score);
             let choices = vec![ColumnChoice { placed: self.as_found(found), why }];
             self.asked.push(Question { channel: found.channel.to_owned(), choices });
         }
