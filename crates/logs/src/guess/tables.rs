@@ -146,7 +146,8 @@ impl Guess {
     /// Takes an answer to a question: the column at `choice`.
     pub fn answer(&mut self, question: usize, choice: usize) {
         let Question { channel, choices } = self.asked.remove(question);
-        let placed = choices[choice].placed.clone();
+        let mut placed = choices[choice].placed.clone();
+        placed.by_motion = Some(format!("as answered, {}", choices[choice].why));
         let is_same = |other: &Placed| (&other.topic, &other.column) == (&placed.topic, &placed.column);
         self.missing.retain(|need| need.channel != channel);
         self.unplaced.retain(|column| *column != placed.column);

@@ -54,7 +54,7 @@ impl BagGuess {
             |at: usize, unit: &str| names[at].unit.is_none_or(|entry| factor(entry, unit) == Some(1.0));
         let looked: Vec<usize> =
             (0..columns.len().min(MOST)).filter(|at| columns[*at].rank < STILL).collect();
-        let found = match table(recordings, topics, &columns[..looked.len()]) {
+        let moved = match table(recordings, topics, &columns[..looked.len()]) {
             Some((table, time)) => motion_of(&table, &time, &looked, &fits),
             None => FoundMotion::default(),
         };
@@ -72,7 +72,7 @@ impl BagGuess {
             };
             typed_at.iter().any(of)
         };
-        let is_doubted = found.channels.iter().any(differs);
+        let is_doubted = moved.channels.iter().any(differs);
         let mut search = TableSearch {
             columns: columns
                 .iter()
@@ -86,7 +86,7 @@ impl BagGuess {
                 .iter()
                 .map(|column| column.rank != TYPED && !is_known(&topics[column.topic]))
                 .collect(),
-            found,
+            found: moved,
             typed: typed_at,
             placed: typed,
             ..TableSearch::default()

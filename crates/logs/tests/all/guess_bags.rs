@@ -163,7 +163,7 @@ const PLACES: [[&str; 2]; 9] = [
 ];
 
 /// How many channels of these recordings are sure, and how many others are listed; none is wrong.
-fn found(recordings: &[Vec<Vec<f64>>]) -> [usize; 2] {
+fn counted(recordings: &[Vec<Vec<f64>>]) -> [usize; 2] {
     let topics: Vec<Vec<Topic>> = recordings.iter().map(|columns| unknown(columns)).collect();
     let needed = [("n", "1/s"), ("delta", "rad")];
     let needed = needed.map(|(channel, unit)| Needed { channel: channel.to_owned(), unit: unit.to_owned() });
@@ -182,7 +182,7 @@ fn found(recordings: &[Vec<Vec<f64>>]) -> [usize; 2] {
 #[test]
 fn law_fields_of_unknown_messages_are_found_by_motion_and_none_wrongly() {
     for seed in 0..6 {
-        let [sure, listed] = found(&trials(20 + seed, 4));
+        let [sure, listed] = counted(&trials(20 + seed, 4));
         assert!(sure >= 6 && sure + listed == 8, "{seed}: {sure}, {listed}");
     }
 }
@@ -192,7 +192,7 @@ fn oracle_fields_of_published_logs_are_found_by_motion_and_none_wrongly() {
     for set in &PUBLISHED {
         let Some((recordings, places)) = published(set) else { return };
         let of = |columns: &Vec<Vec<f64>>| places.iter().map(|at| columns[*at].clone()).collect();
-        let [sure, listed] = found(&recordings.iter().map(of).collect::<Vec<_>>());
+        let [sure, listed] = counted(&recordings.iter().map(of).collect::<Vec<_>>());
         println!("{}: {sure} sure, {listed} listed of 8", set.0);
         assert!(sure >= 6 && sure + listed >= 7, "{}: {sure}, {listed}", set.0);
     }
