@@ -9,6 +9,10 @@ fn everything_that_is_made_of_simulated_logs_says_so() {
     assert_eq!(told("ingest.json")["data"]["data"], "simulated logs");
     assert_eq!(told("estimate.json")["data"]["designs"][0]["design"], "simulated logs");
     assert_eq!(told("ingest.json")["data"]["runs"], 22);
+    // No recording contradicts the others, and those that steer are judged by them: six of eleven maneuvers do.
+    let recordings = told("ingest.json")["data"]["recordings"].as_array().unwrap().clone();
+    let counted = |key: &str| recordings.iter().filter(|one| one[key].is_string()).count();
+    assert!(counted("contradicts") == 0 && counted("unjudged") <= 11, "{recordings:?}");
     let page = str::from_utf8(made().bytes("report.html")).unwrap();
     for piece in [
         "Data: <b>simulated logs</b>. No real ship was measured",

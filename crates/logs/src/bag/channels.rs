@@ -6,7 +6,7 @@ use std::io::Read;
 use refusal::{Invalid, foreign};
 
 use crate::bag::database::DatabaseFile;
-use crate::bag::decoder::{Decoder, shape};
+use crate::bag::decoder::{Decoder, json_leaves, shape};
 use crate::bag::definition::{LONGEST, leaves};
 use crate::bag::stream::each_part;
 use crate::bag::{BagPart, Effort, database};
@@ -184,11 +184,17 @@ impl<'a> TopicChannels<'a> {
     }
 }
 
-/// Messages of a topic that are decoded.
-const ROWS: usize = 400;
+/// Messages of a topic that are kept at least, evenly over all.
+const ROWS: usize = crate::by_motion::ROWS;
 
-/// Most values of a topic that are decoded.
+/// Most values of a topic that are kept, about.
 const CELLS: usize = 40_000;
+
+/// Longer messages are pictures and the like \[bytes\].
+const LONG: usize = 1 << 16;
+
+/// Clocks further apart count something else \[s\].
+const NEAR_S: f64 = 10.0;
 
 /// Most elements of a list that all are columns.
 const FEW: usize = 16;
@@ -203,19 +209,38 @@ pub struct Topic {
     pub name: String,
     /// The type of its messages.
     pub kind: String,
-    /// Numbers of its publishers.
+    /// Numbers of its publishers, the one whose messages these are first.
     pub publishers: Vec<u32>,
     /// Paths to the numbers in a message; empty where its messages cannot be decoded.
     pub fields: Vec<String>,
-    /// Values of the fields in the first messages.
+    /// Values of the fields in one of `every` messages.
     pub rows: Vec<Vec<f64>>,
-    /// When the first and the last message were logged \[s\].
-    pub logged_s: [f64; 2],
-    /// How many messages it has.
+    /// When each of these was made, or else logged \[s\].
+    pub times: Vec<f64>,
+    /// See `rows`.
+    pub every: usize,
+    /// How many messages it has of this publisher.
     pub messages: usize,
 }
 
-/// The topics of a bag and the first of their messages, by means of `memory` bytes; `format` as in [`crate::read_bag`].
+impl Topic {
+    /// The place of a field.
+    pub(crate) fn place(&self, field: &str) -> Option<usize> {
+        self.fields.iter().position(|name| name == field)
+    }
+
+    /// When a message with these values was made that was `logged` then \[s\]: clocks that are far from the logger's do not count.
+    fn made_at(&self, row: &[f64], logged: f64) -> f64 {
+        let value = |field: &str| Some(row[self.place(field)?]);
+        let stamp = || Some(value("header.stamp.sec")? + 1e-9 * value("header.stamp.nanosec")?);
+        match logged > 0.0 {
+            true => stamp().filter(|time| (time - logged).abs() < NEAR_S).unwrap_or(logged),
+            false => value("timestamp").map_or(0.0, |count| 1e-6 * count),
+        }
+    }
+}
+
+/// The topics of a bag and messages from all over them, by means of `memory` bytes; `format` as in [`crate::read_bag`].
 ///
 /// # Errors
 /// Bytes that cannot be read or are not a bag.
@@ -240,16 +265,16 @@ fn census(
     let (schemas, topics, channels) = (Schemas::default(), BTreeMap::new(), BTreeMap::new());
     let mut census = Census { schemas, topics, channels, effort: &effort };
     pass(&effort, &mut |part| census.take(part))?;
-    Ok(census.topics.into_values().map(|(topic, _)| topic).collect())
+    Ok(census.topics.into_values().map(|(topic, ..)| topic).collect())
 }
 
 /// What was found so far.
 struct Census<'a> {
     schemas: Schemas,
-    /// Topics in the order of their names, with the decoder of each.
-    topics: BTreeMap<String, (Topic, Option<Decoder>)>,
-    /// The topic of each channel.
-    channels: BTreeMap<u32, String>,
+    /// Topics in the order of their names, with the decoder of each, the channel that is heard, and most rows that there were.
+    topics: BTreeMap<String, (Topic, Option<Decoder>, Option<u32>, usize)>,
+    /// The topic of each channel, and its publisher's number.
+    channels: BTreeMap<u32, (String, u32)>,
     effort: &'a Effort,
 }
 
@@ -282,37 +307,52 @@ impl Census<'_> {
         }
         let effort = self.effort;
         effort.keep(2 * topic.len())?;
-        self.channels.insert(id, topic.to_owned());
+        self.channels.insert(id, (topic.to_owned(), number));
         if !self.topics.contains_key(topic) {
             let parts = self.schemas.get(schema).map(|schema| schema.parts());
             let shape = parts.and_then(|parts| shape(topic, encoding, parts, effort).ok());
             let fields = shape.map_or(Ok(Vec::new()), |shape| leaves(&shape, FEW, effort))?;
             let decoder = Decoder::new(topic, encoding, parts, &fields, effort).ok();
             let kind = parts.map(|(name, ..)| name.to_owned()).unwrap_or_default();
-            let listed = Topic { name: topic.to_owned(), kind, fields, ..Topic::default() };
-            self.topics.insert(topic.to_owned(), (listed, decoder));
+            let listed = Topic { name: topic.to_owned(), kind, fields, every: 1, ..Topic::default() };
+            self.topics.insert(topic.to_owned(), (listed, decoder, None, 0));
         }
-        self.topics.entry(topic.to_owned()).and_modify(|(listed, _)| listed.publishers.push(number));
+        self.topics.entry(topic.to_owned()).and_modify(|(listed, ..)| listed.publishers.push(number));
         Ok(())
     }
 
     fn message(&mut self, channel: u32, log_time: u64, data: &[u8]) {
-        let entry = self.channels.get(&channel).and_then(|topic| self.topics.get_mut(topic));
-        let Some((topic, decoder)) = entry else { return };
-        let logged_s = 1e-9 * log_time as f64;
-        if topic.messages == 0 {
-            topic.logged_s[0] = logged_s;
+        let Some((name, number)) = self.channels.get(&channel) else { return };
+        let Some((topic, decoder, heard, most)) = self.topics.get_mut(name) else { return };
+        if *heard.get_or_insert(channel) != channel {
+            return;
         }
-        topic.logged_s[1] = logged_s;
+        if topic.messages == 0 {
+            topic.publishers.sort_by_key(|other| other != number);
+            if matches!(decoder, Some(Decoder::Json(_))) && data.len() < LONG {
+                topic.fields = json_leaves(data, FEW);
+                *decoder = Decoder::new(name, "json", None, &topic.fields, self.effort).ok();
+            }
+        }
+        let at = topic.messages;
         topic.messages += 1;
-        let rows = ROWS.min(CELLS / topic.fields.len().max(1));
-        let Some(decoder) = decoder.as_mut().filter(|_| topic.rows.len() < rows) else { return };
+        let is_next = data.len() < LONG && at.is_multiple_of(topic.every);
+        let Some(decoder) = decoder.as_mut().filter(|_| is_next) else { return };
         let mut row = vec![f64::NAN; topic.fields.len()];
         // Damage is reported when the bag is ingested.
-        if decoder.decode(data, &mut row, self.effort).is_ok()
-            && self.effort.may_keep(size_of_val(row.as_slice()))
-        {
-            topic.rows.push(row);
+        let is_read = decoder.decode(data, &mut row, self.effort).is_ok();
+        if !is_read || topic.rows.len() >= *most && !self.effort.may_keep(size_of_val(row.as_slice())) {
+            return;
+        }
+        topic.times.push(topic.made_at(&row, 1e-9 * log_time as f64));
+        topic.rows.push(row);
+        *most = topic.rows.len().max(*most);
+        if topic.rows.len() >= 2 * ROWS.min(CELLS / topic.fields.len().max(1)).max(1) {
+            let mut places = 0..;
+            topic.rows.retain(|_| places.next().is_some_and(|at: usize| at.is_multiple_of(2)));
+            let mut places = 0..;
+            topic.times.retain(|_| places.next().is_some_and(|at: usize| at.is_multiple_of(2)));
+            topic.every *= 2;
         }
     }
 }

@@ -162,6 +162,29 @@ fn decode(
     Ok(())
 }
 
+/// The paths to the numbers of the message `data`; of a list the first `few` elements.
+pub(crate) fn json_leaves(data: &[u8], few: usize) -> Vec<String> {
+    fn collect(value: &Value, path: &str, few: usize, all: &mut Vec<String>) {
+        match value {
+            Value::Number(_) if all.len() < MOST_FIELDS => all.push(path.to_owned()),
+            Value::Array(list) => list
+                .iter()
+                .take(few)
+                .enumerate()
+                .for_each(|(i, value)| collect(value, &format!("{path}[{i}]"), few, all)),
+            Value::Object(fields) => {
+                fields.iter().filter(|(name, _)| !name.contains(['.', '['])).for_each(|(name, value)| {
+                    collect(value, format!("{path}.{name}").trim_start_matches('.'), few, all)
+                })
+            }
+            _ => {}
+        }
+    }
+    let mut all = Vec::new();
+    serde_json::from_slice(data).into_iter().for_each(|value: Value| collect(&value, "", few, &mut all));
+    all
+}
+
 fn step<'a>(value: &'a Value, step: &PathStep) -> Option<&'a Value> {
     match step {
         PathStep::Name(name) => value.get(name),

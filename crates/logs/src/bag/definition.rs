@@ -222,7 +222,8 @@ impl Shape {
     }
 }
 
-/// The paths to the numbers of `shape`; of a list all elements if they are `few` at most, else the first.
+/// The paths to the numbers of `shape`; of a list all elements if they are `few` at most, of one of any length the first
+/// few numbers, else the first element.
 pub(crate) fn leaves(shape: &Shape, few: usize, effort: &Effort) -> Result<Vec<String>, Invalid> {
     let mut leaves = Vec::new();
     collect(shape, "", few, effort, &mut leaves)?;
@@ -250,7 +251,8 @@ fn collect(
             collect(shape, &path, few, effort, found)
         }),
         Shape::List(of, len) => {
-            let listed = len.filter(|len| *len <= few).unwrap_or(1);
+            let is_plain = matches!(**of, Shape::Number(_));
+            let listed = len.or(is_plain.then_some(few)).filter(|len| *len <= few).unwrap_or(1);
             (0..listed).try_for_each(|i| collect(of, &format!("{path}[{i}]"), few, effort, found))
         }
     }

@@ -3,7 +3,7 @@
 use numerics::dot;
 use numerics::statistics::median;
 
-use super::table::Sums;
+use super::table::{Sums, scatter};
 use crate::RecordedRun;
 use crate::record::RecordingSummary;
 
@@ -35,7 +35,7 @@ const EXCITED: f64 = 0.1;
 /// Surge contradicts where the logarithm of its error is this many robust deviations above the others', or more than a share of the
 /// samples this many.
 const FAR: f64 = 3.0;
-const BEYOND: (f64, f64) = (4.0, 0.3);
+const BEYOND: (f64, f64) = (3.0, 0.3);
 /// The least spread of gains and of logarithms of errors that others are taken to have.
 const SPREAD: f64 = 0.1;
 /// Steering that explains less than this of changes of the yaw rate tells nothing.
@@ -258,7 +258,8 @@ impl SteeringGain {
         });
         let entry: Vec<(Vec<f64>, f64)> = entry.collect();
         let entry: Vec<_> = entry.iter().collect();
-        let excited = entry.iter().map(|(row, _)| row[0] * row[0]).sum::<f64>();
+        // What stays the same is none of the steering's: a drift may be as large.
+        let excited = scatter(&entry.iter().map(|(row, _)| row[0]).collect::<Vec<_>>());
         let (solution, deviation) = robust(&entry).filter(|_| entry.len() >= ROWS)?;
         Some(Self {
             gain: solution[0],
@@ -285,7 +286,6 @@ fn spread(values: Vec<f64>) -> (f64, f64) {
 
 /// Surge as it runs by itself, from its inputs.
 fn surged(recordings: &[SampledRecording], dt: f64) -> Vec<Agreement> {
-    let alike = || vec![Agreement::Alike; recordings.len()];
     let window = 4;
     let step = window as f64 * dt;
     let row = |run: &Vec<Vec<f64>>, k: usize, u: f64| {
@@ -308,11 +308,10 @@ fn surged(recordings: &[SampledRecording], dt: f64) -> Vec<Agreement> {
             entry.runs.iter().flat_map(of).collect()
         })
         .collect();
-    // Errors of the free run of each, by a model of the others.
-    let errors = |at: usize| -> Option<Vec<f64>> {
-        let others: Vec<_> =
-            rows.iter().enumerate().filter(|(other, _)| *other != at).flat_map(|(_, entry)| entry).collect();
-        let (model, _) = robust(&others)?;
+    // Errors of the free run of each, by a model of the others that are not apart.
+    let errors = |at: usize, apart: &[(usize, f64)]| -> Option<Vec<f64>> {
+        let others = (0..rows.len()).filter(|other| *other != at && is_among(apart, *other).is_none());
+        let (model, _) = robust(&others.flat_map(|other| &rows[other]).collect::<Vec<_>>())?;
         let mut all = Vec::new();
         for run in &recordings[at].runs {
             let mut u = run[0].first().copied().unwrap_or(0.0);
@@ -323,26 +322,40 @@ fn surged(recordings: &[SampledRecording], dt: f64) -> Vec<Agreement> {
         }
         (all.len() >= ROWS && all.iter().all(|error| error.is_finite())).then_some(all)
     };
-    let errors: Vec<Option<Vec<f64>>> = (0..recordings.len()).map(errors).collect();
     let logarithm = |entry: &Vec<f64>| libm::log((dot(entry, entry) / entry.len() as f64).sqrt().max(1e-9));
-    let logarithms: Vec<f64> = errors.iter().flatten().map(logarithm).collect();
-    if logarithms.len() < LEAST {
-        return alike();
-    }
-    let (middle, deviation) = spread(logarithms);
-    let all: Vec<f64> = errors.iter().flatten().flatten().map(|error| error.abs()).collect();
-    let usual = TO_STD * median(all).unwrap_or(0.0);
-    let judge = |entry: &Option<Vec<f64>>| {
-        let Some(entry) = entry else { return Agreement::Alike };
-        let far = (logarithm(entry) - middle) / deviation;
-        let beyond = entry.iter().filter(|error| error.abs() > BEYOND.0 * usual).count() as f64;
-        match far > FAR || beyond > BEYOND.1 * entry.len() as f64 {
-            true => Agreement::Against(
-                "its speed does not follow its inputs as in the others: hauled, aground, or of another ship?"
-                    .to_owned(),
-            ),
-            false => Agreement::Alike,
-        }
+    // The mean square of what a speed is off its mean.
+    let scattered = |at: usize| {
+        let speeds: Vec<f64> = recordings[at].runs.iter().flat_map(|run| run[0].iter().copied()).collect();
+        scatter(&speeds) / speeds.len().max(1) as f64
     };
-    errors.iter().map(judge).collect()
+    // Who contradicts most is no longer asked about the others.
+    let mut apart: Vec<(usize, f64)> = Vec::new();
+    loop {
+        let known = |at: &usize| is_among(&apart, *at).is_none();
+        let errors: Vec<(usize, Vec<f64>)> =
+            (0..rows.len()).filter(known).filter_map(|at| Some((at, errors(at, &apart)?))).collect();
+        if errors.len() < LEAST {
+            break;
+        }
+        let (middle, deviation) = spread(errors.iter().map(|(_, entry)| logarithm(entry)).collect());
+        let all: Vec<f64> = errors.iter().flat_map(|(_, entry)| entry).map(|error| error.abs()).collect();
+        let usual = TO_STD * median(all).unwrap_or(0.0);
+        let against = |(at, entry): &(usize, Vec<f64>)| {
+            let far = (logarithm(entry) - middle) / deviation;
+            let beyond = entry.iter().filter(|error| error.abs() > BEYOND.0 * usual).count() as f64;
+            let is_far = far > FAR || beyond > BEYOND.1 * entry.len() as f64;
+            // A model that is better than no model follows it.
+            (is_far && dot(entry, entry) > scattered(*at) * entry.len() as f64).then_some((*at, far))
+        };
+        match errors.iter().filter_map(against).max_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some(most) if 2 * apart.len() < rows.len() => apart.push(most),
+            _ => break,
+        }
+    }
+    let why = "its speed does not follow its inputs as in the others: hauled, aground, or of another ship?";
+    let judge = |at: usize| match is_among(&apart, at) {
+        Some(_) => Agreement::Against(why.to_owned()),
+        None => Agreement::Alike,
+    };
+    (0..rows.len()).map(judge).collect()
 }

@@ -9,7 +9,7 @@ mod topics;
 pub use head::Head;
 pub use names::Named;
 pub use tables::{Clock, ColumnChoice, Guess, MOST, Question};
-pub use topics::{BagGuess, TopicGuess};
+pub use topics::{ATTITUDE, BagGuess, TopicGuess};
 
 use std::collections::BTreeMap;
 
@@ -27,6 +27,8 @@ pub struct Needed {
 /// A column that was given a channel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Placed {
+    /// The topic of its messages, in a bag.
+    pub topic: String,
     /// Its name.
     pub column: String,
     /// The channel.
@@ -46,6 +48,9 @@ pub struct Placed {
     /// How it was found by motion, if it was.
     pub by_motion: Option<String>,
 }
+
+/// Channels with the same information: positions, and velocities, are logged one way.
+const SAME: [[&str; 2]; 4] = [["x", "latitude_deg"], ["y", "longitude_deg"], ["y_u", "v_x"], ["y_v", "v_y"]];
 
 /// The unit of numbers up to `largest` whose column says none: angles beyond a turn are in degrees.
 fn usual_unit(unit: &str, largest: f64) -> &str {

@@ -231,6 +231,10 @@ fn in_brackets(column: &str) -> Option<(&str, Option<&'static str>)> {
     let (open, close) = [('[', ']'), ('(', ')')].into_iter().find(|(_, close)| column.ends_with(*close))?;
     let (name, inside) = column.rsplit_once(open)?;
     let inside = inside.trim_end_matches(close).trim();
+    // An element of a list, such as `data[1]`.
+    if open == '[' && !name.ends_with(' ') && inside.parse::<u32>().is_ok() {
+        return None;
+    }
     let foreign = || FOREIGN.split(' ').find(|other| *other == inside);
     Some((name, UNITS.iter().find(|unit| unit.name == inside).map(|unit| unit.name).or_else(foreign)))
 }

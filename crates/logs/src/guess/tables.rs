@@ -1,9 +1,7 @@
 //! What is in the columns of a table: by motion first, by names where that does not tell.
 
-use std::cmp::Reverse;
-
 use super::names::{Named, ROLES, Role};
-use super::{Head, Needed, Placed, usual_unit};
+use super::{Head, Needed, Placed, SAME, usual_unit};
 use crate::by_motion::{
     ActuatorChoice, ClockChoice, FoundChannel, FoundMotion, LoggedTable, clocks, motion_of, motion_with_clock,
 };
@@ -71,17 +69,24 @@ pub struct Guess {
     pub is_numbered: bool,
 }
 
-struct TableSearch<'a> {
-    head: &'a Head,
-    names: Vec<Named>,
-    needed: &'a [Needed],
-    found: FoundMotion,
+/// Columns, and what they are as far as it is known.
+#[derive(Default)]
+pub(super) struct TableSearch<'a> {
+    /// The topic of each column, and how it is called there.
+    pub(super) columns: Vec<[String; 2]>,
+    pub(super) names: Vec<Named>,
+    pub(super) needed: &'a [Needed],
+    pub(super) found: FoundMotion,
     /// The largest modulus in each column, and whether a number is below zero.
-    largest: Vec<(f64, bool)>,
-    free: Vec<bool>,
-    placed: Vec<Placed>,
-    asked: Vec<Question>,
-    missing: Vec<Needed>,
+    pub(super) largest: Vec<(f64, bool)>,
+    pub(super) free: Vec<bool>,
+    pub(super) placed: Vec<Placed>,
+    /// The columns of channels that are known by their types.
+    pub(super) typed: Vec<(String, usize)>,
+    pub(super) asked: Vec<Question>,
+    pub(super) missing: Vec<Needed>,
+    /// Whether motion says otherwise than types: then nothing is sure by it.
+    pub(super) is_doubted: bool,
 }
 
 impl Guess {
@@ -102,13 +107,11 @@ impl Guess {
             (largest, all.clone().any(|value| *value < 0.0))
         };
         let largest = (0..names.len()).map(most).collect();
-        let (placed, asked, missing) = (Vec::new(), Vec::new(), Vec::new());
-        let mut search = TableSearch { head, names, needed, found, largest, free, placed, asked, missing };
-        search.motion();
-        search.actuators();
-        search.further();
+        let columns = head.columns.iter().map(|column| [String::new(), column.clone()]).collect();
+        let mut search =
+            TableSearch { columns, names, needed, found, largest, free, ..TableSearch::default() };
+        search.all();
         let TableSearch { found, free, mut placed, mut asked, missing, .. } = search;
-        asked.sort_by_key(|question| !missing.iter().any(|need| need.channel == question.channel));
         let mut clock = clock.map(|(_, clock)| clock);
         let unplaced = head.columns.iter().zip(&free).filter(|(_, free)| **free);
         let unplaced: Vec<String> = unplaced.map(|(column, _)| column.clone()).collect();
@@ -144,32 +147,38 @@ impl Guess {
     /// Takes an answer to a question: the column at `choice`.
     pub fn answer(&mut self, question: usize, choice: usize) {
         let Question { channel, choices } = self.asked.remove(question);
-        let placed = choices[choice].placed.clone();
+        let mut placed = choices[choice].placed.clone();
+        placed.by_motion = Some(format!("as answered, {}", choices[choice].why));
+        let is_same = |other: &Placed| (&other.topic, &other.column) == (&placed.topic, &placed.column);
         self.missing.retain(|need| need.channel != channel);
         self.unplaced.retain(|column| *column != placed.column);
         for other in &mut self.asked {
-            other.choices.retain(|entry| entry.placed.column != placed.column);
+            other.choices.retain(|entry| !is_same(&entry.placed));
         }
         self.asked.retain(|other| !other.choices.is_empty());
+        self.placed.retain(|other| other.channel != channel);
         self.placed.push(placed);
     }
 }
 
 /// The columns that are looked at: those that names say something of before others.
 fn looked_at(table: &LoggedTable, names: &[Named], needed: &[Needed]) -> Vec<usize> {
-    let channels =
-        ROLES.iter().map(|role| role.channel).chain(needed.iter().map(|need| need.channel.as_str()));
-    let is_called = |at: usize| channels.clone().any(|channel| names[at].likeness(channel).is_some());
     let moves = |at: &usize| {
         *at < table.columns.len() && table.columns[*at].windows(2).any(|pair| pair[0] != pair[1])
     };
     let mut all: Vec<usize> = (0..names.len()).filter(moves).collect();
     if all.len() > MOST {
-        all.sort_by_key(|at| (Reverse(is_called(*at)), *at));
+        all.sort_by_key(|at| (!is_called(&names[*at], needed), *at));
         all.truncate(MOST);
         all.sort_unstable();
     }
     all
+}
+
+/// Whether a name says something.
+pub(super) fn is_called(name: &Named, needed: &[Needed]) -> bool {
+    let wanted = needed.iter().map(|need| need.channel.as_str());
+    ROLES.iter().map(|role| role.channel).chain(wanted).any(|channel| name.likeness(channel).is_some())
 }
 
 /// The clock, and what moves by it.
@@ -237,13 +246,27 @@ fn count_of(largest: f64) -> TimeUnit {
 }
 
 impl TableSearch<'_> {
+    /// Places all that can be placed.
+    pub(super) fn all(&mut self) {
+        self.motion();
+        self.actuators();
+        self.further();
+        let missing = &self.missing;
+        self.asked.sort_by_key(|question| !missing.iter().any(|need| need.channel == question.channel));
+    }
+
     /// Places the channels of the motion.
     fn motion(&mut self) {
         let roles = ROLES.iter().filter(|role| !role.is_optional).map(|role| (role.channel, role.unit));
         for (channel, unit) in [("v_x", "m/s"), ("v_y", "m/s")].into_iter().chain(roles) {
             let nearest = self.found.channels.iter().find(|entry| entry.channel == channel).cloned();
-            let is_sure = |entry: &FoundChannel| entry.is_sure && !self.names[entry.column].is_other();
+            let is_sure = |entry: &FoundChannel| {
+                entry.is_sure && !self.names[entry.column].is_other() && !self.is_doubted
+            };
+            let is_said = self.has(channel) || self.is_said_otherwise(channel);
             match nearest {
+                Some(nearest) if is_said && !self.typed.is_empty() => self.contradicted(&nearest),
+                None if is_said && !self.typed.is_empty() => {}
                 Some(nearest) if is_sure(&nearest) => self.place_found(&nearest),
                 Some(nearest) => self.near(&nearest, unit),
                 // Where motion told all that there is, it told that nothing is this channel; sway may be too little to be seen.
@@ -260,6 +283,10 @@ impl TableSearch<'_> {
 
     /// Whether another channel with the same information is placed: positions are logged one way.
     fn is_said_otherwise(&self, channel: &str) -> bool {
+        let is_typed = |other: &str| self.typed.iter().any(|(typed, _)| typed == other);
+        if SAME.iter().any(|pair| pair.contains(&channel) && pair.iter().any(|other| is_typed(other))) {
+            return true;
+        }
         let places = |entry: &FoundChannel| entry.channel.ends_with("tude_deg") && entry.is_sure;
         channel.ends_with("tude_deg") && self.has("x")
             || ["x", "y"].contains(&channel) && self.found.channels.iter().any(places)
@@ -297,6 +324,17 @@ impl TableSearch<'_> {
         }
     }
 
+    /// Lists a column that by motion is what another is by its type, where that is sure.
+    fn contradicted(&mut self, found: &FoundChannel) {
+        let typed = self.typed.iter().find(|(channel, _)| channel == found.channel);
+        if found.is_sure && typed.is_some_and(|(_, at)| *at != found.column || found.sign < 0.0) {
+            let way = if found.sign < 0.0 { "reversed, " } else { "" };
+            let why = format!("{way}by motion, score {:.3}, against the type of the message", found.score);
+            let choices = vec![ColumnChoice { placed: self.as_found(found), why }];
+            self.asked.push(Question { channel: found.channel.to_owned(), choices });
+        }
+    }
+
     fn place_found(&mut self, found: &FoundChannel) {
         if self.free[found.column] {
             self.free[found.column] = false;
@@ -328,7 +366,8 @@ impl TableSearch<'_> {
         let role: Option<&Role> = ROLES.iter().find(|role| role.channel == channel);
         let is_needed = self.needed.iter().any(|need| need.channel == channel);
         Placed {
-            column: self.head.columns[at].clone(),
+            topic: self.columns[at][0].clone(),
+            column: self.columns[at][1].clone(),
             channel: channel.to_owned(),
             unit: name.unit.map_or_else(usual, str::to_owned),
             is_channel_guessed: name.likeness(channel) != Some(0),
@@ -344,8 +383,8 @@ impl TableSearch<'_> {
         let fits = |at: &usize| self.free[*at] && self.names[*at].measures(channel, unit);
         let all = (0..self.names.len()).filter(fits);
         let rated = all.filter_map(|at| Some((self.names[at].likeness(channel)?, at)));
-        // Of two that fit alike the first.
-        rated.min_by_key(|(rank, at)| (*rank, *at)).map(|(_, at)| at)
+        // Of two that fit alike the one that says its unit, or else the first.
+        rated.min_by_key(|(rank, at)| (*rank, self.names[*at].unit.is_none(), *at)).map(|(_, at)| at)
     }
 
     fn by_name(&mut self, channel: &str, unit: &str) {
@@ -445,7 +484,12 @@ impl TableSearch<'_> {
         let [at] = first.columns[..] else { return false };
         let unit = self.names[at].unit;
         let fits = unit.is_none_or(|unit| crate::shaft_factor(unit, &need.unit).is_some());
-        self.found.is_known && first.is_sure && self.free[at] && fits && !self.names[at].is_other()
+        self.found.is_known
+            && !self.is_doubted
+            && first.is_sure
+            && self.free[at]
+            && fits
+            && !self.names[at].is_other()
     }
 
     /// Places what is of use, but not needed, by its name.

@@ -30,7 +30,7 @@ impl Draw {
     }
 }
 
-const NAMES: [&str; 9] = ["t", "x", "y", "psi", "y_u", "y_v", "y_r", "delta", "n"];
+pub const NAMES: [&str; 9] = ["t", "x", "y", "psi", "y_u", "y_v", "y_r", "delta", "n"];
 const DT: f64 = 0.5;
 const ROWS: usize = 800;
 
@@ -179,7 +179,7 @@ fn unnamed(trials: Vec<Vec<Vec<f64>>>) -> Guess {
 
 const PLAIN: [&str; 9] = ["a", "b", "c", "d", "e", "f", "g", "h", "i"];
 
-fn trials(seed: u64, count: usize) -> Vec<Vec<Vec<f64>>> {
+pub fn trials(seed: u64, count: usize) -> Vec<Vec<Vec<f64>>> {
     let mut draw = Draw(seed);
     (0..count).map(|_| trial(&mut draw, 0.5)).collect()
 }
@@ -316,7 +316,7 @@ fn of_set_points_alone_nothing_is_taken() {
 }
 
 /// Published sets: their folders, and how their columns are called in the order of [`NAMES`].
-const PUBLISHED: [(&str, &str); 2] = [
+pub const PUBLISHED: [(&str, &str); 2] = [
     (
         "esso_osaka",
         "t [s],x_position_mid [m],y_position_mid [m],psi_hat [rad],u_velo [m/s],vm_velo [m/s],r_angvelo [rad/s],delta_rudder \
@@ -327,10 +327,10 @@ const PUBLISHED: [(&str, &str); 2] = [
 const UNITS: [&str; 7] = ["s", "m", "m", "rad", "m/s", "m/s", "rad/s"];
 
 /// Recordings by columns, and which of these are meant.
-type Published = (Vec<Vec<Vec<f64>>>, Vec<usize>);
+pub type Published = (Vec<Vec<Vec<f64>>>, Vec<usize>);
 
 /// The recordings of a published set, if it is there, and the place of each channel among the columns.
-fn published((folder, columns): &(&str, &str)) -> Option<Published> {
+pub fn published((folder, columns): &(&str, &str)) -> Option<Published> {
     let (mut folders, mut files) =
         (vec![format!("../../../shared/data/{folder}").into()], Vec::<PathBuf>::new());
     while let Some(folder) = folders.pop() {
@@ -397,7 +397,7 @@ fn oracle_columns_of_published_logs_are_found_without_names() {
 }
 
 #[test]
-fn oracle_reversed_steering_is_named_in_published_logs_and_nothing_else() {
+fn oracle_reversed_steering_and_hauls_are_named_in_published_logs_and_nothing_else() {
     for set in &PUBLISHED {
         let Some((recordings, places)) = published(set) else { return };
         // Means over a second.
@@ -425,6 +425,16 @@ fn oracle_reversed_steering_is_named_in_published_logs_and_nothing_else() {
             found += named.len();
         }
         assert!(4 * found >= 3 * all.len(), "{found} of {}", all.len());
+        // Hauled back.
+        let (mut found, mut tried) = (0, 0);
+        for at in (0..all.len()).step_by(4) {
+            let mut hauled = all.clone();
+            hauled[at].runs[0][0].iter_mut().for_each(|surge| *surge = -*surge);
+            let named = against(&hauled);
+            assert!(named.iter().all(|other| *other == at), "{} {at}: {named:?}", set.0);
+            (found, tried) = (found + named.len(), tried + 1);
+        }
+        assert!(4 * found >= 3 * tried, "{found} of {tried}");
     }
 }
 

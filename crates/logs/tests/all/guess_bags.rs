@@ -1,7 +1,9 @@
 //! What is guessed of a bag by the types of its messages and the names of its topics.
 
-use logs::guess::{BagGuess, Needed};
+use logs::guess::{BagGuess, Needed, Placed};
 use logs::{Format, Topic};
+
+use crate::by_motion::{NAMES, PUBLISHED, published, trials};
 
 /// A topic whose fields have these values in all of 21 messages, 5 a second.
 fn topic(name: &str, kind: &str, fields: &[(&str, f64)]) -> Topic {
@@ -12,7 +14,8 @@ fn topic(name: &str, kind: &str, fields: &[(&str, f64)]) -> Topic {
         publishers: vec![0],
         fields: fields.iter().map(|(field, _)| (*field).to_owned()).collect(),
         rows: vec![row; 21],
-        logged_s: [100.0, 104.0],
+        times: (0..21).map(|k| 100.0 + 0.2 * f64::from(k)).collect(),
+        every: 1,
         messages: 21,
     }
 }
@@ -21,11 +24,9 @@ fn topic(name: &str, kind: &str, fields: &[(&str, f64)]) -> Topic {
 fn guessed(format: Format, topics: &[Topic]) -> (Vec<[String; 4]>, Vec<String>) {
     let needed = [("n", "1/s"), ("delta", "rad")];
     let needed = needed.map(|(channel, unit)| Needed { channel: channel.to_owned(), unit: unit.to_owned() });
-    let guess = BagGuess::of(format, topics, &needed);
-    let placed = guess.topics.iter().flat_map(|topic| {
-        let own = topic.placed.iter();
-        own.map(|own| [&topic.topic, &own.column, &own.channel, &own.unit].map(String::clone))
-    });
+    let guess = BagGuess::of(format, &[topics.to_vec()], &needed).guess;
+    let placed =
+        guess.placed.iter().map(|own| [&own.topic, &own.column, &own.channel, &own.unit].map(String::clone));
     (placed.collect(), guess.missing.into_iter().map(|own| own.channel).collect())
 }
 
@@ -102,8 +103,97 @@ fn a_clock_is_the_stamp_where_messages_have_one() {
         topic("/twist", "geometry_msgs/TwistStamped", &[&[("header.stamp.sec", 1.0)], &speeds[..]].concat());
     let plain = topic("/shaft_rpm", "std_msgs/Float32", &[("data", 100.0)]);
     let needed = [Needed { channel: "n".to_owned(), unit: "1/s".to_owned() }];
-    let guess = BagGuess::of(Format::Mcap, &[plain, stamped], &needed);
-    let clocks: Vec<(&str, f64)> = guess.topics.iter().map(|own| (own.clock, own.step_s)).collect();
+    let guess = BagGuess::of(Format::Mcap, &[vec![plain, stamped]], &needed);
+    let clocks: Vec<(&str, f64)> = guess.topics().iter().map(|own| (own.clock, own.step_s)).collect();
     assert_eq!(clocks, [("header.stamp", 0.2), ("log_time", 0.2)]);
     assert!((guess.length_s - 4.0).abs() < 1e-12);
+}
+
+/// Topics of types that nobody knows, with these columns: arrays, an attitude, messages of one value and noise, each on its own clock.
+fn unknown(columns: &[Vec<f64>]) -> Vec<Topic> {
+    let [t, psi] = [&columns[0], &columns[3]];
+    let half = |f: fn(f64) -> f64| psi.iter().map(|psi| f(0.5 * psi)).collect::<Vec<f64>>();
+    let still = vec![0.0; t.len()];
+    let noise: Vec<f64> = (0..t.len()).map(|row| ((row * row) as f64).sin()).collect();
+    let of = |name: &str, fields: &[(&str, &[f64])], every: usize, late: f64| {
+        let rows = (0..t.len()).step_by(every);
+        Topic {
+            name: name.to_owned(),
+            kind: "our_msgs/msg/Thing".to_owned(),
+            publishers: vec![0],
+            fields: fields.iter().map(|(field, _)| (*field).to_owned()).collect(),
+            rows: rows.clone().map(|row| fields.iter().map(|(_, values)| values[row]).collect()).collect(),
+            times: rows.clone().map(|row| 1e9 + t[row] + late).collect(),
+            every: 1,
+            messages: rows.count(),
+        }
+    };
+    let step = t[1] - t[0];
+    vec![
+        of("/a", &[("data[0]", &columns[1]), ("data[1]", &noise), ("data[2]", &columns[2])], 1, 0.0),
+        of(
+            "/b",
+            &[("k.w", &half(f64::cos)), ("k.x", &still), ("k.y", &still), ("k.z", &half(f64::sin))],
+            1,
+            0.0,
+        ),
+        of(
+            "/c",
+            &[("data[0]", &columns[4]), ("data[1]", &columns[5]), ("data[2]", &columns[6])],
+            1,
+            0.1 * step,
+        ),
+        of("/d", &[("data", &columns[7])], 2, 0.2 * step),
+        of("/e", &[("data", &columns[8])], 2, 0.0),
+        of("/f", &[("data", &noise)], 3, 0.0),
+    ]
+}
+
+/// Where each of [`NAMES`] is.
+const PLACES: [[&str; 2]; 9] = [
+    ["", ""],
+    ["/a", "data[0]"],
+    ["/a", "data[2]"],
+    ["/b", "k.w"],
+    ["/c", "data[0]"],
+    ["/c", "data[1]"],
+    ["/c", "data[2]"],
+    ["/d", "data"],
+    ["/e", "data"],
+];
+
+/// How many channels of these recordings are sure, and how many others are listed; none is wrong.
+fn counted(recordings: &[Vec<Vec<f64>>]) -> [usize; 2] {
+    let topics: Vec<Vec<Topic>> = recordings.iter().map(|columns| unknown(columns)).collect();
+    let needed = [("n", "1/s"), ("delta", "rad")];
+    let needed = needed.map(|(channel, unit)| Needed { channel: channel.to_owned(), unit: unit.to_owned() });
+    let guess = BagGuess::of(Format::Mcap, &topics, &needed).guess;
+    let is = |own: &Placed| {
+        let at = NAMES.iter().position(|name| *name == own.channel);
+        at.is_some_and(|at| PLACES[at] == [&own.topic, &own.column])
+    };
+    for own in &guess.placed {
+        assert!(is(own) && own.by_motion.is_some(), "{own:?}");
+    }
+    let listed = guess.asked.iter().filter(|asked| asked.choices.iter().any(|choice| is(&choice.placed)));
+    [guess.placed.len(), listed.count()]
+}
+
+#[test]
+fn law_fields_of_unknown_messages_are_found_by_motion_and_none_wrongly() {
+    for seed in 0..6 {
+        let [sure, listed] = counted(&trials(20 + seed, 4));
+        assert!(sure >= 6 && sure + listed == 8, "{seed}: {sure}, {listed}");
+    }
+}
+
+#[test]
+fn oracle_fields_of_published_logs_are_found_by_motion_and_none_wrongly() {
+    for set in &PUBLISHED {
+        let Some((recordings, places)) = published(set) else { return };
+        let of = |columns: &Vec<Vec<f64>>| places.iter().map(|at| columns[*at].clone()).collect();
+        let [sure, listed] = counted(&recordings.iter().map(of).collect::<Vec<_>>());
+        println!("{}: {sure} sure, {listed} listed of 8", set.0);
+        assert!(sure >= 6 && sure + listed >= 7, "{}: {sure}, {listed}", set.0);
+    }
 }

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use files::{Error, ForeignTable, Timed, budget, open};
 use flate2::read::MultiGzDecoder;
+use logs::by_motion::RECORDINGS;
 use logs::guess::{BagGuess, Head, Needed, Placed, SentenceGuess};
 use logs::{Format, LogError, Topic, bag_census, database_census, has_sentences, sentence_census};
 use refusal::{foreign, listed};
@@ -13,12 +14,22 @@ use study::ingest_file::read::{check_format, database};
 use study::{invalid, refuse};
 use toml::Value;
 
+use crate::failure::WorkProgress;
+
 /// Endings of bags.
 pub(super) const BAGS: [&str; 8] =
     [".mcap", ".mcap.gz", ".bag", ".bag.gz", ".bag.active", ".db3", ".ulg", ".ulg.gz"];
 
-/// What is in the first of `files` in `folder`, for a model that needs the channels `needed`.
-pub(super) fn guessed(folder: &Path, files: &[String], needed: &[Needed]) -> Result<BagGuess, Error> {
+/// Bytes of bags that are looked at, beyond the first of them.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// What is in `files` in `folder`, for a model that needs the channels `needed`: topics as in the first of them.
+pub(super) fn guessed(
+    folder: &Path,
+    files: &[String],
+    needed: &[Needed],
+    quiet: bool,
+) -> Result<BagGuess, Error> {
     let (first, format) = (&files[0], Format::of(&files[0]));
     if let Some(other) = files.iter().find(|file| Format::of(file) != format) {
         let formats = format!("`{}` beside `{}`", foreign(other), foreign(first));
@@ -27,10 +38,25 @@ pub(super) fn guessed(folder: &Path, files: &[String], needed: &[Needed]) -> Res
         return Err(refuse(folder, "logs", &formats, "bags of one format", remedy));
     }
     let path = folder.join(first);
-    let topics = topics(&path, format)?;
-    let guess = BagGuess::of(format, &topics, needed);
-    if guess.topics.is_empty() {
-        let none = format!("none among {} topics", topics.len());
+    let size = |file: &String| std::fs::metadata(folder.join(file)).map_or(0, |metadata| metadata.len());
+    let mut longest: Vec<&String> = files[1..].iter().collect();
+    longest.sort_by_key(|file| std::cmp::Reverse(size(file)));
+    let mut left = MOST_BYTES;
+    longest.retain(|file| {
+        left = left.saturating_sub(size(file));
+        left > 0
+    });
+    longest.truncate(RECORDINGS - 1);
+    let progress = WorkProgress::new("logs", 1 + longest.len(), quiet);
+    let recordings = [first].into_iter().chain(longest).map(|file| {
+        let topics = topics(&folder.join(file), format);
+        progress.advance(1);
+        topics
+    });
+    let recordings = recordings.collect::<Result<Vec<_>, _>>()?;
+    let guess = BagGuess::of(format, &recordings, needed);
+    if guess.guess.placed.is_empty() && guess.guess.asked.is_empty() {
+        let none = format!("none among {} topics", recordings[0].len());
         let expected = "a topic with a motion, such as one of nav_msgs/Odometry or vehicle_odometry";
         let remedy = "write ingest.toml yourself (docs/own-logs.md)";
         return Err(refuse(&path, "topic", &none, expected, remedy));
@@ -72,7 +98,7 @@ pub(super) fn groups(guess: &BagGuess, patterns: &[String], files: &[String]) ->
     let patterns: Vec<String> = patterns.iter().map(|pattern| quoted(pattern)).collect();
     let (patterns, template) = (patterns.join(", "), run_from_file(files));
     let mut text = String::new();
-    for topic in &guess.topics {
+    for topic in &guess.topics() {
         let _ = write!(text, "\n[[file]]\npattern = [{patterns}]\nrun_from_file = {}", quoted(&template));
         let mark = if template.contains('*') { MARK } else { "" };
         let _ = writeln!(text, "{mark}\ntopic = {}", quoted(&topic.topic));
@@ -88,8 +114,8 @@ pub(super) fn groups(guess: &BagGuess, patterns: &[String], files: &[String]) ->
         }
         text += &channels(&topic.placed);
     }
-    if !guess.unused.is_empty() {
-        let names: Vec<String> = guess.unused.iter().map(|name| quoted(name)).collect();
+    let names: Vec<String> = guess.unused().map(quoted).collect();
+    if !names.is_empty() {
         let _ = writeln!(text, "\n# Topics that are not used: {}", names.join(", "));
     }
     text
@@ -114,6 +140,9 @@ fn channels(placed: &[Placed]) -> String {
 
 fn mark(placed: &Placed) -> String {
     match (placed.is_channel_guessed, placed.is_unit_guessed) {
+        _ if placed.by_motion.is_some() => {
+            format!("{MARK}: {}", placed.by_motion.as_deref().unwrap_or_default())
+        }
         (false, false) => String::new(),
         (true, false) => format!("{MARK}: by the name of the topic"),
         (_, true) => format!("{MARK}: by the name of the topic, which says no unit"),

@@ -31,13 +31,13 @@ pub(super) fn written(looked: &Looked, preset: &Preset) -> String {
             general_of_sentences(looked, guess, rate_hz) + &bags::group(guess, &looked.patterns)
         }
     };
-    if let LogGuess::Table(_, guess) = &looked.found {
-        guess.asked.iter().for_each(|question| text += &asked(question));
-    }
-    let is_asked = |need: &&Needed| match &looked.found {
-        LogGuess::Table(_, guess) => guess.asked.iter().any(|question| question.channel == need.channel),
-        _ => false,
+    let questions = match &looked.found {
+        LogGuess::Table(_, guess) => &guess.asked[..],
+        LogGuess::Bag(bag) => &bag.guess.asked,
+        LogGuess::Sentences(_) => &[],
     };
+    questions.iter().for_each(|question| text += &asked(question));
+    let is_asked = |need: &&Needed| questions.iter().any(|question| question.channel == need.channel);
     let missed = looked.missing().iter().filter(|need| !is_asked(need));
     missed.for_each(|need| text += &missing(need, &looked.found));
     text += &unplaced(looked);
@@ -118,7 +118,8 @@ fn of_terms(window_s: f64) -> String {
 
 /// The keys of the whole file, for bags.
 fn general_of_bags(looked: &Looked, guess: &BagGuess, rate_hz: f64) -> String {
-    let steps = guess.topics.iter().map(|topic| topic.step_s);
+    let topics = guess.topics();
+    let steps = topics.iter().map(|topic| topic.step_s);
     let (fastest, slowest) = (steps.clone().fold(f64::INFINITY, f64::min), steps.fold(0.0, f64::max));
     let mut text = format!(
         "# What is in the logs: {} bags. Lines marked \"guessed\" were guessed by names and numbers: check them.\n\
@@ -130,9 +131,10 @@ fn general_of_bags(looked: &Looked, guess: &BagGuess, rate_hz: f64) -> String {
     if or(fastest, 1.0 / rate_hz) * rate_hz < 0.5 {
         text += &average(rate_hz);
     }
-    let (frame, body, whose) = match guess.format {
-        Format::Ulg => ("ned", "frd", "of PX4: x north, y east; body x forward, y starboard"),
-        _ => ("enu", "flu", "of ROS: x east, y north; body x forward, y port"),
+    let (frame, body, whose) = match (guess.guess.is_east, guess.format) {
+        (false, Format::Ulg) => ("ned", "frd", "of PX4: x north, y east; body x forward, y starboard"),
+        (false, _) => ("ned", "frd", "by motion: x north, y east; body x forward, y starboard"),
+        (true, _) => ("enu", "flu", "of ROS: x east, y north; body x forward, y port"),
     };
     let _ = writeln!(text, "frame = \"{frame}\"{MARK}: axes {whose}\nbody = \"{body}\"{MARK}");
     text
@@ -300,7 +302,11 @@ fn asked(question: &Question) -> String {
         question.channel
     );
     for ColumnChoice { placed, why } in &question.choices {
-        let _ = writeln!(text, "# column = {}          # in {}: {why}", quoted(&placed.column), placed.unit);
+        let topic =
+            if placed.topic.is_empty() { "" } else { &format!("topic = {}, ", quoted(&placed.topic)) };
+        let sign = if placed.is_reversed { ", sign = -1.0" } else { "" };
+        let column = quoted(&placed.column);
+        let _ = writeln!(text, "# {topic}column = {column}{sign}          # in {}: {why}", placed.unit);
     }
     let first = question.choices.first().map_or("", |choice| choice.placed.unit.as_str());
     let _ = writeln!(text, "# channel = {}\n# unit = {}", quoted(&question.channel), quoted(first));

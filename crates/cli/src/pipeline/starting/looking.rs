@@ -88,7 +88,9 @@ impl Looked {
                 let others = bags.into_iter().chain(said).chain(others).collect();
                 Self::of_tables(folder, (files, others), needed, quiet)
             }
-            (true, false, _) => Self::of_bags(folder, bags, said.into_iter().chain(others).collect(), needed),
+            (true, false, _) => {
+                Self::of_bags(folder, (bags, said.into_iter().chain(others).collect()), needed, quiet)
+            }
             (true, true, false) => Self::of_sentences(folder, said, others.collect(), needed),
             (true, true, true) => Err(no_log(folder, &all)),
         }
@@ -125,12 +127,12 @@ impl Looked {
 
     fn of_bags(
         folder: &Path,
-        files: Vec<String>,
-        others: Vec<String>,
+        (files, others): (Vec<String>, Vec<String>),
         needed: &[Vec<Needed>],
+        quiet: bool,
     ) -> Result<Self, Error> {
-        let guess =
-            fewest(needed, |needed| bags::guessed(folder, &files, needed), |guess| guess.missing.len())?;
+        let guessed = |needed: &[Needed]| bags::guessed(folder, &files, needed, quiet);
+        let guess = fewest(needed, guessed, |bag| bag.guess.missing.len())?;
         let (folder, patterns, usual_s) = (folder.to_owned(), patterns(&files, &BAGS), guess.length_s);
         Ok(Self { folder, patterns, files, usual_s, found: LogGuess::Bag(guess), others })
     }
@@ -151,7 +153,11 @@ impl Looked {
 
     /// Asks the terminal, if there is one, which column is a channel that several may be.
     pub(super) fn ask(&mut self, quiet: bool) {
-        let LogGuess::Table(_, guess) = &mut self.found else { return };
+        let guess = match &mut self.found {
+            LogGuess::Table(_, guess) => guess,
+            LogGuess::Bag(bag) => &mut bag.guess,
+            LogGuess::Sentences(_) => return,
+        };
         let mut at = 0;
         for _ in 0..QUESTIONS {
             let Some(question) = guess.asked.get(at) else { return };
@@ -161,8 +167,10 @@ impl Looked {
             let channel = &question.channel;
             on_stderr(format_args!("Which column is `{channel}`? Its number, or nothing for none of these:"));
             for (number, choice) in question.choices.iter().enumerate() {
-                let ColumnChoice { placed: Placed { column, unit, .. }, why } = choice;
-                on_stderr(format_args!("  {}  `{}` in {unit}: {why}", number + 1, foreign(column)));
+                let ColumnChoice { placed: Placed { topic, column, unit, .. }, why } = choice;
+                let [topic, column] = [topic, column].map(|name| foreign(name));
+                let topic = if topic.is_empty() { topic } else { format!(" of `{topic}`") };
+                on_stderr(format_args!("  {}  `{column}`{topic} in {unit}: {why}", number + 1));
             }
             let mut line = String::new();
             let answered = stdin().read_line(&mut line).ok().and_then(|_| line.trim().parse::<usize>().ok());
@@ -210,7 +218,7 @@ impl Looked {
             LogGuess::Table(_, guess) => {
                 marks(&guess.placed) + guess.clock.iter().filter(|clock| clock.is_unit_guessed).count()
             }
-            LogGuess::Bag(guess) => guess.topics.iter().map(|topic| marks(&topic.placed)).sum(),
+            LogGuess::Bag(bag) => marks(&bag.guess.placed),
             LogGuess::Sentences(guess) => {
                 // The clock, and what else stands on a line of its own.
                 marks(&guess.placed)
@@ -226,7 +234,7 @@ impl Looked {
         let is_whole = WIND.iter().all(|channel| self.placed().any(|placed| placed.channel == *channel));
         let placed: Vec<&mut Placed> = match &mut self.found {
             LogGuess::Table(_, guess) => guess.placed.iter_mut().collect(),
-            LogGuess::Bag(guess) => guess.topics.iter_mut().flat_map(|topic| &mut topic.placed).collect(),
+            LogGuess::Bag(bag) => bag.guess.placed.iter_mut().collect(),
             LogGuess::Sentences(guess) => guess.placed.iter_mut().collect(),
         };
         for channel in
@@ -251,7 +259,7 @@ impl Looked {
     pub(super) fn placed(&self) -> Box<dyn Iterator<Item = &Placed> + '_> {
         match &self.found {
             LogGuess::Table(_, guess) => Box::new(guess.placed.iter()),
-            LogGuess::Bag(guess) => Box::new(guess.topics.iter().flat_map(|topic| &topic.placed)),
+            LogGuess::Bag(bag) => Box::new(bag.guess.placed.iter()),
             LogGuess::Sentences(guess) => Box::new(guess.placed.iter()),
         }
     }
@@ -260,7 +268,7 @@ impl Looked {
     pub fn missing(&self) -> &[Needed] {
         match &self.found {
             LogGuess::Table(_, guess) => &guess.missing,
-            LogGuess::Bag(guess) => &guess.missing,
+            LogGuess::Bag(bag) => &bag.guess.missing,
             LogGuess::Sentences(guess) => &guess.missing,
         }
     }

@@ -90,7 +90,7 @@ pub(super) fn ship(looked: &Looked) -> Preset {
 fn rate_hz(looked: &Looked) -> f64 {
     let step_s = match &looked.found {
         LogGuess::Table(_, guess) => guess.clock.as_ref().map_or(1.0, |clock| clock.step_s),
-        LogGuess::Bag(guess) => guess.topics.iter().fold(0.0, |most, topic| topic.step_s.max(most)),
+        LogGuess::Bag(bag) => bag.topics().iter().fold(0.0, |most, topic| topic.step_s.max(most)),
         LogGuess::Sentences(guess) => guess.steps_s[1],
     };
     let most = (SAMPLES / looked.usual_s).min(1.0 / step_s);
