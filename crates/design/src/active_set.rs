@@ -18,6 +18,8 @@ pub struct ActiveSetNewton<P = Evaluation> {
     bounds: Bounds,
     relative_gap: Option<f64>,
     stalled: bool,
+    /// Iterations since the criterion grew by more than rounding.
+    idle: u32,
     /// The last iterate.
     #[serde(skip)]
     last: Option<Evaluated<P>>,
@@ -25,13 +27,17 @@ pub struct ActiveSetNewton<P = Evaluation> {
 
 /// Multiplicative steps before the support is cut to what Newton's method can handle.
 const MULTIPLICATIVE_STEPS: usize = 40;
+/// Iterations without growth after which rounding alone moves the shares.
+const IDLE: u32 = 10;
+/// Growth of the criterion that may be rounding, as a part of its value.
+const ROUNDING: f64 = 1e-14;
 /// Candidates that may join the support in one iteration.
 const JOINING: usize = 8;
 
 impl<P> ActiveSetNewton<P> {
     /// Stops at a relative gap of `tolerance`.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, bounds: Bounds::default(), relative_gap: None, stalled: false, last: None }
+        Self { tolerance, bounds: Bounds::default(), relative_gap: None, stalled: false, idle: 0, last: None }
     }
 
     /// The same within `bounds`. The shares that it starts from must lie within them.
@@ -68,7 +74,13 @@ impl<O: Objective> Solver<&O, State> for ActiveSetNewton<O::Point> {
             Ok(last.and_then(|last| improve(*objective, &self.bounds, &last, self.tolerance)))
         })?;
         Ok(match step {
-            Some(next) => (self.arrive(next, objective, state), None),
+            Some(next) => {
+                let growth = next.value + state.cost;
+                let is_idle = growth <= ROUNDING * next.value.abs().max(1.0);
+                self.idle = if is_idle { self.idle + 1 } else { 0 };
+                self.stalled = self.idle >= IDLE;
+                (self.arrive(next, objective, state), None)
+            }
             None => {
                 self.stalled = true;
                 let cost = state.cost;
@@ -165,7 +177,7 @@ fn improve<O: Objective>(
             trial[*q] = (w + length * d).max(0.0);
         }
         bounds.repair(&mut trial);
-        let enough = before + 1e-4 * length * slope - 1e-14 * before.abs().max(1.0);
+        let enough = before + 1e-4 * length * slope - ROUNDING * before.abs().max(1.0);
         if let Some(value) = objective.evaluate(&trial, &mut at).filter(|value| *value >= enough) {
             let sensitivities = objective.sensitivities(&at);
             return Some(Evaluated { shares: trial, at, value, sensitivities });

@@ -281,9 +281,8 @@ fn five_logs_and_a_wind_without_direction_give_the_core_of_a_ship_without_forces
     assert!(ran.stdout.contains("5 logs") && ran.stdout.contains(said), "{ran}");
     let ingest = String::from_utf8(bytes(&folder, "mine/ingest.toml")).unwrap();
     assert!(ingest.contains("not used: no direction of the wind is logged"), "{ingest}");
-    let ran =
-        run(&folder, "run mine --out out --quiet --set study.estimate.bootstrap=20 --set study.test=[]")
-            .succeeds();
+    let ran = run(&folder, "run mine --out out --quiet --set study.estimate.bootstrap=2 --set study.test=[]")
+        .succeeds();
     let model = json(&folder, "out/measured/model.json")["data"].clone();
     assert_eq!(model["estimator"], "prediction-error");
     let terms = |d: usize| -> Vec<String> {
@@ -293,20 +292,10 @@ fn five_logs_and_a_wind_without_direction_give_the_core_of_a_ship_without_forces
     assert_eq!([terms(1), terms(2)].concat(), ["v", "u r", "r", "u^2 delta"]);
     assert_eq!(json(&folder, "out/measured/estimate.json")["data"]["structure"]["chosen"], "core");
     // What they taught counts for the next trial. The model of five logs cannot hold the plan's speeds: that is said.
-    // The same core where nothing is known of the ship but her logs, or else her main dimensions.
+    // Nothing is known of the ship but her logs, or else her main dimensions.
     let known = run(&folder, "new unknown --logs logs").succeeds();
     assert!(known.stdout.contains("0 channels missing") && !known.stdout.contains("next/"), "{known}");
-    run(
-        &folder,
-        "run unknown --out unknown-out --quiet --set study.estimate.bootstrap=20 --set study.test=[]",
-    )
-    .succeeds();
-    let alone = json(&folder, "unknown-out/measured/model.json")["data"].clone();
-    let names = |d: usize| -> Vec<String> {
-        let all = alone["degrees"][d]["parameters"].as_array().unwrap();
-        all.iter().map(|term| term["term"].as_str().unwrap().to_owned()).collect()
-    };
-    assert_eq!([names(1), names(2)], [terms(1), terms(2)]);
+    run(&folder, "run unknown --out unknown-out --quiet --stage ingest").succeeds();
     let guess = "--guess length_m=100,beam_m=16,draught_m=6,block=0.7";
     run(&folder, &format!("new dimensions {guess} --logs logs")).succeeds();
     let text = |name: &str| String::from_utf8(bytes(&folder, name)).unwrap();

@@ -32,8 +32,13 @@ fn charted() -> TempDir {
         .unwrap();
     }
     edit(&folder, "campaign.toml", "realizations = 200", "realizations = 2");
-    // A short trial: most of the time would go to the search for its order.
+    // Most of the time would go to the search for an order.
     edit(&folder, "campaign.toml", "duration_s = 1902.0", "duration_s = 450.0");
+    put(
+        &folder,
+        "study.toml",
+        "moments.estimator = \"iv\"\ndesign.for = \"iv\"\nestimate.estimator = \"iv\"\n",
+    );
     folder
 }
 
