@@ -32,7 +32,7 @@ pub fn logged(from: &str, to: &str) -> TempDir {
 
 /// Fewer maneuvers for the next trial of the study `mine`: most of the time would go to them.
 pub fn few_candidates(folder: &TempDir) {
-    edit(folder, "mine/next/dictionary.toml", "candidates = 200", "candidates = 60");
+    edit(folder, "mine/next/dictionary.toml", "candidates = 200", "candidates = 20");
 }
 
 /// The samples in `out/measured/ingest.json`.
@@ -281,7 +281,7 @@ fn five_logs_and_a_wind_without_direction_give_the_core_of_a_ship_without_forces
     assert!(ran.stdout.contains("5 logs") && ran.stdout.contains(said), "{ran}");
     let ingest = String::from_utf8(bytes(&folder, "mine/ingest.toml")).unwrap();
     assert!(ingest.contains("not used: no direction of the wind is logged"), "{ingest}");
-    let ran = run(&folder, "run mine --out out --quiet --set study.estimate.bootstrap=2 --set study.test=[]")
+    let ran = run(&folder, "run mine --out out --quiet --set study.estimate.bootstrap=2 --set study.estimate.folds=2 --set study.test=[]")
         .succeeds();
     let model = json(&folder, "out/measured/model.json")["data"].clone();
     assert_eq!(model["estimator"], "prediction-error");
