@@ -7,7 +7,7 @@ use numerics::statistics::{quantile, sorted, wilson};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::check_run::{Checking, Drawn, Vessel};
+use super::check_run::{Aborted, CheckedRun, Checking, Drawn, Vessel};
 use super::clearance::cells_around;
 use super::error::{Footing, Search, VoyageError};
 use super::prepared::Prepared;
@@ -102,6 +102,8 @@ pub(super) struct Checked {
     pub tracks: Vec<Vec<Fix>>,
     /// Steps that violated a margin or a tolerance, each with the vessel and its initial offset.
     pub counter_examples: Vec<(usize, SampledVessel)>,
+    /// What became of all vessels on the abort track of every step.
+    pub aborted: Vec<Aborted>,
 }
 
 impl Prepared {
@@ -136,6 +138,10 @@ impl Checking<'_> {
         concurrent: impl FnOnce() -> T + Send,
     ) -> Result<(Checked, Option<T>), VoyageError> {
         let worst = self.worst(search)?;
+        let mut aborted = vec![Aborted::new(self.clearance); self.legs.len()];
+        let margin_m = self.prepared().brief.task.safety.margin_m;
+        let mut abort = |run: &CheckedRun| run.abort(&mut aborted, margin_m);
+        worst.runs().for_each(&mut abort);
         let mut counter_examples = worst.counter_examples(self);
         let runs = self.prepared().runs(self.round);
         let (mut drawn, mut next, mut concurrent, mut aside) = (Vec::new(), 0, Some(concurrent), None);
@@ -152,6 +158,7 @@ impl Checking<'_> {
             };
             let if_astray = self.are_too_many_astray(&new.iter().collect::<Vec<_>>());
             counter_examples.extend(new.iter().flat_map(|run| run.counter_examples(self, if_astray)));
+            new.iter().for_each(&mut abort);
             drawn.extend(new.into_iter().map(Drawn::from));
             next = some.end;
         }
@@ -159,7 +166,7 @@ impl Checking<'_> {
         let tracks = drawn.into_iter().filter_map(|run| run.track).collect();
         // The counter-examples of the last round are not used.
         let counter_examples = if self.is_last { Vec::new() } else { counter_examples };
-        Ok((Checked { check, tracks, counter_examples }, aside))
+        Ok((Checked { check, tracks, counter_examples, aborted }, aside))
     }
 
     fn drawn(&self, run: u32) -> Vessel {

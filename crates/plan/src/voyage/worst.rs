@@ -236,6 +236,11 @@ impl Searched {
         indices.into_iter().map(|index| &self.runs[index].0)
     }
 
+    /// All of them.
+    pub(super) fn runs(&self) -> impl Iterator<Item = &CheckedRun> {
+        self.runs.iter().map(|(_, run)| run)
+    }
+
     fn fails(&self, checking: &Checking) -> bool {
         let margin_m = checking.prepared().brief.task.safety.margin_m;
         self.runs.iter().any(|(_, run)| run.passage.clearance_m < margin_m) || self.ends_astray(checking)
