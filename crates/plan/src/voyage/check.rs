@@ -110,11 +110,10 @@ impl Prepared {
     /// The number of runs of a check in this round.
     pub(super) fn runs(&self, round: u32) -> u32 {
         let safety = &self.brief.task.safety;
-        let needed = |p: f64| (libm::log(doubt(round)) / libm::log1p(-p)).ceil().max(1.0) as u32;
         match (safety.runs, safety.aground_probability) {
             (Some(runs), None) => runs,
             (runs, probability) => {
-                let needed = needed(probability.unwrap_or(USUAL_PROBABILITY));
+                let needed = needed(round, probability.unwrap_or(USUAL_PROBABILITY));
                 runs.map_or(needed, |runs| runs.max(needed))
             }
         }
@@ -123,6 +122,11 @@ impl Prepared {
 
 /// The default bound on the probability of running aground.
 pub(super) const USUAL_PROBABILITY: f64 = 0.01;
+
+/// Runs without any aground that bound the probability of it by `p`.
+fn needed(round: u32, p: f64) -> u32 {
+    (libm::log(doubt(round)) / libm::log1p(-p)).ceil().max(1.0) as u32
+}
 
 /// Probability that the bound of a round does not hold: halved from round to round, so that the sum is bounded.
 fn doubt(round: u32) -> f64 {
@@ -171,12 +175,14 @@ impl Checking<'_> {
 
     fn drawn(&self, run: u32) -> Vessel {
         let (brief, round) = (&self.prepared().brief, self.round);
+        // Of many, as many sail the abort tracks as exclude the usual probability of running aground there.
         Vessel {
             parameters: brief.drawn(&format!("checked-parameters-{round}"), run),
             unknown_m_s: brief.current(&format!("unknown-current-{round}"), run),
             is_drawn: run < TRACKS,
             noise: run,
             is_searched: false,
+            aborts: run < needed(round, USUAL_PROBABILITY),
         }
     }
 

@@ -41,8 +41,8 @@ pub use sailing::{Information, SailedPlan, Sailing};
 pub use settled_legs::{Dropped, SettledLeg, Wanted};
 pub use solve::{FrontPoint, Moves, Solved};
 pub use task::{
-    AbortRule, Area, Brief, CostRule, ErrorsFrom, Failing, Goal, Hull, ManeuverUse, Place, Primary, Safety, Secondary, Shares,
-    Slot, SpeedLimit, Task,
+    AbortRule, Area, Brief, CostRule, ErrorsFrom, Failing, Goal, Hull, ManeuverUse, Place, Primary, Safety,
+    Secondary, Shares, Slot, SpeedLimit, Task,
 };
 pub use waters::{WaitingPlace, Waters};
 pub use worst::{WorstVessel, WorstVessels};

@@ -189,8 +189,15 @@ impl Prepared {
         let information = self.information_of_plan(&legs, &sailed)?;
         solved.front = front.unwrap_or_default();
         let failures = Vec::new();
+        let nominal = |(mut all, poses): (Aborted, Vec<Pose>)| {
+            let mut passage = clearance.open();
+            poses.iter().for_each(|pose| clearance.add(&mut passage, *pose, false));
+            all.add(passage.clearance_m, self.brief.task.safety.margin_m, true);
+            (all, poses)
+        };
+        let aborted = aborted.into_iter().zip(aborts).map(nominal).collect();
         let sailing = Sailing { legs, sailed, runs: tracks, check, information, failures };
-        Ok((sailing, counter_examples, (ways, aborted.into_iter().zip(aborts).collect())))
+        Ok((sailing, counter_examples, (ways, aborted)))
     }
 
     fn script<'a>(&'a self, solved: &Solved, legs: &[usize], ways: &WaysOfPlan) -> Script<'a> {

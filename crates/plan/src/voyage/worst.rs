@@ -168,6 +168,7 @@ impl Searched {
             is_drawn: false,
             noise: if compared { 0 } else { number },
             is_searched: true,
+            aborts: true,
         };
         let runs = checking.all(new.iter().zip(self.runs.len() as u32..).map(vessel).collect(), search)?;
         let any = !new.is_empty();

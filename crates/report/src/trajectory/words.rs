@@ -118,7 +118,9 @@ pub(crate) fn part(count: u64, of: u64) -> String {
 /// What becomes of the ship if it fails on a leg: `wait at 045°, 0.13 NM, 4 min 10 s; drifts to 60 m off`.
 pub(crate) fn failing(leg: &VoyageLeg) -> String {
     let way = match &leg.abort {
-        None => leg.no_abort.as_ref().map_or_else(|| "–".to_owned(), |why| format!("no place to wait: {why}")),
+        None => {
+            leg.no_abort.as_ref().map_or_else(|| "–".to_owned(), |why| format!("no place to wait: {why}"))
+        }
         Some(abort) => {
             let place = if abort.kind == WaitingPlace::Anchorage { "anchorage" } else { "wait" };
             match abort.bearing_deg {

@@ -337,7 +337,8 @@ impl Voyage {
             legs.map(|(leg, step): (_, usize)| format!("{step} {}", leg.name)).collect::<Vec<_>>()
         };
         let (without, all) = (named(&|leg| leg.abort.is_none()), self.legs.len());
-        let none = if without.is_empty() { String::new() } else { format!(" (none for {})", without.join(", ")) };
+        let none =
+            if without.is_empty() { String::new() } else { format!(" (none for {})", without.join(", ")) };
         let adrift = named(&|leg| leg.drift.as_ref().is_some_and(|drift| drift.aground > 0));
         let drift = match adrift.is_empty() {
             true => format!("clear for {lasts_s:.0} s"),
@@ -497,7 +498,10 @@ impl Document for PlanDocument {
     const UNITS: Units = &[
         ("1 or s, as cost_unit says", "cost lower_bound gap"),
         ("1 or s", "value"),
-        ("1", "counts variant i j h to_h di dj fits nx ny headings runs aground aground_open_loop seed"),
+        (
+            "1",
+            "counts variant vessels drifted i j h to_h di dj fits nx ny headings runs aground aground_open_loop seed",
+        ),
         ("1", "below_margin left_area aground_interval parameter_error searched step standard_errors"),
         ("%", "parameters_percent"),
         ("1", "aground_bound ends ends_astray tolerance_used rounds uncharted_share"),

@@ -351,7 +351,8 @@ impl Routes<'_> {
             ("route.plan", qgroundcontrol(&route)),
         ];
         let files = files.map(|(name, text)| (name.to_owned(), text)).into_iter();
-        let aborts: Vec<(usize, Route)> = self.aborts.iter().map(|one| (one.0 + 1, self.abort(one))).collect();
+        let aborts: Vec<(usize, Route)> =
+            self.aborts.iter().map(|one| (one.0 + 1, self.abort(one))).collect();
         let routes: Vec<&Route> = aborts.iter().map(|(_, route)| route).collect();
         let all = [
             ("aborts.gpx".to_owned(), gpx(&routes, &[])),
@@ -373,7 +374,12 @@ impl Routes<'_> {
     fn abort(&self, (step, places, corners): &Abort) -> Route {
         let waypoint = |(index, corner): (usize, &usize)| {
             let [lon_deg, lat_deg] = self.position(places[*corner]);
-            Waypoint { id: index as u32, name: index.to_string(), lon_deg, lat_deg, ..Waypoint::default() }
+            let before = corners[index.saturating_sub(1)];
+            let way_m = self.plane.distance_m(self.position(places[before]), [lon_deg, lat_deg]);
+            let speed_m_s = way_m / ((corner - before) as f64 * self.sample_s);
+            let speed_m_s = Some(speed_m_s).filter(|speed| *speed > 0.0);
+            let (id, name) = (index as u32, index.to_string());
+            Waypoint { id, name, lon_deg, lat_deg, speed_m_s, ..Waypoint::default() }
         };
         let waypoints = corners.iter().enumerate().map(waypoint).collect();
         Route { name: self.labelled(&format!("abort from leg {}", step + 1)), departure: None, waypoints }

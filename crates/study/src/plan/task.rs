@@ -77,11 +77,7 @@ impl PlanFile {
             cost: self.cost,
             tide: None,
             on_node: false,
-            failing: Failing {
-                abort: self.abort,
-                drift_s: self.abort_drift_s,
-                room_m: self.abort_room_m,
-            },
+            failing: Failing { abort: self.abort, drift_s: self.abort_drift_s, room_m: self.abort_room_m },
         })
     }
 }
