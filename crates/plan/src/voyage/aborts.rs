@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use ship::engine::{DIVERGED, Ship, Streams};
+use ship::engine::{DIVERGED, Pose as AtSea, Ship, Streams};
 
 use super::check_run::{Aborted, Legs};
 use super::clearance::Clearance;
@@ -122,7 +122,8 @@ impl Prepared {
     /// The ways out from all steps of a plan.
     pub(super) fn ways_of(&self, solved: &Solved, search: &Search) -> Result<WaysOfPlan, VoyageError> {
         let waiting = self.waiting(search.keep_going)?;
-        let ways = match self.ways_out(&solved.problem, &solved.moves, &waiting, search) {
+        let left = self.within(&solved.moves, search)?;
+        let ways = match self.ways_out(&solved.problem, &solved.moves, &waiting, &left) {
             Ok(ways) => Some(ways),
             Err(Limit::Memory) => None,
             Err(Limit::Time) => return Err(VoyageError::OutOfTime("the search of abort tracks")),
@@ -152,7 +153,7 @@ impl Prepared {
         &self,
         (solved, sailed): (&Solved, &Sailed),
         ways: WaysOfPlan,
-        aborted: Vec<(Aborted, Vec<ship::engine::Pose>)>,
+        aborted: Vec<(Aborted, Vec<AtSea>)>,
         clearance: &Clearance,
         search: &Search,
     ) -> Result<Vec<LegFailure>, VoyageError> {
