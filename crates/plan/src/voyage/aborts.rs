@@ -1,6 +1,8 @@
 //! If it fails now: from the end of every leg an abort track onto water where the ship may wait, and how she drifts with her engine
 //! stopped from anywhere on it.
 
+use std::f64::consts::TAU;
+
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -68,8 +70,8 @@ pub struct AbortMove {
     pub mode: String,
 }
 
-/// With her engine stopped and her rudder amidships, somewhere on a leg: the nominal vessel and the sampled ones, in their currents
-/// and gusts.
+/// With her engine stopped and her rudder amidships, somewhere on a leg: the nominal vessel, and the sampled ones in gusts and in the
+/// strongest unknown current, each towards another direction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LegDrift {
@@ -258,8 +260,11 @@ impl Prepared {
         (clearance, least_m): (&Clearance, f64),
     ) -> Drifted {
         let Brief { vessel, task, seed, .. } = &self.brief;
-        let (parameters, unknown) =
-            who.map_or((&vessel.nominal, [0.0; 2]), |(_, who)| (&who.parameters, who.current_m_s));
+        let parameters = who.map_or(&vessel.nominal, |(_, who)| &who.parameters);
+        let unknown = who.map_or([0.0; 2], |(run, _)| {
+            let (sin, cos) = libm::sincos(TAU * run as f64 / self.others.len() as f64);
+            [cos, sin].map(|part| task.safety.unknown_current_m_s * part)
+        });
         let mut ship = Ship::new(vessel, parameters, sample.pose, 0.0);
         ship.state = sample.state;
         ship.current_m_s = [0, 1].map(|d| task.known_current_m_s[d] + unknown[d]);
