@@ -353,7 +353,7 @@ fn law_ways_out_are_the_shortest_walks_and_closed_poses_are_not_entered() {
             assert!(steps.windows(2).all(|pair| pair[0].to == pair[1].from));
             let index = |step: &Step| {
                 let moves = problem.actions()[step.action].moves.iter().enumerate();
-                moves.filter(|(_, own)| own.from == step.from.layer).nth(step.variant).unwrap().0
+                moves.filter(|(_, one)| one.from == step.from.layer).nth(step.variant).unwrap().0
             };
             let keys =
                 steps.iter().map(|step| key(MoveId { action: step.action, index: index(step) }).unwrap());
