@@ -1742,8 +1742,8 @@ class LeftOutScores:
 
 @dataclass(frozen=True, kw_only=True)
 class LegDrift:
-    """With her engine stopped and her rudder amidships, somewhere on a leg: the nominal vessel and the sampled ones,
-    in their currents and gusts.
+    """With her engine stopped and her rudder amidships, somewhere on a leg: the nominal vessel, and the sampled ones
+    in gusts and in the strongest unknown current, each towards another direction.
     """
 
     #: For how long they drift \[s\].
