@@ -4,7 +4,8 @@
 
 Sails the plan with its own model of the ship, its own steering and its own distances from land. First the nominal vessel, whose
 track must be the plan's to a millimetre. Then vessels with one parameter at either bound; the corners of the box that these suggest
-for every leg; and, until there are `--vessels`, changes of the worst so far. `--uniform` draws that many more, evenly. `--dictionary`
+for every leg; and, until there are `--vessels`, changes of the worst so far. `--uniform` draws that many more, evenly. `--aborts` does
+both on every abort track, from the node where its leg begins. `--dictionary`
 is for plans that were made with it: zig-zags, circles and pull-outs then are by helm, stops end at rest, and motions are held by
 feedback. With `[sensors]` the autopilot sees noise, and 1 % of all ends of legs may be off. A ship with forces has her right-hand
 side in independent/force_ship.py; `standard_errors` of her plan are standard deviations of her priors, jointly. Prints what was found,
@@ -15,6 +16,7 @@ scipy and pyarrow. For charts of land, and of depth areas with land, as GeoJSON;
 from __future__ import annotations
 
 import argparse
+import copy
 import math
 import sys
 import tomllib
@@ -124,6 +126,13 @@ class Trial:
             ]
             used[index] = np.max(parts, axis=0)
         return used
+
+    def aborting(self, index: int) -> Trial:
+        """A leg and its abort track."""
+        own = copy.copy(self)
+        own.voyage = self.voyage.aborting(index)
+        own.fleet = type(self.fleet)(self.vessel, own.voyage)
+        return own
 
     def check_nominal(self) -> None:
         """The nominal vessel must sail the plan's own track."""
@@ -245,6 +254,16 @@ def main() -> int:
         begin = len(search.points)
         search.uniform(arguments.uniform)
         fine &= search.report("drawn", begin)
+    for index, leg in enumerate(trial.voyage.legs if arguments.aborts else []):
+        if not leg.get("abort"):
+            print(f"abort from leg {index + 1} {leg['name']}: none, {leg.get('no_abort', 'not told')}")
+        elif leg["abort"]["moves"]:
+            search = Search(trial.aborting(index), arguments.seed)
+            search.run(arguments.aborts)
+            fine &= search.report(f"abort from leg {index + 1}, searched", 0)
+            begin = len(search.points)
+            search.uniform(arguments.aborts)
+            fine &= search.report(f"abort from leg {index + 1}, drawn", begin)
     return 0 if fine else 1
 
 
@@ -256,6 +275,7 @@ def parse_arguments() -> Any:
     parser.add_argument("--dictionary", type=Path, help="its dictionary.toml, if the plan was made with it")
     parser.add_argument("--vessels", type=int, default=500, help="how many are searched")
     parser.add_argument("--uniform", type=int, default=0, help="how many more are drawn evenly")
+    parser.add_argument("--aborts", type=int, default=0, help="how many are searched, and drawn, on each abort track after its leg")
     parser.add_argument("--seed", type=int, default=1)
     return parser.parse_args()
 

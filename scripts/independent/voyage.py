@@ -6,6 +6,7 @@ the orders in the dictionary where these depend on the ship. Between them are th
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import json
 import math
@@ -76,6 +77,20 @@ class Voyage:
         north, east = (float(self.track[name][0]) for name in ("x", "y"))
         self.origin = (north - self.cell * first["j"], east - self.cell * first["i"])
         self.phases = [phase for index in range(len(self.legs)) for phase in self.of_leg(index)]
+
+    def aborting(self, index: int) -> Voyage:
+        """A leg and then its abort track, as a voyage of its own from the leg's node."""
+        step, leg = self.plan["steps"][index], self.legs[index]
+        ends = [step["to"], *leg["abort"]["moves"]]
+        moves = [{"action": to["action"], "from": here, "to": to} for here, to in zip(ends, ends[1:])]
+        own = copy.copy(self)
+        own.plan = self.plan | {"steps": [step, *moves]}
+        own.legs = [leg, *({"name": move["action"], "informative": False} for move in moves)]
+        own.phases = [dataclasses.replace(phase, leg=0) for phase in self.of_leg(index)]
+        own.phases += [phase for number in range(1, len(own.legs)) for phase in own.of_leg(number)]
+        x, y = self.node(step["from"])
+        own.track = {"x": np.array([x]), "y": np.array([y]), "psi": np.array([self.heading(step["from"])]), "t": self.track["t"]}
+        return own
 
     def node(self, pose: dict[str, Any]) -> tuple[float, float]:
         return self.origin[0] + self.cell * pose["j"], self.origin[1] + self.cell * pose["i"]

@@ -11,6 +11,9 @@ use crate::{
 /// Points and lines between two checks of the time limit.
 const AT_ONCE: usize = 1000;
 
+/// Classes of anchorages.
+const ANCHORAGES: [&str; 2] = ["ACHARE", "ACHBRT"];
+
 /// How places that no layer charts are treated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -198,6 +201,12 @@ impl Chart {
     /// Whether parts of it are for transit only, closed to informative maneuvers.
     pub fn has_transit_only(&self) -> bool {
         self.polygons.iter().any(|p| p.class == Class::TransitOnly)
+    }
+
+    /// Charted anchorages that ships may pass.
+    pub fn anchorages(&self) -> impl Iterator<Item = &Polygon> {
+        let is_one = |p: &&Polygon| ANCHORAGES.contains(&p.called.what) && p.class == Class::TransitOnly;
+        self.polygons.iter().filter(is_one)
     }
 
     /// Polygons clipped to `bounds`, for drawing: rings to fill by the even-odd rule. Where a clipped polygon

@@ -208,7 +208,7 @@ impl Ability {
 }
 
 /// The settings nearest to zero.
-fn idle(vessel: &Vessel) -> Vec<f64> {
+pub(crate) fn idle(vessel: &Vessel) -> Vec<f64> {
     let setting = |range: [f64; 2]| 0.0_f64.clamp(range[0], range[1]);
     vessel.actuators.iter().map(|actuator| actuator.range.map_or(0.0, setting)).collect()
 }

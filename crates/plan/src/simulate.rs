@@ -120,7 +120,19 @@ pub fn simulate_legs<'l>(
     mirror: &[f64],
     ship: &mut Ship,
     autopilot: &mut Autopilot,
+    record: impl FnMut(Passing),
+) -> Result<Vec<End>, Stopped> {
+    simulate_with_ends(legs, (pieces, mirror), ship, autopilot, record, |_, _, _| Ok(()))
+}
+
+/// The same, with a call at the end of each leg.
+pub(crate) fn simulate_with_ends<'l, 's, 'a>(
+    legs: impl IntoIterator<Item = ([f64; 2], &'l Leg)>,
+    (pieces, mirror): (&[Piece], &[f64]),
+    ship: &mut Ship<'s>,
+    autopilot: &mut Autopilot<'a>,
     mut record: impl FnMut(Passing),
+    mut ended: impl FnMut(usize, &Ship<'s>, &Autopilot<'a>) -> Result<(), Stopped>,
 ) -> Result<Vec<End>, Stopped> {
     let mut ends = Vec::new();
     let seen = autopilot.see(Fixed::from(&*ship), false);
@@ -136,6 +148,7 @@ pub fn simulate_legs<'l>(
             }
         }
         ends.push((way.ship.pose, way.ship.state));
+        ended(index, way.ship, way.autopilot)?;
     }
     Ok(ends)
 }

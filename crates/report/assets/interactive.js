@@ -632,6 +632,7 @@ class Chart {
     this.layer("corridors", own.corridors.map((line) => this.ring("corridor", line)), false);
     this.layer("area and speed limits", [...(own.edge ? [this.ring("edge", own.edge)] : []), ...own.limits.map((line) => this.ring("limit", line))]);
     this.layer("names", own.names.map(([at, name]) => this.words(at, name, "place")));
+    this.layer("abort tracks", (own.aborts ?? []).map((line) => L.polyline(places(line), { className: "abort", interactive: false })));
     this.layer("hulls", own.hulls.map((line) => this.ring("hull", line)));
     this.layer("track", this.tracks());
     this.layer("latitude and longitude", this.graticule(), false);

@@ -235,6 +235,7 @@ fn drawn(map: &MapDocument, steps: Option<&[usize]>) -> Value {
         "edge": map.edge.as_ref().map(line),
         "limits": lines(&map.speed_limits),
         "tracks": tracks(map, steps),
+        "aborts": lines(&map.aborts),
         "maneuvers": map.counts.keys().collect::<Vec<_>>(),
         "hulls": lines(&map.hulls),
         "start": map.start.map(place),

@@ -164,6 +164,7 @@ fn figure_of(document: &MapDocument) -> figure::Map {
         edge: document.edge.as_ref().map(points).unwrap_or_default(),
         speed_limits: document.speed_limits.iter().map(points).collect(),
         tracks: document.tracks.iter().map(|line| track(line, &names)).collect(),
+        aborts: document.aborts.iter().map(points).collect(),
         hulls: document.hulls.iter().map(points).collect(),
         start: document.start.map(place),
         goal: document.goal.map(place),

@@ -324,11 +324,12 @@ fn trace(vessel: &Vessel, run: &Run) -> ManeuverTrace {
 }
 
 /// The files that `plan` writes next to `plan.json`.
-const ADDITIONAL: [(&str, &str); 5] = [
+const ADDITIONAL: [(&str, &str); 6] = [
     ("track.parquet", "planned trajectory, every sample"),
     ("track.geojson", "planned track, for charts"),
     ("route.rtz", "route for the bridge"),
     ("route.gpx", "route and track for receivers"),
+    ("aborts.gpx", "abort tracks for receivers"),
     ("route.plan", "route for ground stations of autopilots"),
 ];
 

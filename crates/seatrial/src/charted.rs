@@ -164,12 +164,15 @@ impl Planned {
 
     /// The plan as routes and tracks in other formats; `None` without a part at sea.
     pub fn routes(&self) -> Option<Routes<'_>> {
+        let Self { prepared, solved, sailing, .. } = self;
+        let planned = SailedPlan { prepared, solved, sailing };
         Some(Routes {
             name: &self.name,
             plane: self.prepared.chart.plane(),
             document: &self.document,
             voyage: self.document.voyage.as_ref()?,
             sailed: &self.sailing.sailed,
+            aborts: planned.aborts().collect(),
             sample_s: 1.0 / self.prepared.brief.vessel.sample_rate_hz,
         })
     }

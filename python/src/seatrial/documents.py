@@ -94,6 +94,8 @@ Suspect = Literal["term", "late", "current", "sign"]
 TrialKind = Literal["arranged", "shares", "random", "practice"]
 #: What becomes of a model that runs are asked about.
 Verdict = Literal["not-rejected", "rejected", "none"]
+#: Where a ship waits.
+WaitingPlace = Literal["anchorage", "open-water"]
 #: What is odd about a channel.
 WarningKind = Literal["constant", "unit", "rate", "jump", "source", "clock", "lag", "gain", "bias"]
 
@@ -114,6 +116,55 @@ class Ability:
     coasting_m_s2: float
     #: Longest lag of its actuators, with the time for which they hold a command \[s\].
     lag_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class AbortMove:
+    """A move of an abort track, and the pose of the lattice where it ends."""
+
+    #: Name of the basic move.
+    action: str
+    #: Column, eastward.
+    i: int
+    #: Row, northward.
+    j: int
+    #: Heading level, counter-clockwise from east.
+    h: int
+    #: Speed mode.
+    mode: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class AbortTrack:
+    """From the end of a leg to the nearest place where she may wait: a charted anchorage if that takes at most ten
+    minutes longer, else water with depth and room.
+    """
+
+    #: What the place is.
+    kind: WaitingPlace
+    #: Longitude of the place.
+    longitude_deg: float
+    #: Latitude of the place.
+    latitude_deg: float
+    #: The depth that is charted there; absent where none is \[m\].
+    depth_m: float | None = None
+    #: So far around it her hull keeps its margin \[m\].
+    room_m: float
+    #: True bearing of the place from where the leg ends; absent where it is the same.
+    bearing_deg: float | None = None
+    #: Distance of the place from there \[m\].
+    distance_m: float
+    #: Time of the nominal vessel along the track \[s\].
+    duration_s: float
+    #: Basic moves; none where she waits at the end of the leg.
+    moves: list[AbortMove]
+    #: Vessels of the check that sailed it after the legs before: the nominal one, the searched ones, and as many of the
+    #: drawn ones as exclude that one of a hundred runs aground, with 95 % confidence; 0 without moves.
+    vessels: int
+    #: Of which touched an obstacle on it.
+    aground: int
+    #: Least distance from an obstacle on it, of the nominal and the searched ones; absent without moves \[m\].
+    clearance_m: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1690,6 +1741,26 @@ class LeftOutScores:
 
 
 @dataclass(frozen=True, kw_only=True)
+class LegDrift:
+    """With her engine stopped and her rudder amidships, somewhere on a leg: the nominal vessel, and the sampled ones
+    in gusts and in the strongest unknown current, each towards another direction.
+    """
+
+    #: For how long they drift \[s\].
+    lasts_s: float
+    #: Vessels, each from several moments of the leg.
+    drifted: int
+    #: Of which touch an obstacle.
+    aground: int
+    #: Least distance of any of them from an obstacle; 0 aground \[m\].
+    clearance_m: float
+    #: When the worst of them is that near, after the engine stops: of those aground the first \[s\].
+    nearest_s: float
+    #: When in the trial its engine stops \[s\].
+    stopped_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Magnitudes:
     """How large the channels were: the range of their root mean squares over stretches of the data, side by side in
     each run. A model holds for motions as large as those that it was fitted to, and as small: a zig-zag of one
@@ -1847,6 +1918,8 @@ class MapDocument:
     speed_limits: list[MapLine]
     #: The nominal track in parts.
     tracks: list[MapTrack]
+    #: Abort tracks from the ends of legs.
+    aborts: list[MapLine] = field(default_factory=list)
     #: The outline of the hull where maneuvers begin, rings.
     hulls: list[MapLine]
     #: Where the trial begins.
@@ -3826,6 +3899,13 @@ class VoyageLeg:
     end_error_m: float
     #: Largest modulus of every input, in its unit.
     largest_inputs: dict[str, float]
+    #: If it fails: her way to the nearest place where she may wait, from the end of this leg; absent where there is
+    #: none.
+    abort: AbortTrack | None = None
+    #: Why there is none; absent where there is one.
+    no_abort: str | None = None
+    #: How she drifts with her engine stopped.
+    drift: LegDrift | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -319,22 +319,26 @@ fn positions(points: &[[f64; 2]], least: usize, thing: &str) -> Result<Vec<Posit
 
 const GPX_NAMESPACE: &str = "http://www.topografix.com/GPX/1/1";
 
-/// The route and tracks as GPX 1.1: one `rte`, then a `trk` of one segment per track.
+/// Routes and tracks as GPX 1.1: an `rte` per route, then a `trk` of one segment per track, which have the departure of the first
+/// route.
 ///
 /// # Errors
 /// As [`super::rtz`], but for the limit of 10 NM; a track point that is out of range.
-pub fn gpx(route: &Route, tracks: &[Track]) -> Result<String, Invalid> {
-    route.check()?;
+pub fn gpx(routes: &[&Route], tracks: &[Track]) -> Result<String, Invalid> {
+    routes.iter().try_for_each(|route| route.check())?;
+    let departure = routes.first().and_then(|route| route.departure);
     tracks.iter().try_for_each(Track::check)?;
     document(|xml| {
         let attributes = [("version", "1.1"), ("creator", "seatrial"), ("xmlns", GPX_NAMESPACE)];
         let root = xml.create_element("gpx").with_attributes(attributes);
         root.write_inner_content(|xml| {
-            xml.create_element("rte").write_inner_content(|xml| {
-                element(xml, "name", &route.name)?;
-                (0..route.waypoints.len()).try_for_each(|index| route_point(xml, route, index))
-            })?;
-            tracks.iter().try_for_each(|t| track(xml, t, route.departure))
+            for route in routes {
+                xml.create_element("rte").write_inner_content(|xml| {
+                    element(xml, "name", &route.name)?;
+                    (0..route.waypoints.len()).try_for_each(|index| route_point(xml, route, index))
+                })?;
+            }
+            tracks.iter().try_for_each(|t| track(xml, t, departure))
         })?;
         Ok(())
     })

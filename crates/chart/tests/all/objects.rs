@@ -419,3 +419,34 @@ fn every_charted_obstruction_and_wreck_is_kept() {
     }
     assert!(looked_at > 200, "{looked_at}");
 }
+
+#[test]
+fn anchorages_are_areas_that_ships_may_pass() {
+    let object = |code: u16, west: f64, more: &str| {
+        let (east, [south, north]) = (west + 0.01, [59.99, 60.01]);
+        format!(
+            "{{\"type\": \"Feature\", \"properties\": {{\"OBJL\": {code}{more}}}, \"geometry\": {{\"type\": \"Polygon\", \
+             \"coordinates\": [[[{west}, {south}], [{east}, {south}], [{east}, {north}], [{west}, {north}], \
+             [{west}, {south}]]]}}}}"
+        )
+    };
+    let [depth, anchorage, berth] = ["DEPARE", "ACHARE", "ACHBRT"].map(|name| class(name).unwrap());
+    let objects = [
+        object(depth, 24.99, ", \"DRVAL1\": 12.0"),
+        object(anchorage, 24.99, ""),
+        object(anchorage, 25.0, ", \"RESTRN\": \"7\""),
+        object(berth, 25.005, ""),
+    ];
+    let text = format!("{{\"type\": \"FeatureCollection\", \"features\": [{}]}}", objects.join(", "));
+    let objects = objects_of_geojson(&text).unwrap();
+    let places = |rules: &Rules| {
+        let (layer, _) = PolygonLayer::from_objects(&objects, None, rules).unwrap();
+        let plane = Plane::new(25.0, 60.0).unwrap();
+        let chart = Chart::new(plane, square(3000.0), &[Layer::Polygons(layer)], None).unwrap();
+        chart.anchorages().map(|polygon| polygon.bounds.min[0].round()).collect::<Vec<f64>>()
+    };
+    // Entry into the second one is prohibited.
+    assert_eq!(places(&Rules::default()), [-558.0, 279.0]);
+    let avoided = BTreeMap::from([("ACHARE".to_owned(), Treatment::Avoid)]);
+    assert_eq!(places(&Rules { changed: avoided, ..Rules::default() }), [279.0]);
+}

@@ -86,7 +86,7 @@ fn gpx_keeps_the_rules_of_version_1_1() {
         (0..50).map(|i| [24.9 + f64::from(i) * 1.234_567_8e-4, 60.1 - f64::from(i) * 2.345_678_9e-5]);
     let track =
         Track { name: "planned & simulated".to_owned(), points: points.collect(), clock_s: [0.0, 0.5] };
-    let root = read(&gpx(&route(), std::slice::from_ref(&track)).unwrap());
+    let root = read(&gpx(&[&route()], std::slice::from_ref(&track)).unwrap());
     assert_eq!((root.name.as_str(), root.get("version")), ("gpx", Some("1.1")));
     assert_eq!(root.get("xmlns"), Some("http://www.topografix.com/GPX/1/1"));
     assert!(root.get("creator").is_some_and(|c| !c.is_empty()));
@@ -138,7 +138,7 @@ fn rtz_tells_the_times_of_a_departure() {
 fn gpx_tells_the_times_of_a_departure() {
     let points = vec![[24.9, 60.1], [24.91, 60.1], [24.92, 60.1]];
     let track = Track { name: "zig-zag".to_owned(), points, clock_s: [60.0, 0.5] };
-    let root = read(&gpx(&timed(), &[track]).unwrap());
+    let root = read(&gpx(&[&timed()], &[track]).unwrap());
     let route = root.one("rte").all("rtept");
     assert_eq!(names(route[1]), ["time", "name", "cmt", "desc"], "the schema's order");
     assert_eq!(route[1].one("cmt").text, "10.0 kn on the leg to here");
@@ -193,7 +193,7 @@ fn law_a_course_that_is_held_leads_to_the_next_waypoint() {
 fn the_antimeridian_is_written_as_minus_180() {
     let mut route = route();
     route.waypoints[2].lon_deg = 180.0;
-    for text in [rtz(&route).unwrap(), gpx(&route, &[]).unwrap()] {
+    for text in [rtz(&route).unwrap(), gpx(&[&route], &[]).unwrap()] {
         assert!(text.contains("lon=\"-180\"") && !text.contains("lon=\"180\""), "{text}");
     }
 }
@@ -276,7 +276,7 @@ fn routes_that_break_the_rules_are_refused() {
     for (expected, change) in broken {
         let mut route = route();
         change(&mut route);
-        for error in [rtz(&route).unwrap_err(), gpx(&route, &[]).unwrap_err()] {
+        for error in [rtz(&route).unwrap_err(), gpx(&[&route], &[]).unwrap_err()] {
             assert!(error.to_string().contains(expected), "{expected}: {error}");
         }
     }

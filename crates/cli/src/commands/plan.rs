@@ -222,13 +222,15 @@ pub const MAIN: &str = "plan.json";
 const PROBLEM: &str = "problem.json";
 
 /// The files written next to `plan.json`.
-const ADDITIONAL: [&str; 8] = [
+const ADDITIONAL: [&str; 10] = [
     PROBLEM,
     "track.parquet",
     "track.geojson",
     "route.rtz",
     "route.gpx",
     "route.plan",
+    "aborts.gpx",
+    "aborts.geojson",
     "map.json",
     "map.svg",
 ];
@@ -351,12 +353,12 @@ fn stage_track_and_routes(
     let names: Vec<String> = routes.voyage.legs.iter().map(|leg| leg.name.clone()).collect();
     let (track, vessel) = (beside(out, MAIN, "track.parquet"), &planned.prepared.brief.vessel);
     let track = stage_track([&track, out], provenance, vessel, routes.plane, &names, routes.sailed)?;
-    let refused = |(name, invalid)| {
-        Failure::Failed(files::Error::invalid(beside(out, MAIN, name), invalid).to_string())
+    let refused = |(name, invalid): (String, _)| {
+        Failure::Failed(files::Error::invalid(beside(out, MAIN, &name), invalid).to_string())
     };
     let route = beside(out, MAIN, "route.rtz");
     let files = routes.files(&route.file_stem().unwrap_or_default().to_string_lossy()).map_err(refused)?;
-    let stage = |(name, bytes): (&str, Vec<u8>)| Ok(Staged::bytes(beside(out, MAIN, name), &bytes)?);
+    let stage = |(name, bytes): (String, Vec<u8>)| Ok(Staged::bytes(beside(out, MAIN, &name), &bytes)?);
     std::iter::once(Ok(track)).chain(files.into_iter().map(stage)).collect()
 }
 

@@ -14,13 +14,15 @@ pub const PLAN: &str =
     "plan --vessel vessel.toml --trajectories dictionary.parquet --config plan.toml --out plan.json";
 
 /// The files that `plan` writes.
-pub const PLANNED: [&str; 8] = [
+pub const PLANNED: [&str; 10] = [
     "plan.json",
     "track.parquet",
     "track.geojson",
     "route.rtz",
     "route.gpx",
     "route.plan",
+    "aborts.gpx",
+    "aborts.geojson",
     "map.json",
     "map.svg",
 ];

@@ -169,6 +169,48 @@ fn routes_have_the_name_of_the_study_and_the_speed_of_each_leg() {
 }
 
 #[test]
+fn law_abort_tracks_are_routes_of_their_own_from_the_end_of_their_leg() {
+    for planned in all() {
+        let legs = planned.legs();
+        assert!(
+            legs.iter().all(|leg| leg["abort"].is_object() && leg["drift"]["drifted"].as_u64() > Some(0))
+        );
+        let gpx = read(planned.text("aborts.gpx"));
+        let lines: FeatureCollection = planned.text("aborts.geojson").parse().unwrap();
+        let ends = legs[1..].iter().map(|leg| [number(leg, "longitude_deg"), number(leg, "latitude_deg")]);
+        let ends: Vec<[f64; 2]> = ends.chain([*planned.track.place.last().unwrap()]).collect();
+        let sailed = |leg: &serde_json::Value| !leg["abort"]["moves"].as_array().unwrap().is_empty();
+        let sailed: Vec<usize> = (0..legs.len()).filter(|step| sailed(&legs[*step])).collect();
+        assert_eq!((gpx.all("rte").len(), lines.features.len()), (sailed.len(), sailed.len()));
+        for (step, route) in sailed.iter().zip(gpx.all("rte")) {
+            assert_eq!(route.one("name").text, format!("abort from leg {}", step + 1));
+            let root = read(planned.text(&format!("abort-{}.rtz", step + 1)));
+            let name = format!("abort-{}", step + 1);
+            assert_eq!(root.one("routeInfo").get("routeName"), Some(name.as_str()));
+            let points: Vec<[f64; 2]> = root
+                .one("waypoints")
+                .all("waypoint")
+                .iter()
+                .map(|point| place(point.one("position")))
+                .collect();
+            let (abort, last) = (&legs[*step]["abort"], points[points.len() - 1]);
+            let to = [number(abort, "longitude_deg"), number(abort, "latitude_deg")];
+            // To the tolerance of legs.
+            assert!(metres(points[0], ends[*step]) < 13.0 && metres(last, to) < 13.0, "{step} {points:?}");
+            assert!(route.all("rtept").iter().zip(&points).all(|(point, own)| near(place(point), *own)));
+            let apart = metres(ends[*step], to);
+            assert!((number(abort, "distance_m") - apart).abs() < 0.01 * apart + 13.0, "{abort}");
+        }
+    }
+}
+
+#[test]
+fn abort_tracks_that_are_required_and_have_no_room_are_refused() {
+    let wanted = "headings = 4\nabort = \"required\"\nabort_room_m = 5000.0";
+    refused(&small_with(&[("headings = 4", wanted)]), 4, PLAN, &["plan.toml", "`abort`", "without room"]);
+}
+
+#[test]
 fn a_departure_gives_routes_their_times_of_day() {
     let planned = plan_small(&[("headings = 4", "headings = 4\ndeparture = \"2026-06-01T11:00:00+03:00\"")]);
     assert_eq!(planned.plan["voyage"]["passage"]["departure"], "2026-06-01T08:00:00Z");

@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 use super::grid::Arc;
 use super::watch::RadixHeap;
 use crate::lattice::watch::{self, Watch, filled};
-use crate::lattice::{Action, Goal, Lattice, Limit, Problem};
+use crate::lattice::{Action, Goal, Lattice, Limit, MoveId, Pose, Problem, Step};
 
 /// The number of a pose that is not live.
 const NONE: u32 = u32::MAX;
@@ -173,45 +173,50 @@ pub(crate) fn within(problem: &Problem, most: u64, room: u64, watch: &mut Watch)
     let uses = problem.required().iter().map(|&count| u64::from(count)).sum::<u64>();
     let price = most / uses.max(1);
     let most = most + price * uses;
-    let start = vec![number(problem.start())];
-    let begun = least_keys(problem, start, (price, most), queued, |pose| problem.arcs(pose), watch)?;
+    let key = |step: u32| {
+        let known = &problem.moves[step as usize];
+        Some(known.key + if known.slot.is_some() { price } else { 0 })
+    };
+    let start = vec![(0, number(problem.start()))];
+    let begun = least_keys(problem, start, (&key, most), queued, |pose| problem.arcs(pose), watch)?;
     let Goal::Poses(goals) = problem.goal() else {
         return Ok(begun.into_iter().map(|key| key <= most).collect());
     };
-    let goals = goals.iter().map(|&pose| number(pose)).collect();
-    let left = least_keys(problem, goals, (price, most), queued, |pose| problem.arcs_into(pose), watch)?;
+    let goals = goals.iter().map(|&pose| (0, number(pose))).collect();
+    let left = least_keys(problem, goals, (&key, most), queued, |pose| problem.arcs_into(pose), watch)?;
     Ok(begun.into_iter().zip(left).map(|(begun, left)| begun.saturating_add(left) <= most).collect())
 }
 
-/// By pose the least key of a walk along `arcs` from any of `ends`, with a price on each informative move; `u64::MAX` where it is
-/// above `most`.
+/// By pose the least sum of a walk along `arcs` from any of `ends`, which have keys themselves, and of the moves that `key` has one
+/// of; `u64::MAX` where it is above `most`.
 fn least_keys<I: Iterator<Item = Arc>>(
     problem: &Problem,
-    ends: Vec<u32>,
-    (price, most): (u64, u64),
+    ends: Vec<(u64, u32)>,
+    (key, most): (&dyn Fn(u32) -> Option<u64>, u64),
     memory: u64,
     arcs: impl Fn(usize) -> I,
     watch: &mut Watch,
 ) -> Result<Vec<u64>, Limit> {
     let mut least = filled(problem.lattice().poses(), u64::MAX, watch).ok_or(Limit::Time)?;
     let mut queue = RadixHeap::<u64, u32>::new();
-    for pose in ends {
-        least[pose as usize] = 0;
-        queue.push(0, pose);
+    for (key, pose) in ends {
+        let known = &mut least[pose as usize];
+        *known = key.min(*known);
+        queue.push(key, pose);
     }
     let mut popped = 0_u32;
-    while let Some((key, pose)) = queue.pop() {
+    while let Some((so_far, pose)) = queue.pop() {
         watch.keep_going(1).then_some(()).ok_or(Limit::Time)?;
         popped = popped.wrapping_add(1);
         if popped.is_multiple_of(LOOKS) && queue.bytes() > memory {
             return Err(Limit::Memory);
         }
-        if least[pose as usize] < key {
+        if least[pose as usize] < so_far {
             continue;
         }
         for arc in arcs(pose as usize) {
-            let (step, known) = (&problem.moves[arc.step as usize], &mut least[arc.node as usize]);
-            let there = key + step.key + if step.slot.is_some() { price } else { 0 };
+            let (Some(key), known) = (key(arc.step), &mut least[arc.node as usize]) else { continue };
+            let there = so_far + key;
             if there <= most && there < *known {
                 *known = there;
                 queue.push(there, arc.node);
@@ -219,6 +224,60 @@ fn least_keys<I: Iterator<Item = Arc>>(
         }
     }
     Ok(least)
+}
+
+/// The key of a pose where walks may end, or of a move, which is above 0; `None` of any other.
+pub(crate) type KeyOf<'a, T> = Box<dyn Fn(T) -> Option<u64> + 'a>;
+
+/// The cheapest walks from all poses to any of several ends.
+pub(crate) struct WaysOut<'a> {
+    problem: &'a Problem,
+    end: KeyOf<'a, Pose>,
+    key: KeyOf<'a, MoveId>,
+    /// By pose: the least sum of such keys.
+    least: Vec<u64>,
+}
+
+impl<'a> WaysOut<'a> {
+    /// Searched backward from the ends.
+    pub fn new(
+        problem: &'a Problem,
+        (end, key): (KeyOf<'a, Pose>, KeyOf<'a, MoveId>),
+        memory: u64,
+        watch: &mut Watch,
+    ) -> Result<Self, Limit> {
+        let (lattice, bytes) = (problem.lattice(), size_of::<u64>() * problem.lattice().poses());
+        let queued = memory.checked_sub(bytes as u64).ok_or(Limit::Memory)?;
+        let ends = (0..lattice.poses()).filter_map(|pose| Some((end(lattice.pose(pose))?, pose as u32)));
+        let of_step = |step: u32| key(problem.moves[step as usize].id);
+        let into = |pose| problem.arcs_into(pose);
+        let least = least_keys(problem, ends.collect(), (&of_step, u64::MAX / 2), queued, into, watch)?;
+        Ok(Self { problem, end, key, least })
+    }
+
+    /// By pose: whether no walk leads to an end.
+    pub fn closed(self) -> Vec<bool> {
+        self.least.into_iter().map(|key| key == u64::MAX).collect()
+    }
+
+    /// The moves from `pose` to its end; none where it is one, `None` where no end is reached.
+    pub fn steps(&self, mut pose: Pose) -> Option<Vec<Step>> {
+        let (lattice, mut steps) = (self.problem.lattice(), Vec::new());
+        loop {
+            let number = lattice.number(pose);
+            let left = Some(self.least[number]).filter(|key| *key < u64::MAX)?;
+            if (self.end)(pose) == Some(left) {
+                return Some(steps);
+            }
+            let leads = |arc: &Arc| {
+                let key = (self.key)(self.problem.moves[arc.step as usize].id);
+                key.is_some_and(|key| self.least[arc.node as usize].checked_add(key) == Some(left))
+            };
+            let step = self.problem.step(pose, self.problem.arcs(number).find(leads)?.step);
+            pose = step.to;
+            steps.push(step);
+        }
+    }
 }
 
 /// The poses that are reached from the start by any moves.

@@ -288,6 +288,21 @@ impl Allowed {
         self.counts[way.step as usize] += 1;
     }
 
+    /// Allows no moves into poses that are closed.
+    pub fn close(&mut self, closed: &[bool]) {
+        let cells = self.lattice.nx * self.lattice.ny;
+        for (number, _) in closed.iter().enumerate().filter(|(_, closed)| **closed) {
+            let into: Vec<Arc> = self.arcs_into(number).collect();
+            for Arc { node, step } in into {
+                let (layer, cell) = (node as usize / cells, node as usize % cells);
+                let Some(way) = self.from[layer].iter().find(|way| way.step == step) else { continue };
+                let bit = self.bit(way, cell);
+                self.bits[bit / 64] &= !(1 << (bit % 64));
+                self.counts[step as usize] -= 1;
+            }
+        }
+    }
+
     /// By move: the number of poses that it is allowed from.
     pub fn counts(&self) -> &[usize] {
         &self.counts

@@ -2,11 +2,11 @@
 
 use super::beam::{Bound, Left, Packing};
 use super::watch::RadixHeap;
-use crate::lattice::graph::{Graph, Reach, WITHIN_PER_POSE, within};
+use crate::lattice::graph::{Graph, Reach, WITHIN_PER_POSE, WaysOut, within};
 use crate::lattice::layered::Levels;
 use crate::lattice::seconds::with_seconds;
 use crate::lattice::watch::Watch;
-use crate::lattice::{Demand, Limit, Options, Problem, dense, layered, plan, synthetic};
+use crate::lattice::{Demand, Limit, MoveId, Options, Pose, Problem, Step, dense, layered, plan, synthetic};
 
 /// Basic moves of cost 1.
 const LEVELS: Levels = Levels { unit: 1, step: 1 };
@@ -317,4 +317,56 @@ fn law_the_surroundings_fit_in_the_memory_that_they_are_given() {
         let graph = graph(&problem).map_or(0, |graph| graph.bytes());
         assert!(demand.bytes() >= u128::from(tables + graph), "seed {seed}");
     }
+}
+
+#[test]
+fn law_ways_out_are_the_shortest_walks_and_closed_poses_are_not_entered() {
+    let mut walked = 0;
+    for seed in 0..12 {
+        let mut problem = map(seed, true);
+        let (lattice, count) = (problem.lattice(), problem.lattice().poses());
+        // Ends with keys of their own, and basic moves of several lengths.
+        let end = |pose: Pose| [Some(0), None, Some(7), None, None][(7 * lattice.number(pose) + 3) % 5];
+        let end = |pose: Pose| end(pose).filter(|_| lattice.number(pose) % 11 < 2);
+        let actions: Vec<u32> = problem.actions().iter().map(|action| action.required).collect();
+        let key = move |id: MoveId| (actions[id.action] == 0).then_some(1 + id.index as u64 % 3);
+        let mut shortest: Vec<u64> =
+            (0..count).map(|pose| end(lattice.pose(pose)).unwrap_or(u64::MAX)).collect();
+        for _ in 0..count {
+            for pose in 0..count {
+                for arc in problem.arcs(pose) {
+                    let Some(key) = key(problem.moves[arc.step as usize].id) else { continue };
+                    let there = shortest[arc.node as usize].saturating_add(key);
+                    shortest[pose] = shortest[pose].min(there);
+                }
+            }
+        }
+        let mut keep_going = |_| true;
+        let watch = &mut Watch::new(&problem, 1000, &mut keep_going);
+        let ways = WaysOut::new(&problem, (Box::new(end), Box::new(key.clone())), 1 << 30, watch).unwrap();
+        for pose in 0..count {
+            let Some(steps) = ways.steps(lattice.pose(pose)) else {
+                assert_eq!(shortest[pose], u64::MAX);
+                continue;
+            };
+            let last = steps.last().map_or(lattice.pose(pose), |step| step.to);
+            assert!(steps.windows(2).all(|pair| pair[0].to == pair[1].from));
+            let index = |step: &Step| {
+                let moves = problem.actions()[step.action].moves.iter().enumerate();
+                moves.filter(|(_, one)| one.from == step.from.layer).nth(step.variant).unwrap().0
+            };
+            let keys =
+                steps.iter().map(|step| key(MoveId { action: step.action, index: index(step) }).unwrap());
+            assert_eq!(keys.sum::<u64>() + end(last).unwrap(), shortest[pose]);
+            walked += steps.len();
+        }
+        let closed = ways.closed();
+        problem.close(&closed);
+        let arcs = || {
+            (0..count).flat_map(|pose| problem.arcs(pose).map(|arc| arc.node as usize).collect::<Vec<_>>())
+        };
+        assert!(arcs().all(|end| !closed[end]));
+        assert_eq!(arcs().count(), problem.arc_count(|_| true));
+    }
+    assert!(walked > 100, "{walked}");
 }

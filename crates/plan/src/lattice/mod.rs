@@ -33,9 +33,11 @@ mod watch;
 
 pub use file::{BasicFile, FreeCells, InformativeFile, LatticeFile, MoveFile, ProblemFile, SCHEMA, SchemaId};
 pub use graph::Demand;
+pub(crate) use graph::{KeyOf, WaysOut};
 pub use grid::{Action, Cost, Goal, Lattice, Move, MoveId, Pose};
 pub use outcome::{Limit, NoPlan, Options, Progress, Reason, Solution, Status, Step};
 pub use plan::{FrontPoint, front, plan};
 pub use problem::Problem;
 pub use refusal::Invalid;
 pub use watch::Poll;
+pub(crate) use watch::Watch;

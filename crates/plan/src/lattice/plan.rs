@@ -3,7 +3,7 @@ use crate::lattice::graph::{Graph, Reach, within};
 use crate::lattice::layered::{self, Levels};
 use crate::lattice::watch::{Verdict, Watch};
 use crate::lattice::{
-    Cost, Goal, Limit, NoPlan, Options, Pose, Problem, Progress, Reason, Solution, Status, Step, beam, dense,
+    Cost, Goal, Limit, NoPlan, Options, Pose, Problem, Progress, Reason, Solution, Status, beam, dense,
 };
 
 /// Keys of plans around start and goals that are searched first, in keys of the dearest move.
@@ -133,16 +133,11 @@ fn solution(problem: &Problem, walk: &[u32], stopped_by: Option<Limit>, lower_bo
     let (mut from, mut cost) = (problem.start(), Cost::default());
     let mut steps = Vec::with_capacity(walk.len());
     for &step in walk {
-        let known = &problem.moves[step as usize];
-        let shape = &problem.actions()[known.id.action].moves[known.id.index];
-        let Some(to) = problem.lattice().end(from, shape) else {
-            unreachable!("the searches follow allowed moves, and those stay in the lattice")
-        };
-        let (action, variant) = (known.id.action, known.variant as usize);
-        steps.push(Step { action, variant, from, to, cost: shape.cost });
-        cost.primary += shape.cost.primary;
-        cost.secondary += shape.cost.secondary;
-        from = to;
+        let step = problem.step(from, step);
+        cost.primary += step.cost.primary;
+        cost.secondary += step.cost.secondary;
+        from = step.to;
+        steps.push(step);
     }
     match stopped_by {
         None => Solution { status: Status::Optimal, cost, lower_bound: cost, steps },

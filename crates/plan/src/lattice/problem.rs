@@ -1,5 +1,5 @@
 use super::grid::{self, Allowed, Arc};
-use crate::lattice::{Action, Cost, Goal, Invalid, Lattice, MoveId, Pose, Solution};
+use crate::lattice::{Action, Cost, Goal, Invalid, Lattice, MoveId, Pose, Solution, Step};
 
 /// An accepted problem: the allowed moves as an adjacency over poses, and costs as integers.
 #[derive(Clone, Debug)]
@@ -112,6 +112,21 @@ impl Problem {
     /// The allowed moves into the pose with this number, with their starts, ordered by the latter.
     pub(crate) fn arcs_into(&self, number: usize) -> impl Iterator<Item = Arc> + '_ {
         self.allowed.arcs_into(number)
+    }
+
+    /// An allowed move from `pose`.
+    pub(crate) fn step(&self, from: Pose, step: u32) -> Step {
+        let known = &self.moves[step as usize];
+        let (action, shape) = (known.id.action, &self.actions[known.id.action].moves[known.id.index]);
+        let Some(to) = self.lattice.end(from, shape) else {
+            unreachable!("the searches follow allowed moves, and those stay in the lattice")
+        };
+        Step { action, variant: known.variant as usize, from, to, cost: shape.cost }
+    }
+
+    /// Allows no moves that end at a pose whose number is `closed`.
+    pub(crate) fn close(&mut self, closed: &[bool]) {
+        self.allowed.close(closed);
     }
 
     /// Number of poses from which `wanted` moves are allowed, summed over these.

@@ -7,7 +7,7 @@ use numerics::statistics::{quantile, sorted, wilson};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::check_run::{Checking, Drawn, Vessel};
+use super::check_run::{Aborted, CheckedRun, Checking, Drawn, Vessel};
 use super::clearance::cells_around;
 use super::error::{Footing, Search, VoyageError};
 use super::prepared::Prepared;
@@ -102,17 +102,18 @@ pub(super) struct Checked {
     pub tracks: Vec<Vec<Fix>>,
     /// Steps that violated a margin or a tolerance, each with the vessel and its initial offset.
     pub counter_examples: Vec<(usize, SampledVessel)>,
+    /// What became of all vessels on the abort track of every step.
+    pub aborted: Vec<Aborted>,
 }
 
 impl Prepared {
     /// The number of runs of a check in this round.
     pub(super) fn runs(&self, round: u32) -> u32 {
         let safety = &self.brief.task.safety;
-        let needed = |p: f64| (libm::log(doubt(round)) / libm::log1p(-p)).ceil().max(1.0) as u32;
         match (safety.runs, safety.aground_probability) {
             (Some(runs), None) => runs,
             (runs, probability) => {
-                let needed = needed(probability.unwrap_or(USUAL_PROBABILITY));
+                let needed = needed(round, probability.unwrap_or(USUAL_PROBABILITY));
                 runs.map_or(needed, |runs| runs.max(needed))
             }
         }
@@ -121,6 +122,11 @@ impl Prepared {
 
 /// The default bound on the probability of running aground.
 pub(super) const USUAL_PROBABILITY: f64 = 0.01;
+
+/// Runs without any aground that bound the probability of it by `p`.
+fn needed(round: u32, p: f64) -> u32 {
+    (libm::log(doubt(round)) / libm::log1p(-p)).ceil().max(1.0) as u32
+}
 
 /// Probability that the bound of a round does not hold: halved from round to round, so that the sum is bounded.
 fn doubt(round: u32) -> f64 {
@@ -136,6 +142,10 @@ impl Checking<'_> {
         concurrent: impl FnOnce() -> T + Send,
     ) -> Result<(Checked, Option<T>), VoyageError> {
         let worst = self.worst(search)?;
+        let mut aborted = vec![Aborted::new(self.clearance); self.legs.len()];
+        let margin_m = self.prepared().brief.task.safety.margin_m;
+        let mut abort = |run: &CheckedRun| run.abort(&mut aborted, margin_m);
+        worst.runs().for_each(&mut abort);
         let mut counter_examples = worst.counter_examples(self);
         let runs = self.prepared().runs(self.round);
         let (mut drawn, mut next, mut concurrent, mut aside) = (Vec::new(), 0, Some(concurrent), None);
@@ -152,6 +162,7 @@ impl Checking<'_> {
             };
             let if_astray = self.are_too_many_astray(&new.iter().collect::<Vec<_>>());
             counter_examples.extend(new.iter().flat_map(|run| run.counter_examples(self, if_astray)));
+            new.iter().for_each(&mut abort);
             drawn.extend(new.into_iter().map(Drawn::from));
             next = some.end;
         }
@@ -159,17 +170,19 @@ impl Checking<'_> {
         let tracks = drawn.into_iter().filter_map(|run| run.track).collect();
         // The counter-examples of the last round are not used.
         let counter_examples = if self.is_last { Vec::new() } else { counter_examples };
-        Ok((Checked { check, tracks, counter_examples }, aside))
+        Ok((Checked { check, tracks, counter_examples, aborted }, aside))
     }
 
     fn drawn(&self, run: u32) -> Vessel {
         let (brief, round) = (&self.prepared().brief, self.round);
+        // Of many, as many sail the abort tracks as exclude the usual probability of running aground there.
         Vessel {
             parameters: brief.drawn(&format!("checked-parameters-{round}"), run),
             unknown_m_s: brief.current(&format!("unknown-current-{round}"), run),
             is_drawn: run < TRACKS,
             noise: run,
             is_searched: false,
+            aborts: run < needed(round, USUAL_PROBABILITY),
         }
     }
 

@@ -1,5 +1,7 @@
 //! Simulations of the whole plan in a check.
 
+use std::cell::RefCell;
+
 use rayon::prelude::*;
 use refusal::Invalid;
 use ship::engine::{Pose, Ship, Streams};
@@ -8,6 +10,7 @@ use super::clearance::{Clearance, Cleared};
 use super::error::{Search, VoyageError, parameters_in_words};
 use super::prepared::Prepared;
 use crate::leg::turned_back;
+use crate::simulate::simulate_with_ends;
 use crate::{Astray, Autopilot, End, Fix, Leg, Passing, Sailed, SampledVessel, Used, simulate_legs};
 
 /// Share of the ends of legs that noise may leave beyond a tolerance.
@@ -39,6 +42,8 @@ pub(super) struct Vessel {
     pub noise: u32,
     /// Whether it comes from a search, which needs the clearance of every leg and no run without corrections.
     pub is_searched: bool,
+    /// Whether it sails the abort tracks, too.
+    pub aborts: bool,
 }
 
 /// A run of a check.
@@ -58,6 +63,36 @@ pub(super) struct CheckedRun {
     pub used: Vec<Used>,
     pub seconds: f64,
     pub track: Option<Vec<Fix>>,
+    /// Clearance of the abort track of every step, exact only below the margin, unless it was searched \[m\]; none where it
+    /// does not sail them.
+    aborts_m: Vec<f64>,
+}
+
+/// What became of vessels on an abort track.
+#[derive(Clone, Copy)]
+pub(super) struct Aborted {
+    pub vessels: u64,
+    /// Least distance of any of them from an obstacle \[m\].
+    pub clearance_m: f64,
+    pub aground: u64,
+    /// Those that came nearer than the margin.
+    pub below_margin: u64,
+}
+
+impl Aborted {
+    pub fn new(clearance: &Clearance) -> Self {
+        Self { vessels: 0, clearance_m: clearance.sight_m, aground: 0, below_margin: 0 }
+    }
+
+    /// A vessel whose clearance is exact only below the margin, unless it `is_exact`.
+    pub fn add(&mut self, clearance_m: f64, margin_m: f64, is_exact: bool) {
+        self.vessels += 1;
+        if is_exact || clearance_m < margin_m {
+            self.clearance_m = self.clearance_m.min(clearance_m);
+        }
+        self.aground += u64::from(clearance_m <= 0.0);
+        self.below_margin += u64::from(clearance_m < margin_m);
+    }
 }
 
 impl Checking<'_> {
@@ -97,14 +132,20 @@ impl Checking<'_> {
     pub(super) fn run(&self, vessel: Vessel) -> Result<CheckedRun, Invalid> {
         let (clearance, brief) = (self.clearance, &self.prepared().brief);
         let open = if vessel.is_searched { clearance.open_to_compare() } else { clearance.open() };
-        let mut passages = vec![open; self.legs.len()];
-        let (mut samples, mut leg) = (0_u64, 0);
         let margin_m = brief.task.safety.margin_m;
+        let mut abort = clearance.open();
+        abort.clearance_m = if vessel.is_searched { clearance.sight_m } else { margin_m };
+        let (mut passages, mut aborts) = (vec![open; self.legs.len()], vec![abort; self.legs.len()]);
+        let (mut samples, mut leg) = (0_u64, 0);
         // Some vessels take longer than the nominal one.
         let capacity = self.nominal.samples.len() * 9 / 8;
         let mut track = vessel.is_drawn.then(|| Vec::with_capacity(capacity));
         let noise = self.noise(&vessel);
-        let ends = self.script.simulate(&vessel.parameters, vessel.unknown_m_s, noise, |sample| {
+        let who = (&vessel.parameters[..], vessel.unknown_m_s, vessel.aborts);
+        let ends = self.script.simulate(who, noise, |sample, is_abort| {
+            if is_abort {
+                return clearance.add(&mut aborts[sample.leg], sample.pose, false);
+            }
             if sample.leg > leg {
                 if !vessel.is_searched {
                     // Distances beyond the margin and the least one so far are irrelevant.
@@ -124,6 +165,7 @@ impl Checking<'_> {
             between_cells_m: passages.iter().filter_map(|passage| passage.between_cells_m).collect(),
             is_aground_open_loop: !vessel.is_searched && self.is_aground_open_loop(&vessel),
             used: self.used(&ends),
+            aborts_m: aborts.iter().filter(|_| vessel.aborts).map(|passage| passage.clearance_m).collect(),
             ends,
             seconds: samples as f64 / brief.vessel.sample_rate_hz,
             track,
@@ -200,6 +242,15 @@ impl CheckedRun {
         self.used.iter().filter(|used| used.part() > 1.0).count() as u64
     }
 
+    /// Adds what became of it on the abort tracks.
+    pub(super) fn abort(&self, aborted: &mut [Aborted], margin_m: f64) {
+        let is_exact = self.vessel.is_searched;
+        aborted
+            .iter_mut()
+            .zip(&self.aborts_m)
+            .for_each(|(all, least_m)| all.add(*least_m, margin_m, is_exact));
+    }
+
     /// The largest used fractions at the end of any step.
     pub(super) fn most_used(&self) -> Used {
         self.used.iter().copied().fold(Used::NONE, Used::or_more)
@@ -241,9 +292,14 @@ impl CheckedRun {
 }
 
 /// Legs from their nodes (north, east), in order.
+pub(super) type Legs<'a> = Vec<([f64; 2], &'a Leg)>;
+
+/// A plan to be sailed.
 pub(super) struct Script<'a> {
     pub prepared: &'a Prepared,
-    pub legs: Vec<([f64; 2], &'a Leg)>,
+    pub legs: Legs<'a>,
+    /// Of every step: the legs that she leaves its end by if it fails.
+    pub aborts: Vec<Legs<'a>>,
     pub start: Pose,
     pub speed_m_s: f64,
 }
@@ -266,14 +322,14 @@ impl RunNoise {
 }
 
 impl Script<'_> {
-    /// Simulates a vessel with `parameters` in the known current and `unknown` (north, east); calls `record`
-    /// with every sample. Without `noise` sensors are exact, and current and wind do not change.
+    /// Simulates a vessel with `parameters` in the known current and `unknown` (north, east), on abort tracks, too, if it `aborts`;
+    /// calls `record` with every sample, and whether it is on the abort track of its leg, whose last place it has, too. Without
+    /// `noise` sensors are exact, and current and wind do not change.
     pub(super) fn simulate(
         &self,
-        parameters: &[f64],
-        unknown: [f64; 2],
+        (parameters, unknown, aborts): (&[f64], [f64; 2], bool),
         noise: Option<RunNoise>,
-        record: impl FnMut(Passing),
+        record: impl FnMut(Passing, bool),
     ) -> Result<Vec<End>, Invalid> {
         let Prepared { brief, pieces, mirror, .. } = self.prepared;
         let mut ship = self.ship(parameters, unknown, noise);
@@ -283,15 +339,34 @@ impl Script<'_> {
             autopilot = autopilot.with_sensors(brief.task.sensors, streams, noise.run);
         }
         autopilot.known_current_m_s = brief.task.known_current_m_s;
-        let mirror = mirror.as_deref().unwrap_or_default();
-        Ok(simulate_legs(self.legs.iter().copied(), pieces, mirror, &mut ship, &mut autopilot, record)?)
+        let (mirror, record) = (mirror.as_deref().unwrap_or_default(), RefCell::new(record));
+        let passed = |passing: Passing| (record.borrow_mut())(passing, false);
+        let legs = self.legs.iter().copied();
+        let pieces = (&pieces[..], mirror);
+        let ends =
+            simulate_with_ends(legs, pieces, &mut ship, &mut autopilot, passed, |leg, ship, autopilot| {
+                let legs = Some(&self.aborts[leg]).filter(|legs| aborts && !legs.is_empty());
+                let Some(legs) = legs else { return Ok(()) };
+                let (mut ship, mut autopilot) = (ship.clone(), autopilot.clone());
+                let mut record = |passing: Passing| (record.borrow_mut())(Passing { leg, ..passing }, true);
+                let legs = legs.iter().copied();
+                simulate_legs(legs, pieces.0, mirror, &mut ship, &mut autopilot, &mut record)?;
+                record(Passing { leg, informative: false, pose: ship.pose, state: ship.state, inputs: &[] });
+                Ok(())
+            });
+        Ok(ends?)
     }
 
-    /// The trajectory of a vessel with `parameters`.
-    pub(super) fn simulated(&self, parameters: &[f64], unknown: [f64; 2]) -> Result<Sailed, Invalid> {
-        let mut samples = Vec::new();
-        let ends = self.simulate(parameters, unknown, None, |passing| samples.push(passing.into()))?;
-        Ok(Sailed { samples, ends })
+    /// The trajectory of the nominal vessel without unknown current, and that of its abort tracks: of every step the poses up
+    /// to its end.
+    pub(super) fn nominal(&self) -> Result<(Sailed, Vec<Vec<Pose>>), Invalid> {
+        let (mut samples, mut aborts) = (Vec::new(), vec![Vec::new(); self.legs.len()]);
+        let nominal = &self.prepared.brief.vessel.nominal;
+        let ends = self.simulate((nominal, [0.0; 2], true), None, |passing, is_abort| match is_abort {
+            true => aborts[passing.leg].push(passing.pose),
+            false => samples.push(passing.into()),
+        })?;
+        Ok((Sailed { samples, ends }, aborts))
     }
 
     /// Repeats the inputs of a track, sample by sample, without corrections: calls `record` with every sample

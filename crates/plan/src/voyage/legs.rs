@@ -7,6 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::engine::Pose;
 
+use super::aborts::{AbortTrack, LegDrift};
 use super::clearance::compass_deg;
 use super::prepared::Prepared;
 use super::sailing::SailedPlan;
@@ -44,6 +45,15 @@ pub struct VoyageLeg {
     pub end_error_m: f64,
     /// Largest modulus of every input, in its unit.
     pub largest_inputs: BTreeMap<String, f64>,
+    /// If it fails: her way to the nearest place where she may wait, from the end of this leg; absent where there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub abort: Option<AbortTrack>,
+    /// Why there is none; absent where there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub no_abort: Option<String>,
+    /// How she drifts with her engine stopped.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drift: Option<LegDrift>,
 }
 
 /// A maneuver as a move of the lattice.
@@ -104,6 +114,7 @@ impl SailedPlan<'_> {
         let largest = |i: usize| samples.iter().map(|s| s.inputs[i].abs()).fold(0.0, f64::max);
         let model = &brief.vessel.model;
         let inputs = model.variables[3..3 + model.inputs].iter().enumerate();
+        let failure = self.sailing.failures.get(index);
         VoyageLeg {
             name: leg.name.clone(),
             informative: leg.is_informative(),
@@ -118,6 +129,9 @@ impl SailedPlan<'_> {
             speed_m_s: grid.modes[mode].speed_m_s,
             end_error_m: self.sailing.sailed.ends.get(index).map_or(0.0, |(end, _)| off(*end)),
             largest_inputs: inputs.map(|(i, v)| (v.name.clone(), largest(i))).collect(),
+            abort: failure.and_then(|failure| Some(failure.abort.as_ref().ok()?.0.clone())),
+            no_abort: failure.and_then(|failure| failure.abort.as_ref().err().cloned()),
+            drift: failure.map(|failure| failure.drift.clone()),
         }
     }
 

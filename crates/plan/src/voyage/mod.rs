@@ -4,6 +4,7 @@
 //! cheapest walk with its proof, [`Prepared::plan`] simulates it, in the known current and in unknown ones,
 //! and repeats that until the proved plan passes the check.
 
+mod aborts;
 mod check;
 mod check_run;
 mod clearance;
@@ -21,6 +22,7 @@ mod task;
 mod waters;
 mod worst;
 
+pub use aborts::{AbortMove, AbortTrack, LegDrift, LegFailure};
 pub use check::Check;
 pub use clearance::{Clearance, Cleared, compass_deg};
 pub use error::{Footing, Search, VoyageError, Watch};
@@ -39,8 +41,8 @@ pub use sailing::{Information, SailedPlan, Sailing};
 pub use settled_legs::{Dropped, SettledLeg, Wanted};
 pub use solve::{FrontPoint, Moves, Solved};
 pub use task::{
-    Area, Brief, CostRule, ErrorsFrom, Goal, Hull, ManeuverUse, Place, Primary, Safety, Secondary, Shares,
-    Slot, SpeedLimit, Task,
+    AbortRule, Area, Brief, CostRule, ErrorsFrom, Failing, Goal, Hull, ManeuverUse, Place, Primary, Safety,
+    Secondary, Shares, Slot, SpeedLimit, Task,
 };
-pub use waters::Waters;
+pub use waters::{WaitingPlace, Waters};
 pub use worst::{WorstVessel, WorstVessels};

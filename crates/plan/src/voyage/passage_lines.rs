@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use chart::Dangers;
-use chart::route::{Route, Timestamp, Waypoint};
+use chart::route::Timestamp;
 
 use super::passage::{Draft, Line, NearestDanger, Passage, PassageLeg, STRAIGHT, append_leg, distance};
 use super::sailing::SailedPlan;
@@ -13,6 +13,35 @@ use crate::{Fix, Phase, Sample, Side};
 const ONE_PLACE_M: f64 = 1.0;
 /// Least distance of the positions of a track from which dangers are searched \[m\].
 const LOOKOUT_M: f64 = 5.0;
+
+/// The places of a track, by number, between which it is straight `within` a distance: the ends among them.
+fn corners(place: impl Fn(usize) -> [f64; 2], Range { start, end }: Range<usize>, within: f64) -> Vec<usize> {
+    let (mut kept, mut rest) = (vec![start], vec![end]);
+    while let (Some(from), Some(to)) = (kept.last().copied(), rest.last().copied()) {
+        let line = Line::between(place(from), place(to));
+        let away = (from + 1..to).map(|k| (k, line.away(place(k))));
+        match away.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, away)| *away > within) {
+            Some((farthest, _)) => rest.push(farthest),
+            None => {
+                rest.pop();
+                kept.push(to);
+            }
+        }
+    }
+    kept
+}
+
+impl<'a> SailedPlan<'a> {
+    /// Abort tracks that have moves: index of the step that each leads from the end of, with east and north of the nominal vessel,
+    /// and those between which it is straight within half the beam.
+    pub fn aborts(self) -> impl Iterator<Item = (usize, &'a [[f64; 2]], Vec<usize>)> {
+        let within = 0.5 * self.prepared.brief.task.hull.beam_m;
+        self.sailing.failures.iter().enumerate().filter_map(move |(step, one)| {
+            let places = &one.abort.as_ref().ok().filter(|(track, _)| !track.moves.is_empty())?.1[..];
+            Some((step, places, corners(|k| places[k], 0..places.len().checked_sub(1)?, within)))
+        })
+    }
+}
 
 impl SailedPlan<'_> {
     /// The passage from waypoint to waypoint, as wide as the tracks of the check.
@@ -116,20 +145,7 @@ impl SailedPlan<'_> {
         let place = |k: usize| [all[k].pose.x, all[k].pose.y];
         let within = self.floor_m().max(self.prepared.brief.task.hull.length_m);
         let last = samples.end.min(all.len() - 1);
-        let mut kept = vec![samples.start];
-        let mut rest = vec![last];
-        while let (Some(from), Some(to)) = (kept.last().copied(), rest.last().copied()) {
-            let (a, b) = (place(from), place(to));
-            let line = Line::between(a, b);
-            let away = (from + 1..to).map(|k| (k, line.away(place(k))));
-            match away.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, away)| *away > within) {
-                Some((farthest, _)) => rest.push(farthest),
-                None => {
-                    rest.pop();
-                    kept.push(to);
-                }
-            }
-        }
+        let kept = corners(place, samples.start..last, within);
         kept.iter().filter(|k| **k > samples.start && **k < last).map(|k| (place(*k), *k)).collect()
     }
 
@@ -148,11 +164,11 @@ impl SailedPlan<'_> {
 
     fn passage_leg(&self, draft: &Draft, dangers: &Dangers) -> PassageLeg {
         let (longitude_deg, latitude_deg) = self.geographic(draft.to);
-        let line = self.route([draft.from, draft.to]);
+        let line = self.prepared.route([draft.from, draft.to]);
         let rate_hz = self.prepared.brief.vessel.sample_rate_hz;
         let places = self.places(&draft.samples);
         let bearing_deg = |between: [[f64; 2]; 2]| {
-            self.route(between.map(|[east, north]| [north, east])).course_deg(0).unwrap_or(0.0)
+            self.prepared.route(between.map(|[east, north]| [north, east])).course_deg(0).unwrap_or(0.0)
         };
         let nearest = dangers.nearest(&places).map(|nearest| NearestDanger {
             what: nearest.called.to_string(),
@@ -181,15 +197,6 @@ impl SailedPlan<'_> {
             nearest,
             then: draft.then.clone(),
         }
-    }
-
-    /// From one place to another, both north and east \[m\].
-    fn route(&self, places: [[f64; 2]; 2]) -> Route {
-        let waypoint = |place: [f64; 2]| {
-            let (lon_deg, lat_deg) = self.geographic(place);
-            Waypoint { lon_deg, lat_deg, ..Waypoint::default() }
-        };
-        Route { waypoints: places.map(waypoint).into(), ..Route::default() }
     }
 
     /// East and north of the nominal track, thinned for the search for dangers.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use chart::route::{Route, Waypoint};
 use chart::{Bounds, Chart, Class, Layer, Mask, Plane, Polygon, Raster};
 use maneuver::{Motion, Steady};
 use refusal::Invalid;
@@ -33,7 +34,8 @@ pub struct Prepared {
     /// Signs of inputs for the other side, if the vessel has mirror symmetry.
     pub(super) mirror: Option<Vec<f64>>,
     groups: Vec<LegGroup>,
-    others: Vec<SampledVessel>,
+    /// The sampled vessels of every leg.
+    pub(super) others: Vec<SampledVessel>,
     /// Every leg of the lattice.
     pub legs: Vec<Arc<SettledLeg>>,
     /// Legs on which not all vessels settle.
@@ -170,6 +172,15 @@ impl Prepared {
         let inside = cells.filter(|(cell, _)| is_in(*cell)).map(|(_, uncharted)| u64::from(uncharted));
         let (all, uncharted) = inside.fold((0_u64, 0), |(all, sum), cell| (all + 1, sum + cell));
         uncharted as f64 / all.max(1) as f64
+    }
+
+    /// The straight way between two places, both north and east \[m\].
+    pub(super) fn route(&self, places: [[f64; 2]; 2]) -> Route {
+        let waypoint = |[north, east]: [f64; 2]| {
+            let (lon_deg, lat_deg) = self.chart.plane().to_geographic([east, north]);
+            Waypoint { lon_deg, lat_deg, ..Waypoint::default() }
+        };
+        Route { waypoints: places.map(waypoint).into(), ..Route::default() }
     }
 
     /// North and east of a pose's node \[m\].

@@ -5,16 +5,18 @@ use std::ops::Range;
 use refusal::Invalid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use ship::engine::Pose;
 use trial::Piece;
 
+use super::aborts::{LegFailure, WaysOfPlan};
 use super::check::{Check, Checked};
-use super::check_run::{Checking, Script};
+use super::check_run::{Aborted, Checking, Script};
 use super::clearance::Clearance;
 use super::error::{Search, VoyageError};
 use super::moment_sums::{MomentSums, Summing};
 use super::prepared::Prepared;
 use super::solve::{Moves, Solved};
-use super::task::Slot;
+use super::task::{AbortRule, Slot};
 use crate::lattice::{Problem, Solution};
 use crate::leg::turned_back;
 use crate::{Fix, Sailed, SampledVessel};
@@ -37,6 +39,8 @@ pub struct Sailing {
     pub check: Check,
     /// Its information, against the prediction of the counts.
     pub information: Information,
+    /// What becomes of the ship if it fails, by step; none before the plan has passed its check.
+    pub failures: Vec<LegFailure>,
 }
 
 /// One round of search and check.
@@ -47,7 +51,11 @@ struct Round {
     sailing: Sailing,
     /// Steps that violated a margin or a tolerance, each with the vessel.
     counter_examples: Vec<(usize, SampledVessel)>,
+    ways_out: SailedWays,
 }
+
+/// The ways out of a plan, with what became of all vessels on each, and the poses of the nominal one.
+type SailedWays = (WaysOfPlan, Vec<(Aborted, Vec<Pose>)>);
 
 /// The part of a round that is kept while the next one is searched, so that its plan can be simulated again.
 struct Last {
@@ -97,7 +105,26 @@ impl Prepared {
                 (Err(error), None) => return Err(error.because(next - 1, fault)),
             };
         }
-        Ok((round.solved, round.sailing))
+        self.with_failures((round.solved, round.sailing), round.ways_out, &clearance, search)
+    }
+
+    /// A plan with what becomes of the ship if it fails. Where abort tracks are required, lacking ones are a fault.
+    fn with_failures(
+        &self,
+        (solved, mut sailing): (Solved, Sailing),
+        (ways, aborted): SailedWays,
+        clearance: &Clearance,
+        search: &Search,
+    ) -> Result<(Solved, Sailing), VoyageError> {
+        let plan = (&solved, &sailing.sailed);
+        sailing.failures = self.failures(plan, ways, aborted, clearance, search)?;
+        let name = |step: usize| self.legs[sailing.legs[step]].name.clone();
+        let lacking = LegFailure::without_abort(&sailing.failures, name);
+        if let (AbortRule::Required, Some(legs)) = (self.brief.task.failing.abort, lacking) {
+            sailing.check.safe = false;
+            sailing.check.faults.push(format!("no abort track from step {legs}: lower `abort_room_m`"));
+        }
+        Ok((solved, sailing))
     }
 
     /// The last plan before a round without one, with its complete check.
@@ -109,8 +136,8 @@ impl Prepared {
     ) -> Result<(Solved, Sailing), VoyageError> {
         let waters = self.waters(search.keep_going)?;
         let mut solved = Solved { waters, moves, problem, solution, front: Vec::new() };
-        let (sailing, _) = self.simulate(&mut solved, clearance, (number, true), search)?;
-        Ok((solved, sailing))
+        let (sailing, _, ways_out) = self.simulate(&mut solved, clearance, (number, true), search)?;
+        self.with_failures((solved, sailing), ways_out, clearance, search)
     }
 
     /// A round after `counter_examples`, by leg; if it has no plan, they are removed again if `keep`.
@@ -137,9 +164,9 @@ impl Prepared {
         (number, mut solved): (u32, Solved),
         search: &Search,
     ) -> Result<Round, VoyageError> {
-        let (sailing, counter_examples) =
+        let (sailing, counter_examples, ways_out) =
             self.simulate(&mut solved, clearance, (number, number == ROUNDS), search)?;
-        Ok(Round { number, solved, sailing, counter_examples })
+        Ok(Round { number, solved, sailing, counter_examples, ways_out })
     }
 
     /// Simulates the plan in continuous space, checks it against the chart and computes its information and
@@ -150,26 +177,37 @@ impl Prepared {
         clearance: &Clearance,
         (round, is_last): (u32, bool),
         search: &Search,
-    ) -> Result<(Sailing, Vec<(usize, SampledVessel)>), VoyageError> {
+    ) -> Result<(Sailing, Vec<(usize, SampledVessel)>, SailedWays), VoyageError> {
         let legs: Vec<usize> = solved.solution.steps.iter().map(|at| solved.moves.leg_of_step(at)).collect();
-        let script = self.script(solved, &legs);
-        let sailed = script.simulated(&self.brief.vessel.nominal, [0.0; 2])?;
+        let ways = self.ways_of(solved, search)?;
+        let script = self.script(solved, &legs, &ways);
+        let (sailed, aborts) = script.nominal()?;
         let left = self.within_check(&solved.moves, (round, sailed.samples.len()), search)?;
         let checking = Checking { script: &script, clearance, legs: &legs, nominal: &sailed, round, is_last };
-        let (Checked { check, tracks, counter_examples }, front) = checking
+        let (Checked { check, tracks, counter_examples, aborted }, front) = checking
             .check(search, || self.front(&solved.problem, Some(&solved.solution), &solved.moves, &left))?;
         let information = self.information_of_plan(&legs, &sailed)?;
         solved.front = front.unwrap_or_default();
-        Ok((Sailing { legs, sailed, runs: tracks, check, information }, counter_examples))
+        let failures = Vec::new();
+        let nominal = |(mut all, poses): (Aborted, Vec<Pose>)| {
+            let mut passage = clearance.open();
+            poses.iter().for_each(|pose| clearance.add(&mut passage, *pose, false));
+            all.add(passage.clearance_m, self.brief.task.safety.margin_m, true);
+            (all, poses)
+        };
+        let aborted = aborted.into_iter().zip(aborts).map(nominal).collect();
+        let sailing = Sailing { legs, sailed, runs: tracks, check, information, failures };
+        Ok((sailing, counter_examples, (ways, aborted)))
     }
 
-    fn script<'a>(&'a self, solved: &Solved, legs: &[usize]) -> Script<'a> {
+    fn script<'a>(&'a self, solved: &Solved, legs: &[usize], ways: &WaysOfPlan) -> Script<'a> {
         let steps = solved.solution.steps.iter().zip(legs);
         let start = solved.problem.start();
         let (level, mode) = self.grid.level_and_mode(start.layer);
         Script {
             prepared: self,
             legs: steps.map(|(step, leg)| (self.node(step.from), &self.legs[*leg].leg)).collect(),
+            aborts: self.legs_of_ways(solved, ways),
             start: self.grid.pose(start.i, start.j, level),
             speed_m_s: self.grid.modes[mode].speed_m_s,
         }

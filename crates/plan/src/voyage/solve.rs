@@ -10,10 +10,11 @@ use super::error::{Search, VoyageError, parameters_in_words, reason_in_words};
 use super::moment_sums::MomentSums;
 use super::prepared::Prepared;
 use super::settled_legs::{SettledLeg, Wanted};
-use super::task::{CostRule, Primary, Secondary};
-use super::waters::{CLEARANCE_CLASSES, Waters};
+use super::task::{AbortRule, CostRule, Primary, Secondary};
+use super::waters::{CLEARANCE_CLASSES, Waiting, Waters};
 use crate::lattice::{
-    Action, Cost, Lattice, Move, MoveId, NoPlan, Poll, Pose, Problem, Reason, Solution, Step,
+    Action, Cost, KeyOf, Lattice, Limit, Move, MoveId, NoPlan, Poll, Pose, Problem, Reason, Solution, Step,
+    Watch, WaysOut,
 };
 use crate::{Leg, Purpose};
 
@@ -46,7 +47,17 @@ impl Prepared {
         let moves = Moves::new(&self.legs, &self.wanted, &task.cost, rate_hz);
         let search = &self.within(&moves, search)?;
         let waters = self.waters(search.keep_going)?;
-        let problem = self.problem(&waters, &moves, search.keep_going)?;
+        let mut problem = self.problem(&waters, &moves, search.keep_going)?;
+        if task.failing.abort == AbortRule::Required {
+            let waiting = self.waiting(search.keep_going)?;
+            let ways = self.ways_out(&problem, &moves, &waiting, search);
+            let late = VoyageError::OutOfTime("the search of abort tracks");
+            let closed = ways.map_err(|limit| match limit {
+                Limit::Time => late,
+                Limit::Memory => VoyageError::NoPlan(NoPlan::OutOfMemory { lower_bound: Cost::default() }),
+            })?;
+            problem.close(&closed.closed());
+        }
         let solution = search.plan(&problem).map_err(|why| match why {
             NoPlan::Infeasible(reason) => {
                 VoyageError::Infeasible(self.infeasible(&reason, &self.front(&problem, None, &moves, search)))
@@ -54,6 +65,24 @@ impl Prepared {
             limit => VoyageError::NoPlan(limit),
         })?;
         Ok(Solved { waters, moves, problem, solution, front: Vec::new() })
+    }
+
+    /// The cheapest basic moves, in samples, from all poses to where she may wait.
+    pub(super) fn ways_out<'a>(
+        &'a self,
+        problem: &'a Problem,
+        moves: &'a Moves,
+        waiting: &'a Waiting,
+        search: &Search,
+    ) -> Result<WaysOut<'a>, Limit> {
+        let key = |id: MoveId| {
+            let leg = &self.legs[moves.legs[id.action][id.index].0];
+            (!leg.is_informative()).then_some(leg.sailed.samples.len().max(1) as u64)
+        };
+        let mut keep_going = |_| (search.keep_going)();
+        let watch = &mut Watch::new(problem, search.options.poll_every, &mut keep_going);
+        let keys: (KeyOf<Pose>, KeyOf<MoveId>) = (Box::new(|pose| waiting.key(pose)), Box::new(key));
+        WaysOut::new(problem, keys, search.options.memory_bytes, watch)
     }
 
     fn problem(
@@ -150,6 +179,9 @@ impl Prepared {
         let mut text = reason_in_words(reason, |pose| self.words(pose), self.grid.cell_m);
         if !self.brief.task.speed_limits.is_empty() {
             text += "; legs faster than a [[speed_limit]] count as without room in it";
+        }
+        if self.brief.task.failing.abort == AbortRule::Required {
+            text += "; legs without an abort track count as without room (`abort`)";
         }
         text += &self.moves_without_legs();
         text += &self.changes_beyond_the_lattice();

@@ -100,6 +100,30 @@ pub struct Task {
     pub slot: Option<Slot>,
     /// Whether the lattice is moved so that its start is a node.
     pub on_node: bool,
+    /// What becomes of her if it fails.
+    pub failing: Failing,
+}
+
+/// What a plan tells of a ship if it fails.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Failing {
+    /// Whether every leg needs an abort track.
+    pub abort: AbortRule,
+    /// For how long she drifts with her engine stopped \[s\].
+    pub drift_s: f64,
+    /// How much room she needs around her where she waits, besides hull and margin; by default that of her slowest circle, and
+    /// at least her length \[m\].
+    pub room_m: Option<f64>,
+}
+
+refusal::choices! {
+    /// Whether legs need an abort track.
+    pub enum AbortRule {
+        /// Legs without one are named.
+        Told = "told",
+        /// Legs without one are not sailed.
+        Required = "required",
+    }
 }
 
 impl Task {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use chart::{Causes, Class, Closing, Distances, Footprint, Mask, Obstacles, Polygon, Raster};
+use chart::{Causes, Class, Closing, Distances, Footprint, Mask, Obstacles, Polygon};
 use rayon::prelude::*;
 use refusal::Invalid;
 
@@ -126,7 +126,9 @@ impl Prepared {
         let obstacles: Vec<_> = kinds.par_iter().map(of_kind).collect();
         let obstacles: Vec<Obstacles> = obstacles.into_iter().collect::<Result<_, VoyageError>>()?;
         let node_distance_m = match task.cost.secondary {
-            Secondary::Clearance => self.node_distances_m(raster, keep_going)?,
+            Secondary::Clearance => {
+                self.node_distances_m(CLEARANCE_CLASSES as f64 * grid.cell_m, keep_going)?
+            }
             _ => Vec::new(),
         };
         let area = task.area.polygon(self.chart.plane()).map(|polygon| Mask::beyond(&polygon, raster));
@@ -160,16 +162,15 @@ impl Prepared {
         limits.filter(|(_, limit)| fastest_m_s > limit.max_speed_m_s).map(|(index, _)| index).collect()
     }
 
-    /// Distance of every node to the nearest obstacle, as far as it determines a class \[m\].
+    /// Distance of every node to the nearest obstacle, up to `farthest_m` \[m\].
     fn node_distances_m(
         &self,
-        cells: Raster,
+        farthest_m: f64,
         keep_going: &dyn Fn() -> bool,
     ) -> Result<Vec<f64>, VoyageError> {
         let (grid, safety) = (&self.grid, &self.brief.task.safety);
-        let farthest_m = CLEARANCE_CLASSES as f64 * grid.cell_m;
         let limits = [safety.transit_depth_m, farthest_m];
-        let obstacles = Distances::in_transit(&self.chart, cells, limits, keep_going)?
+        let obstacles = Distances::in_transit(&self.chart, self.brief.task.raster(grid), limits, keep_going)?
             .ok_or(VoyageError::OutOfTime("the layout of the chart"))?;
         let node = |k: usize| {
             let at = grid.pose(k % grid.nx, k / grid.nx, 0);
@@ -237,6 +238,70 @@ impl Prepared {
         let place = format!("{}, {near}", self.words(pose));
         let expected = format!("the hull in `area`, at least {} m clear of obstacles", task.safety.margin_m);
         Err(VoyageError::NoAnswer(Invalid::new(format!("`{what}`"), place, expected, remedy)))
+    }
+}
+
+refusal::choices! {
+    /// Where a ship waits.
+    pub enum WaitingPlace {
+        /// A charted anchorage (`ACHARE`, `ACHBRT`).
+        Anchorage = "anchorage",
+        /// Other water with depth and room.
+        OpenWater = "open-water",
+    }
+}
+
+/// By how much longer a ship makes for a charted anchorage \[s\].
+const LONGER_S: f64 = 600.0;
+
+/// Where a ship may wait.
+pub(super) struct Waiting {
+    /// By node, at j · nx + i.
+    places: Vec<Option<WaitingPlace>>,
+    nx: usize,
+    headings: usize,
+    /// What any other place costs more than an anchorage.
+    longer: u64,
+    /// The room that she has \[m\].
+    pub room_m: f64,
+}
+
+impl Waiting {
+    /// What kind of place a pose is; `None` where she may not wait, or is not in her slowest mode.
+    pub fn place(&self, pose: Pose) -> Option<WaitingPlace> {
+        self.places[pose.j * self.nx + pose.i].filter(|_| pose.layer < self.headings)
+    }
+
+    /// What the end of a way out costs there \[samples\].
+    pub fn key(&self, pose: Pose) -> Option<u64> {
+        self.place(pose).map(|place| if place == WaitingPlace::Anchorage { 0 } else { self.longer })
+    }
+}
+
+impl Prepared {
+    /// The nodes where she may wait, at rest or in her slowest circle to either side: as far from anything that she keeps clear of
+    /// in transit as this takes, and her hull and its margin.
+    pub(super) fn waiting(&self, keep_going: &dyn Fn() -> bool) -> Result<Waiting, VoyageError> {
+        let (grid, task) = (&self.grid, &self.brief.task);
+        let circle_m = 2.0 * grid.modes[0].speed_m_s / task.handling.turn_rate_rad_s;
+        let room_m = task.failing.room_m.unwrap_or(circle_m.max(task.hull.length_m));
+        let reach_m = task.hull.outline().iter().map(|[x, y]| libm::hypot(*x, *y)).fold(0.0, f64::max);
+        let needed_m = room_m + reach_m + task.safety.margin_m;
+        let distances_m = self.node_distances_m(needed_m, keep_going)?;
+        let anchorages: Vec<&Polygon> = self.chart.anchorages().collect();
+        let place = |(node, distance_m): (usize, &f64)| {
+            let at = grid.pose(node % grid.nx, node / grid.nx, 0);
+            let is_in = |polygon: &&Polygon| polygon.inside_m([at.y, at.x]) >= 0.0;
+            let kind = || match anchorages.iter().any(is_in) {
+                true => WaitingPlace::Anchorage,
+                false => WaitingPlace::OpenWater,
+            };
+            // Distances are rounded down.
+            (*distance_m >= needed_m * (1.0 - 1e-6)).then(kind)
+        };
+        let places = distances_m.iter().enumerate().map(place).collect();
+        let longer = (LONGER_S * self.brief.vessel.sample_rate_hz) as u64;
+        Ok(Waiting { places, nx: grid.nx, headings: grid.headings, longer, room_m })
     }
 }
 

@@ -168,6 +168,7 @@ impl Searched {
             is_drawn: false,
             noise: if compared { 0 } else { number },
             is_searched: true,
+            aborts: true,
         };
         let runs = checking.all(new.iter().zip(self.runs.len() as u32..).map(vessel).collect(), search)?;
         let any = !new.is_empty();
@@ -234,6 +235,11 @@ impl Searched {
             indices.extend(some);
         }
         indices.into_iter().map(|index| &self.runs[index].0)
+    }
+
+    /// All of them.
+    pub(super) fn runs(&self) -> impl Iterator<Item = &CheckedRun> {
+        self.runs.iter().map(|(_, run)| run)
     }
 
     fn fails(&self, checking: &Checking) -> bool {

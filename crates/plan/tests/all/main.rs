@@ -1,5 +1,6 @@
 //! The crate as its users see it.
 
+mod aborts;
 mod clearance;
 mod daylight;
 mod deviations;

@@ -8,20 +8,20 @@ use ship::engine::{Changes, ChangingCurrent, Pose, Wind, simulate_one};
 use crate::planned::{ISLAND_DEG, Planned, rich, small, small_brief};
 
 /// East and north of the island: lowest, then highest \[m\].
-fn island(planned: &Planned) -> [[f64; 2]; 2] {
+pub fn island(planned: &Planned) -> [[f64; 2]; 2] {
     let [west, south, east, north] = ISLAND_DEG;
     let plane = planned.prepared.chart.plane();
     [plane.to_plane(west, south), plane.to_plane(east, north)]
 }
 
 /// Distance of a place from a box.
-fn from_box([low, high]: [[f64; 2]; 2], place: [f64; 2]) -> f64 {
+pub fn from_box([low, high]: [[f64; 2]; 2], place: [f64; 2]) -> f64 {
     let off = [0, 1].map(|k| (low[k] - place[k]).max(place[k] - high[k]).max(0.0));
     off[0].hypot(off[1])
 }
 
 /// Places along the sides of a hull at a pose, east and north.
-fn hull(planned: &Planned, pose: Pose) -> Vec<[f64; 2]> {
+pub fn hull(planned: &Planned, pose: Pose) -> Vec<[f64; 2]> {
     let corners = planned.prepared.brief.task.hull.outline();
     let sides = corners.iter().zip(corners.iter().cycle().skip(1));
     let along = |(a, b): (&[f64; 2], &[f64; 2])| {

@@ -6,8 +6,8 @@ use std::sync::LazyLock;
 use chart::{Layer, LayerKind, PolygonLayer, Uncharted};
 use maneuver::Generator;
 use plan::voyage::{
-    Area, Brief, CostRule, Goal, Hull, ManeuverUse, Place, Prepared, Primary, Safety, SailedPlan, Sailing,
-    Search, Secondary, Shares, Solved, SpeedLimit, Task, Tide,
+    AbortRule, Area, Brief, CostRule, Failing, Goal, Hull, ManeuverUse, Place, Prepared, Primary, Safety,
+    SailedPlan, Sailing, Search, Secondary, Shares, Solved, SpeedLimit, Task, Tide,
 };
 use plan::{Approach, DerivedHandling, Deviations, Handling, Mode, Sensors, Tolerance};
 use ship::engine::{Changes, Run};
@@ -149,6 +149,7 @@ pub fn small_brief() -> Brief {
         tide: None,
         slot: None,
         on_node: false,
+        failing: Failing { abort: AbortRule::Told, drift_s: 600.0, room_m: None },
     };
     let dictionary = dictionary(&vessel, &generator);
     let layers = vec![layer(&[feature(ISLAND_DEG, "\"name\": \"Holm\"")], &LayerKind::Land)];

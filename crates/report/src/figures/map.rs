@@ -89,6 +89,7 @@ fn draw(sheet: &mut Sheet, view: &View, map: &Map) {
     areas::draw_outlines(sheet, view, std::slice::from_ref(&map.edge), input::EDGE);
     areas::draw_outlines(sheet, view, &map.speed_limits, input::SPEED_LIMIT);
     areas::draw_outlines(sheet, view, &map.corridors, input::CORRIDOR);
+    areas::draw_lines(sheet, view, &map.aborts, input::ABORT);
     areas::draw_tracks(sheet, view, map);
     areas::draw_outlines(sheet, view, &map.hulls, input::HULL);
     spots::ends(sheet, view, map);

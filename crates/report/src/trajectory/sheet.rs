@@ -9,7 +9,7 @@ use crate::number::{exact, or_dash, percent, three, three_or_dash, unit};
 use crate::parts::entry;
 use crate::study::Study;
 use crate::trajectory::words::{
-    action, clearance, clock, cost, gap, heading, knots, latitude, level, longitude, minutes, part,
+    action, clearance, clock, cost, failing, gap, heading, knots, latitude, level, longitude, minutes, part,
 };
 
 /// An input that never exceeds this counts as zero: rounding, in any unit.
@@ -25,6 +25,9 @@ pub(super) fn sheet(study: &Study, plan: &PlanDocument, voyage: &Voyage) -> Mark
                 "Numbered steps are informative maneuvers, with the number of the map: an approach, then the planned inputs without \
                  corrections, then the recovery onto the next position. Positions (WGS\u{a0}84), headings (true) and speeds are those of \
                  the plan; times, durations and inputs are as simulated by the nominal model. "
+                @if let Some(aborts) = voyage.aborts() {
+                    "If it fails: where she may wait, from the end of the leg, dashed on the map, and what she drifts to with her                      engine stopped anywhere on it (" (aborts) "). "
+                }
                 b { "Not for navigation." }
                 @if !voyage.check.safe { " " b { "Unsafe: the plan fails its own check." } }
             }
@@ -98,6 +101,7 @@ fn head(inputs: &InputColumns) -> Markup {
                 th scope="col" rowspan="2" { "What" }
                 th.number.spanned scope="col" colspan="3" { "Duration [s]" }
                 @if !inputs.all.is_empty() { th.number.spanned scope="col" colspan=(inputs.all.len()) { "Largest inputs" } }
+                th scope="col" rowspan="2" { "If it fails" }
             }
             tr {
                 th.number scope="col" { "[m/s]" }
@@ -132,6 +136,7 @@ fn line(step: usize, row: &SheetRow, voyage: &Voyage, inputs: &InputColumns) -> 
             td.number { (seconds(leg.maneuver_s)) }
             td.number { (seconds(Some(leg.duration_s))) }
             @for (name, _, decimals) in &inputs.all { td.number { (largest(name, *decimals)) } }
+            td.wrap { (failing(leg)) }
         }
     }
 }
@@ -154,7 +159,7 @@ fn end(plan: &PlanDocument, voyage: &Voyage, inputs: &InputColumns) -> Markup {
             td.time { (clock(voyage.duration_s)) }
             td { "" }
             td.number { (or_dash(to)) }
-            td colspan=(6 + inputs.all.len()) { "end of the trial, after " (minutes(voyage.duration_s)) }
+            td colspan=(7 + inputs.all.len()) { "end of the trial, after " (minutes(voyage.duration_s)) }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Times, places and moves as the crew reads them.
 
 use study::documents::{
-    Check, CostUnit, PlanDocument, PlanLattice, PlanPose, PlanStatus, PlanStep, Side, VoyageLeg,
+    Check, CostUnit, PlanDocument, PlanLattice, PlanPose, PlanStatus, PlanStep, Side, VoyageLeg, WaitingPlace,
 };
 
 use crate::number::{exact, or_dash, percent, three};
@@ -113,6 +113,32 @@ pub(crate) fn part(count: u64, of: u64) -> String {
         return "none simulated".to_owned();
     }
     format!("{count} of {of} ({})", percent(count as f64 / of as f64))
+}
+
+/// What becomes of the ship if it fails on a leg: `wait at 045°, 0.13 NM, 4 min 10 s; drifts to 60 m off`.
+pub(crate) fn failing(leg: &VoyageLeg) -> String {
+    let way = match &leg.abort {
+        None => {
+            leg.no_abort.as_ref().map_or_else(|| "–".to_owned(), |why| format!("no place to wait: {why}"))
+        }
+        Some(abort) => {
+            let place = if abort.kind == WaitingPlace::Anchorage { "anchorage" } else { "wait" };
+            match abort.bearing_deg {
+                None => format!("{place} here"),
+                Some(bearing) => format!(
+                    "{place} at {}, {}\u{a0}NM, {}",
+                    heading(bearing),
+                    miles(abort.distance_m),
+                    minutes(abort.duration_s)
+                ),
+            }
+        }
+    };
+    let Some(drift) = &leg.drift else { return way };
+    match drift.aground {
+        0 => format!("{way}; drifts to {}\u{a0}m off", three(drift.clearance_m)),
+        _ => format!("{way}; drifts aground in {}", minutes(drift.nearest_s)),
+    }
 }
 
 /// The action of a leg, in plain words.

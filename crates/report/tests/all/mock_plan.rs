@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use crate::mock;
 use report::{PlannedTrial, Study, Trajectory};
 use study::documents::{
-    Ability, Check, CostUnit, DerivedHandling, FrontPoint, Handling, Information, NearestDanger, Passage,
-    PassageLeg, PlanDocument, PlanHandling, PlanLattice, PlanPose, PlanStatus, PlanStep, Primitive,
-    ScoredEstimates, Secondary, SecondaryCost, Side, Tide, Voyage, VoyageLeg, WorstVessel, WorstVessels,
+    Ability, AbortMove, AbortTrack, Check, CostUnit, DerivedHandling, FrontPoint, Handling, Information,
+    LegDrift, NearestDanger, Passage, PassageLeg, PlanDocument, PlanHandling, PlanLattice, PlanPose,
+    PlanStatus, PlanStep, Primitive, ScoredEstimates, Secondary, SecondaryCost, Side, Tide, Voyage,
+    VoyageLeg, WaitingPlace, WorstVessel, WorstVessels,
 };
 
 pub const MAP: &str = "<svg role=\"img\" aria-label=\"Planned trial\" viewBox=\"0 0 5600 8370\" \
@@ -244,6 +245,36 @@ fn leg(name: &str, side: Option<Side>, start_s: f64, duration_s: f64, speed_m_s:
         speed_m_s,
         end_error_m: 0.4,
         largest_inputs: inputs.into_iter().map(|(name, most)| (name.to_owned(), most)).collect(),
+        abort: Some(abort(speed_m_s)),
+        no_abort: None,
+        drift: Some(LegDrift {
+            lasts_s: 600.0,
+            drifted: 264,
+            aground: u64::from(speed_m_s == 0.0),
+            clearance_m: if speed_m_s == 0.0 { 0.0 } else { 61.2 },
+            nearest_s: 540.0,
+            stopped_s: start_s,
+        }),
+    }
+}
+
+/// A ship at rest waits where she is.
+fn abort(speed_m_s: f64) -> AbortTrack {
+    let under_way = speed_m_s > 0.0;
+    let to = AbortMove { action: "slower".to_owned(), i: 3, j: 2, h: 1, mode: "at rest".to_owned() };
+    AbortTrack {
+        kind: if under_way { WaitingPlace::Anchorage } else { WaitingPlace::OpenWater },
+        longitude_deg: 24.95,
+        latitude_deg: 60.14,
+        depth_m: None,
+        room_m: 30.0,
+        bearing_deg: under_way.then_some(44.6),
+        distance_m: if under_way { 240.0 } else { 0.0 },
+        duration_s: if under_way { 250.0 } else { 0.0 },
+        moves: if under_way { vec![to] } else { Vec::new() },
+        vessels: 400,
+        aground: 0,
+        clearance_m: under_way.then_some(85.0),
     }
 }
 

@@ -102,6 +102,8 @@ fn the_maneuver_sheet_tells_the_crew_in_their_own_units() {
             "31 120 200 19.7 0 212",
             "tau1 [N]",
             "tau3 [N m]",
+            "wait here; drifts aground in 9 min 00 s",
+            "anchorage at 045°, 0.13 NM, 4 min 10 s; drifts to 61.2 m off",
             "end of the trial, after 12 min 02 s",
         ],
     );

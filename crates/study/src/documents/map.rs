@@ -52,6 +52,9 @@ pub struct MapDocument {
     pub speed_limits: Vec<MapLine>,
     /// The nominal track in parts.
     pub tracks: Vec<MapTrack>,
+    /// Abort tracks from the ends of legs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub aborts: Vec<MapLine>,
     /// The outline of the hull where maneuvers begin, rings.
     pub hulls: Vec<MapLine>,
     /// Where the trial begins.

@@ -26,8 +26,9 @@ use trial::moments::malformed;
 // Types of the scientific crates that documents use.
 pub use ::design::{AccuracyOf, CriterionName, Degree};
 pub use ::plan::voyage::{
-    Check, FrontPoint, Gathered, GatheredManeuver, Information, NearestDanger, Passage, PassageLeg,
-    Primitive, RestartPoint, Secondary, StepState, Tide, VoyageLeg, WorstVessel, WorstVessels,
+    AbortMove, AbortTrack, Check, FrontPoint, Gathered, GatheredManeuver, Information, LegDrift,
+    NearestDanger, Passage, PassageLeg, Primitive, RestartPoint, Secondary, StepState, Tide, VoyageLeg,
+    WaitingPlace, WorstVessel, WorstVessels,
 };
 pub use ::plan::{Ability, DerivedHandling, Handling, Side};
 pub use ::validation::comparison::{Compared, ComparedErrors, ErrorCorrelations, ErrorKind, Traced};

@@ -82,7 +82,8 @@ impl PlanDocument {
         let mut said = format!("{}, {cost} {}, {steps} steps", self.known(), cost_unit.name());
         let mut details =
             json!({"status": status, "cost": cost, "lower_bound": lower_bound, "gap": gap, "steps": steps});
-        let Some(Voyage { duration_s, check, .. }) = &self.voyage else { return (said, details) };
+        let Some(voyage) = &self.voyage else { return (said, details) };
+        let Voyage { duration_s, check, .. } = voyage;
         let more = if check.clearance_m >= check.sight_m { "more than " } else { "" };
         said += &format!(", {duration_s} s at sea, {more}{:.0} m clear", check.clearance_m);
         if check.left_area > 0 {
@@ -93,12 +94,15 @@ impl PlanDocument {
         {
             said += &format!("; {file}: {}", depths.words());
         }
+        if let Some(aborts) = voyage.aborts() {
+            said += &format!("; {aborts}");
+        }
         if !check.safe {
             said += &format!("; UNSAFE: {}", check.faults.join(", "));
         }
         let further = json!({"duration_s": duration_s, "clearance_m": check.clearance_m, "safe": check.safe,
             "faults": check.faults, "aground": check.aground, "runs": check.runs, "left_area": check.left_area,
-            "rounds": check.rounds});
+            "rounds": check.rounds, "aborts": voyage.legs.iter().filter(|leg| leg.abort.is_some()).count()});
         if let (Value::Object(all), Value::Object(further)) = (&mut details, further) {
             all.extend(further);
         }
@@ -324,6 +328,25 @@ pub struct Voyage {
 }
 
 impl Voyage {
+    /// Which legs have an abort track, and from which she drifts aground with her engine stopped, in words; `None` of a plan from
+    /// before these were told.
+    pub fn aborts(&self) -> Option<String> {
+        let lasts_s = self.legs.iter().find_map(|leg| Some(leg.drift.as_ref()?.lasts_s))?;
+        let named = |is: &dyn Fn(&VoyageLeg) -> bool| {
+            let legs = self.legs.iter().zip(1..).filter(|(leg, _)| is(leg));
+            legs.map(|(leg, step): (_, usize)| format!("{step} {}", leg.name)).collect::<Vec<_>>()
+        };
+        let (without, all) = (named(&|leg| leg.abort.is_none()), self.legs.len());
+        let none =
+            if without.is_empty() { String::new() } else { format!(" (none for {})", without.join(", ")) };
+        let adrift = named(&|leg| leg.drift.as_ref().is_some_and(|drift| drift.aground > 0));
+        let drift = match adrift.is_empty() {
+            true => format!("clear for {lasts_s:.0} s"),
+            false => format!("aground within {lasts_s:.0} s from {} legs", adrift.len()),
+        };
+        Some(format!("abort track for {} of {all} legs{none}; engine stopped: {drift}", all - without.len()))
+    }
+
     /// A message about uncharted positions; `None` if there are none.
     pub fn uncharted(&self) -> Option<String> {
         let percent = 100.0 * self.uncharted_share;
@@ -475,7 +498,10 @@ impl Document for PlanDocument {
     const UNITS: Units = &[
         ("1 or s, as cost_unit says", "cost lower_bound gap"),
         ("1 or s", "value"),
-        ("1", "counts variant i j h to_h di dj fits nx ny headings runs aground aground_open_loop seed"),
+        (
+            "1",
+            "counts variant vessels drifted i j h to_h di dj fits nx ny headings runs aground aground_open_loop seed",
+        ),
         ("1", "below_margin left_area aground_interval parameter_error searched step standard_errors"),
         ("%", "parameters_percent"),
         ("1", "aground_bound ends ends_astray tolerance_used rounds uncharted_share"),
@@ -486,6 +512,7 @@ impl Document for PlanDocument {
         ("1", "objects avoided maneuvers_avoid ignored reasons update scale invalid"),
         ("as unit says", "offset"),
         ("deg", "longitude_deg latitude_deg heading_deg residual_deg towards_deg"),
+        ("deg", "bearing_deg"),
         ("m/s", "modes speed_m_s unknown_current_m_s crawl_m_s current_m_s"),
         ("m/s^2", "acceleration_m_s2 braking_m_s2 coasting_m_s2"),
         ("rad/s", "turn_rate_rad_s"),

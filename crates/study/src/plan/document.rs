@@ -196,6 +196,7 @@ pub fn map_of(planned: &SailedPlan, plan: &PlanDocument, voyage: &Voyage) -> Map
         edge: Some(ring(&task.area.corners)).filter(|edge| !edge.east_m.is_empty()),
         speed_limits: task.speed_limits.iter().map(|speed_limit| ring(&speed_limit.corners)).collect(),
         tracks: tracks(planned, plan, voyage),
+        aborts: planned.aborts().map(|(_, places, _)| places.iter().copied().collect()).collect(),
         hulls: planned.hulls().into_iter().map(MapLine::from_iter).collect(),
         start: planned.start().map(Into::into),
         goal: planned.end().map(Into::into),
@@ -309,7 +310,11 @@ impl FromIterator<bool> for MapRuns {
 }
 
 /// A file's name and content.
-pub type NamedFile = (&'static str, Vec<u8>);
+pub type NamedFile = (String, Vec<u8>);
+
+/// The index of the step that an abort track leads from the end of, its places, east and north \[m\], and which of them are its
+/// waypoints.
+pub type Abort<'a> = (usize, &'a [[f64; 2]], Vec<usize>);
 
 /// A plan's track on the globe.
 pub struct Routes<'a> {
@@ -323,6 +328,8 @@ pub struct Routes<'a> {
     pub voyage: &'a Voyage,
     /// The simulated track.
     pub sailed: &'a Sailed,
+    /// Abort tracks.
+    pub aborts: Vec<Abort<'a>>,
     /// Time from sample to sample \[s\].
     pub sample_s: f64,
 }
@@ -333,21 +340,67 @@ impl Routes<'_> {
     ///
     /// # Errors
     /// A route that the format does not support, with the name of its file.
-    pub fn files(&self, rtz_name: &str) -> Result<Vec<NamedFile>, (&'static str, Invalid)> {
+    pub fn files(&self, rtz_name: &str) -> Result<Vec<NamedFile>, (String, Invalid)> {
         let route = self.route();
         // ECDIS expect the route to be called as its file.
         let filed = Route { name: self.labelled(rtz_name), ..route.clone() };
         let files = [
             ("track.geojson", geojson(&self.features())),
             ("route.rtz", rtz(&filed)),
-            ("route.gpx", gpx(&route, &[self.track()])),
+            ("route.gpx", gpx(&[&route], &[self.track()])),
             ("route.plan", qgroundcontrol(&route)),
         ];
-        let named = |(name, text): (&'static str, Result<String, Invalid>)| match text {
+        let files = files.map(|(name, text)| (name.to_owned(), text)).into_iter();
+        let aborts: Vec<(usize, Route)> =
+            self.aborts.iter().map(|one| (one.0 + 1, self.abort(one))).collect();
+        let routes: Vec<&Route> = aborts.iter().map(|(_, route)| route).collect();
+        let all = [
+            ("aborts.gpx".to_owned(), gpx(&routes, &[])),
+            ("aborts.geojson".to_owned(), geojson(&self.abort_features())),
+        ];
+        let single = aborts.iter().map(|(number, route)| {
+            let name = format!("abort-{number}.rtz");
+            let filed = Route { name: self.labelled(&format!("abort-{number}")), ..route.clone() };
+            (name, rtz(&filed))
+        });
+        let named = |(name, text): (String, Result<String, Invalid>)| match text {
             Ok(text) => Ok((name, text.into_bytes())),
             Err(invalid) => Err((name, invalid)),
         };
-        files.into_iter().map(named).collect()
+        files.chain(all).chain(single).map(named).collect()
+    }
+
+    /// The route along an abort track.
+    fn abort(&self, (step, places, corners): &Abort) -> Route {
+        let waypoint = |(index, corner): (usize, &usize)| {
+            let [lon_deg, lat_deg] = self.position(places[*corner]);
+            let before = corners[index.saturating_sub(1)];
+            let way_m = self.plane.distance_m(self.position(places[before]), [lon_deg, lat_deg]);
+            let speed_m_s = way_m / ((corner - before) as f64 * self.sample_s);
+            let speed_m_s = Some(speed_m_s).filter(|speed| *speed > 0.0);
+            let (id, name) = (index as u32, index.to_string());
+            Waypoint { id, name, lon_deg, lat_deg, speed_m_s, ..Waypoint::default() }
+        };
+        let waypoints = corners.iter().enumerate().map(waypoint).collect();
+        Route { name: self.labelled(&format!("abort from leg {}", step + 1)), departure: None, waypoints }
+    }
+
+    /// A line per abort track, with its place.
+    fn abort_features(&self) -> Vec<Feature> {
+        let feature = |(step, places, _): &Abort| {
+            let line = places.iter().map(|place| self.position(*place)).collect();
+            let leg = &self.voyage.legs[*step];
+            let properties = json!({
+                "step": step + 1,
+                "name": self.labelled(&format!("abort from leg {}", step + 1)),
+                "from": leg.name,
+                "to": leg.abort.as_ref().map(|abort| abort.kind),
+                "duration_s": leg.abort.as_ref().map(|abort| abort.duration_s),
+                "safe": self.voyage.check.safe,
+            });
+            Feature::new(Geometry::Line(line), properties)
+        };
+        self.aborts.iter().map(feature).collect()
     }
 
     /// The route along the passage.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use chart::{Crs, GridDeclaration, GridKind, LayerKind};
 use files::Error;
-use plan::voyage::{CostRule, Goal, Hull, ManeuverUse, Place, Safety, SpeedLimit};
+use plan::voyage::{AbortRule, CostRule, Goal, Hull, ManeuverUse, Place, Safety, SpeedLimit};
 use plan::{Mode, Sensors, StatedHandling};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -84,6 +84,17 @@ pub struct PlanFile {
     /// The cost that is minimised.
     #[serde(default, skip_serializing)]
     pub cost: CostRule,
+    /// Whether every leg needs a way to water where she may wait, if it fails.
+    #[serde(default = "told", skip_serializing)]
+    pub abort: AbortRule,
+    /// For how long it is told how she drifts with her engine stopped \[s\].
+    #[serde(default = "abort_drift_s")]
+    #[schemars(range(min = 1.0, max = 7200.0))]
+    pub abort_drift_s: f64,
+    /// Room around her where she waits, besides hull and margin; without it that of her slowest circle, and at least her length
+    /// \[m\].
+    #[schemars(range(min = 0.0, max = 1e4))]
+    pub abort_room_m: Option<f64>,
 }
 
 impl PlanFile {
@@ -95,6 +106,14 @@ impl PlanFile {
 
 fn raster_per_cell() -> usize {
     4
+}
+
+fn told() -> AbortRule {
+    AbortRule::Told
+}
+
+fn abort_drift_s() -> f64 {
+    600.0
 }
 
 /// The area that the ship may use: a box, or a polygon.

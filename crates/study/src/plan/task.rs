@@ -5,7 +5,7 @@ use std::path::Path;
 
 use chart::route::Timestamp;
 use files::{Digest, Error, Provenance};
-use plan::voyage::{Area, Brief, Daylight, ErrorsFrom, Slot, Task, Tide, TideRow, current_m_s};
+use plan::voyage::{Area, Brief, Daylight, ErrorsFrom, Failing, Slot, Task, Tide, TideRow, current_m_s};
 use plan::{Approach, DerivedHandling, Deviations, Handling, Tolerance};
 use refusal::Invalid;
 use ship::engine::{Helm, MOST_CURRENT_M_S};
@@ -77,6 +77,7 @@ impl PlanFile {
             cost: self.cost,
             tide: None,
             on_node: false,
+            failing: Failing { abort: self.abort, drift_s: self.abort_drift_s, room_m: self.abort_room_m },
         })
     }
 }

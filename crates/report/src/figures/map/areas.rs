@@ -364,6 +364,16 @@ pub(crate) fn draw_outlines(sheet: &mut Sheet, view: &View, rings: &[Vec<[f64; 2
     sheet.path(&path, look);
 }
 
+/// Lines of one look.
+pub(crate) fn draw_lines(sheet: &mut Sheet, view: &View, lines: &[Vec<[f64; 2]>], look: Look) {
+    let mut path = Path::default();
+    for line in lines {
+        let parts = view::line(view, &view.placed(line));
+        parts.iter().for_each(|part| path.line(&simplified(part, TRACK_TOLERANCE)));
+    }
+    sheet.path(&path, look);
+}
+
 /// Depth contours; their values are drawn with the soundings.
 pub(crate) fn contours(sheet: &mut Sheet, view: &View, contours: &[Contour]) {
     let mut path = Path::default();

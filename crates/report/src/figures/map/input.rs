@@ -43,6 +43,8 @@ pub struct Map {
     pub maneuvers: Vec<(String, u64)>,
     /// Lines.
     pub tracks: Vec<PlottedTrack>,
+    /// Abort tracks.
+    pub aborts: Vec<Vec<[f64; 2]>>,
     /// Outlines of the hull at chosen poses.
     pub hulls: Vec<Vec<[f64; 2]>>,
     /// The start of the trial.
@@ -290,6 +292,9 @@ pub(crate) const EDGE: Look = Look::drawn(DARK, 1.3).dashed(7.0, 3.0);
 pub(crate) const SPEED_LIMIT: Look = Look::drawn(FORBIDDEN_EDGE.faded(0.9), 1.2).dashed(1.5, 2.5);
 /// The corridor of a leg.
 pub(crate) const CORRIDOR: Look = Look::drawn(VIOLET.faded(0.75), 0.8).dashed(4.0, 2.5);
+
+/// An abort track.
+pub(crate) const ABORT: Look = Look::drawn(DANGER.faded(0.85), 1.0).dashed(5.0, 3.0);
 
 pub(crate) const BASIC: Look = Look::drawn(GREY, 2.0);
 pub(crate) const RUN_IN: Look = Look::drawn(DARK, 1.0);

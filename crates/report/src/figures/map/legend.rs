@@ -71,6 +71,7 @@ fn draw_sample(sheet: &mut Sheet, sample: Sample, at: Point) {
         Sample::Danger => spots::danger(sheet, at),
         Sample::Tube => sheet.bar(within.0, within.1, input::TUBE),
         Sample::Corridor => sheet.bar(within.0, within.1, input::CORRIDOR),
+        Sample::Abort => sheet.line((within.0.0, at.1), (within.1.0, at.1), input::ABORT),
         Sample::Edge => sheet.bar(within.0, within.1, input::EDGE),
         Sample::SpeedLimit => sheet.bar(within.0, within.1, input::SPEED_LIMIT),
         Sample::Contour => sheet.line((within.0.0, at.1), (within.1.0, at.1), input::CONTOUR),
@@ -148,6 +149,7 @@ enum Sample {
     Contour,
     Tube,
     Corridor,
+    Abort,
     Edge,
     SpeedLimit,
 }
@@ -190,6 +192,7 @@ fn tracks(map: &Map) -> Vec<LegendEntry> {
     entries.extend(swept);
     let marks = [
         (!map.corridors.is_empty(), Sample::Corridor, "corridor (XTD)"),
+        (!map.aborts.is_empty(), Sample::Abort, "abort track"),
         (!map.hulls.is_empty(), Sample::Hull, "hull"),
         (map.start.is_some(), Sample::Start, "start"),
         (map.goal.is_some(), Sample::Goal, "goal"),
