@@ -122,7 +122,7 @@ impl BagGuess {
             false => format != Format::Ulg,
         };
         let known: Vec<TopicGuess> = topics.iter().map(|topic| begun(format, topic)).collect();
-        let length_s = topics.iter().map(|topic| span_s(topic)).fold(0.0, f64::max);
+        let length_s = topics.iter().map(span_s).fold(0.0, f64::max);
         let (unplaced, is_numbered) = (Vec::new(), false);
         let guess = Guess { clock: None, placed, asked, unplaced, missing, is_east, is_numbered };
         Self { format, guess, known, length_s }
@@ -257,7 +257,7 @@ fn table(
         let step = |topic: &Topic| span_s(topic) / (topic.rows.len() - 1) as f64;
         let step_s = used().map(step).fold(f64::INFINITY, f64::min).max((until - from) / ROWS as f64);
         let rows = ((until - from) / step_s).floor();
-        if !(rows >= FEWEST as f64) {
+        if rows.is_nan() || rows < FEWEST as f64 {
             continue;
         }
         let time: Vec<f64> = (0..rows as usize).map(|row| from + step_s * row as f64).collect();

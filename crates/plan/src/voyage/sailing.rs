@@ -135,8 +135,9 @@ impl Prepared {
         search: &Search,
     ) -> Result<(Solved, Sailing), VoyageError> {
         let waters = self.waters(search.keep_going)?;
-        let mut solved = Solved { waters, moves, problem, solution, front: Vec::new() };
-        let (sailing, _, ways_out) = self.simulate(&mut solved, clearance, (number, true), search)?;
+        let solved = Solved { waters, moves, problem, solution, front: Vec::new() };
+        let Round { solved, sailing, ways_out, .. } =
+            self.simulate(solved, clearance, (number, true), search)?;
         self.with_failures((solved, sailing), ways_out, clearance, search)
     }
 
@@ -161,26 +162,24 @@ impl Prepared {
     fn round(
         &self,
         clearance: &Clearance,
-        (number, mut solved): (u32, Solved),
+        (number, solved): (u32, Solved),
         search: &Search,
     ) -> Result<Round, VoyageError> {
-        let (sailing, counter_examples, ways_out) =
-            self.simulate(&mut solved, clearance, (number, number == ROUNDS), search)?;
-        Ok(Round { number, solved, sailing, counter_examples, ways_out })
+        self.simulate(solved, clearance, (number, number == ROUNDS), search)
     }
 
     /// Simulates the plan in continuous space, checks it against the chart and computes its information and
     /// counter-examples. The front is searched concurrently with the check.
     fn simulate(
         &self,
-        solved: &mut Solved,
+        mut solved: Solved,
         clearance: &Clearance,
         (round, is_last): (u32, bool),
         search: &Search,
-    ) -> Result<(Sailing, Vec<(usize, SampledVessel)>, SailedWays), VoyageError> {
+    ) -> Result<Round, VoyageError> {
         let legs: Vec<usize> = solved.solution.steps.iter().map(|at| solved.moves.leg_of_step(at)).collect();
-        let ways = self.ways_of(solved, search)?;
-        let script = self.script(solved, &legs, &ways);
+        let ways = self.ways_of(&solved, search)?;
+        let script = self.script(&solved, &legs, &ways);
         let (sailed, aborts) = script.nominal()?;
         let left = self.within_check(&solved.moves, (round, sailed.samples.len()), search)?;
         let checking = Checking { script: &script, clearance, legs: &legs, nominal: &sailed, round, is_last };
@@ -197,7 +196,7 @@ impl Prepared {
         };
         let aborted = aborted.into_iter().zip(aborts).map(nominal).collect();
         let sailing = Sailing { legs, sailed, runs: tracks, check, information, failures };
-        Ok((sailing, counter_examples, (ways, aborted)))
+        Ok(Round { number: round, solved, sailing, counter_examples, ways_out: (ways, aborted) })
     }
 
     fn script<'a>(&'a self, solved: &Solved, legs: &[usize], ways: &WaysOfPlan) -> Script<'a> {
