@@ -151,7 +151,7 @@ class AbortTrack:
     #: So far around it her hull keeps its margin \[m\].
     room_m: float
     #: True bearing of the place from where the leg ends; absent where it is the same.
-    bearing_deg: float | None = None
+    towards_deg: float | None = None
     #: Distance of the place from there \[m\].
     distance_m: float
     #: Time of the nominal vessel along the track \[s\].

@@ -95,7 +95,7 @@ const SHARE: f64 = 0.12;
 
 /// What does not hold yet: rule, crate, how much of it is left.
 const NOT_YET: &[(&str, &str, usize)] =
-    &[("share of all lines", "estimation", 620), ("share of all lines", "logs", 1450)];
+    &[("share of all lines", "estimation", 620), ("share of all lines", "logs", 1650)];
 
 /// What breaks the rules, by rule and crate.
 #[derive(Default)]

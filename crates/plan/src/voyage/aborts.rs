@@ -38,7 +38,7 @@ pub struct AbortTrack {
     /// So far around it her hull keeps its margin \[m\].
     pub room_m: f64,
     /// True bearing of the place from where the leg ends; absent where it is the same.
-    pub bearing_deg: Option<f64>,
+    pub towards_deg: Option<f64>,
     /// Distance of the place from there \[m\].
     pub distance_m: f64,
     /// Time of the nominal vessel along the track \[s\].
@@ -208,7 +208,7 @@ impl Prepared {
             latitude_deg,
             depth_m: chart.least_depth_m(&[east_north]),
             room_m: waiting.room_m,
-            bearing_deg: way.course_deg(0).filter(|_| from != place),
+            towards_deg: way.course_deg(0).filter(|_| from != place),
             distance_m: way.leg_m(0).unwrap_or(0.0),
             duration_s: poses.saturating_sub(1) as f64 / brief.vessel.sample_rate_hz,
             moves: moves.iter().map(of_move).collect(),

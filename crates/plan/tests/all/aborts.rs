@@ -35,7 +35,7 @@ fn law_an_abort_track_leads_from_the_end_of_its_leg_to_water_with_room() {
             let Ok((abort, places)) = &failure.abort else { continue };
             assert_eq!((abort.aground, abort.kind), (0, WaitingPlace::OpenWater));
             let Some(last) = abort.moves.last() else {
-                assert_eq!((abort.bearing_deg, abort.distance_m, abort.duration_s), (None, 0.0, 0.0));
+                assert_eq!((abort.towards_deg, abort.distance_m, abort.duration_s), (None, 0.0, 0.0));
                 continue;
             };
             moves += abort.moves.len();

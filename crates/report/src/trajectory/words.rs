@@ -123,7 +123,7 @@ pub(crate) fn failing(leg: &VoyageLeg) -> String {
         }
         Some(abort) => {
             let place = if abort.kind == WaitingPlace::Anchorage { "anchorage" } else { "wait" };
-            match abort.bearing_deg {
+            match abort.towards_deg {
                 None => format!("{place} here"),
                 Some(bearing) => format!(
                     "{place} at {}, {}\u{a0}NM, {}",

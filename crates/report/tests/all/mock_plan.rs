@@ -268,7 +268,7 @@ fn abort(speed_m_s: f64) -> AbortTrack {
         latitude_deg: 60.14,
         depth_m: None,
         room_m: 30.0,
-        bearing_deg: under_way.then_some(44.6),
+        towards_deg: under_way.then_some(44.6),
         distance_m: if under_way { 240.0 } else { 0.0 },
         duration_s: if under_way { 250.0 } else { 0.0 },
         moves: if under_way { vec![to] } else { Vec::new() },

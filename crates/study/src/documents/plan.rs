@@ -342,7 +342,7 @@ impl Voyage {
         let adrift = named(&|leg| leg.drift.as_ref().is_some_and(|drift| drift.aground > 0));
         let drift = match adrift.is_empty() {
             true => format!("clear for {lasts_s:.0} s"),
-            false => format!("aground within {lasts_s:.0} s from {} legs", adrift.len()),
+            false => format!("aground within {lasts_s:.0} s from {} of them", adrift.len()),
         };
         Some(format!("abort track for {} of {all} legs{none}; engine stopped: {drift}", all - without.len()))
     }
@@ -512,7 +512,6 @@ impl Document for PlanDocument {
         ("1", "objects avoided maneuvers_avoid ignored reasons update scale invalid"),
         ("as unit says", "offset"),
         ("deg", "longitude_deg latitude_deg heading_deg residual_deg towards_deg"),
-        ("deg", "bearing_deg"),
         ("m/s", "modes speed_m_s unknown_current_m_s crawl_m_s current_m_s"),
         ("m/s^2", "acceleration_m_s2 braking_m_s2 coasting_m_s2"),
         ("rad/s", "turn_rate_rad_s"),
