@@ -28,7 +28,7 @@ pub struct ActiveSetNewton<P = Evaluation> {
 /// Multiplicative steps before the support is cut to what Newton's method can handle.
 const MULTIPLICATIVE_STEPS: usize = 40;
 /// Iterations without growth after which rounding alone moves the shares.
-const IDLE: u32 = 10;
+const IDLE: u32 = 60;
 /// Growth of the criterion that may be rounding, as a part of its value.
 const ROUNDING: f64 = 1e-14;
 /// Candidates that may join the support in one iteration.
