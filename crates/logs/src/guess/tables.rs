@@ -404,19 +404,15 @@ impl TableSearch<'_> {
             self.needed.iter().filter(|need| !self.has(&need.channel)).cloned().collect();
         let steers = |need: &Needed| need.unit == "rad";
         self.sides(&needed);
-        for need in needed.iter().filter(|need| !self.has(&need.channel)).cloned().collect::<Vec<_>>().iter()
-        {
+        for need in &needed {
+            if self.has(&need.channel) {
+                continue;
+            }
             let entry = if steers(need) { &self.found.steering } else { &self.found.drive };
             let is_alone = needed.iter().filter(|other| steers(other) == steers(need)).count() == 1;
             let sure = entry.first().filter(|first| is_alone && self.is_sure(first, need)).cloned();
             match sure {
-                Some(first) => {
-                    let at = first.columns[0];
-                    self.free[at] = false;
-                    let by_motion = Some(format!("by motion, gain {:.2}", first.gain));
-                    let placed = self.placed_at(at, (&need.channel, &need.unit));
-                    self.placed.push(Placed { by_motion, ..placed });
-                }
+                Some(first) => self.place_actuator(first.columns[0], need, first.gain),
                 None => {
                     let moved = self.placed.len();
                     self.by_name(&need.channel, &need.unit);
@@ -436,11 +432,7 @@ impl TableSearch<'_> {
             let others = self.found.candidates.iter().filter(|at| all.iter().all(|(known, _)| known != *at));
             let others: Vec<(usize, Option<f64>)> = others.map(|at| (*at, None)).collect();
             all.extend(others);
-            all.retain(|(at, _)| {
-                let unit = self.names[*at].unit;
-                let fits = unit.is_none_or(|unit| crate::shaft_factor(unit, &need.unit).is_some());
-                self.free[*at] && fits && !self.names[*at].is_other()
-            });
+            all.retain(|(at, _)| self.may_be(*at, &need));
             let choice = |(at, gain): &(usize, Option<f64>)| ColumnChoice {
                 placed: self.placed_at(*at, (&need.channel, &need.unit)),
                 why: gain.map_or("does not stand out".to_owned(), |gain| format!("gain {gain:.2}")),
@@ -456,40 +448,42 @@ impl TableSearch<'_> {
     fn sides(&mut self, needed: &[Needed]) {
         let [port, starboard] = needed else { return };
         let are_sides = port.channel.ends_with("port") && starboard.channel.ends_with("starboard");
-        let pair =
-            self.found.steering.first().filter(|pair| are_sides && self.found.is_known && pair.is_sure);
+        let pair = self.found.steering.first().filter(|pair| are_sides && self.stands_out(pair, port));
         let Some(&ActuatorChoice { columns: ref pair, gain, sign, .. }) = pair else { return };
         let &[a, b] = &pair[..] else { return };
-        let fits = |at: usize| {
-            let unit = self.names[at].unit;
-            self.free[at]
-                && !self.names[at].is_other()
-                && unit.is_none_or(|unit| crate::shaft_factor(unit, &port.unit).is_some())
-        };
         let is_named = |need: &Needed| self.best(&need.channel, &need.unit).is_some();
-        if !fits(a) || !fits(b) || is_named(port) && is_named(starboard) {
+        if is_named(port) && is_named(starboard) {
             return;
         }
         let sides = if sign > 0.0 { [a, b] } else { [b, a] };
         for (at, need) in sides.into_iter().zip([port, starboard]) {
-            self.free[at] = false;
-            let by_motion = Some(format!("by motion, gain {gain:.2}"));
-            let placed = self.placed_at(at, (&need.channel, &need.unit));
-            self.placed.push(Placed { by_motion, ..placed });
+            self.place_actuator(at, need, gain);
         }
     }
 
-    /// Whether one column steers or drives beyond doubt, and is not called something else.
+    fn place_actuator(&mut self, at: usize, need: &Needed, gain: f64) {
+        self.free[at] = false;
+        let by_motion = Some(format!("by motion, gain {gain:.2}"));
+        let placed = self.placed_at(at, (&need.channel, &need.unit));
+        self.placed.push(Placed { by_motion, ..placed });
+    }
+
+    /// Whether one column steers or drives beyond doubt.
     fn is_sure(&self, first: &ActuatorChoice, need: &Needed) -> bool {
-        let [at] = first.columns[..] else { return false };
+        first.columns.len() == 1 && self.stands_out(first, need)
+    }
+
+    /// Whether columns steer or drive beyond doubt, and none of them is called something else.
+    fn stands_out(&self, choice: &ActuatorChoice, need: &Needed) -> bool {
+        let known = self.found.is_known && !self.is_doubted && choice.is_sure;
+        known && choice.columns.iter().all(|at| self.may_be(*at, need))
+    }
+
+    /// Whether a column is free, called nothing else, and in a unit that may be that of `need`.
+    fn may_be(&self, at: usize, need: &Needed) -> bool {
         let unit = self.names[at].unit;
         let fits = unit.is_none_or(|unit| crate::shaft_factor(unit, &need.unit).is_some());
-        self.found.is_known
-            && !self.is_doubted
-            && first.is_sure
-            && self.free[at]
-            && fits
-            && !self.names[at].is_other()
+        self.free[at] && fits && !self.names[at].is_other()
     }
 
     /// Places what is of use, but not needed, by its name.
