@@ -27,7 +27,7 @@ const MOST_BYTES: u64 = 1 << 30;
 pub(super) fn guessed(
     folder: &Path,
     files: &[String],
-    needed: &[Needed],
+    needed: &[Vec<Needed>],
     quiet: bool,
 ) -> Result<BagGuess, Error> {
     let (first, format) = (&files[0], Format::of(&files[0]));
@@ -54,7 +54,8 @@ pub(super) fn guessed(
         topics
     });
     let recordings = recordings.collect::<Result<Vec<_>, _>>()?;
-    let guess = BagGuess::of(format, &recordings, needed);
+    let of = |needed: &[Needed]| BagGuess::of(format, &recordings, needed);
+    let guess = fewest(needed, of, |bag| bag.guess.missing.len());
     if guess.guess.placed.is_empty() && guess.guess.asked.is_empty() {
         let none = format!("none among {} topics", recordings[0].len());
         let expected = "a topic with a motion, such as one of nav_msgs/Odometry or vehicle_odometry";
@@ -62,6 +63,27 @@ pub(super) fn guessed(
         return Err(refuse(&path, "topic", &none, expected, remedy));
     }
     Ok(guess)
+}
+
+/// The guess for the first of `needed` that lacks nothing, or else the first of those that lack least.
+pub(super) fn fewest<T>(
+    needed: &[Vec<Needed>],
+    guess: impl Fn(&[Needed]) -> T,
+    missing: impl Fn(&T) -> usize,
+) -> T {
+    let (first, others) =
+        needed.split_first().map_or((&[][..], needed), |(first, others)| (&first[..], others));
+    let mut best = guess(first);
+    for needed in others {
+        if missing(&best) == 0 {
+            break;
+        }
+        let other = guess(needed);
+        if missing(&other) < missing(&best) {
+            best = other;
+        }
+    }
+    best
 }
 
 fn topics(path: &Path, format: Format) -> Result<Vec<Topic>, Error> {
@@ -269,11 +291,13 @@ pub(super) fn is_of_sentences(path: &Path) -> bool {
 }
 
 /// What is in the log at `path`, for a model that needs the channels `needed`.
-pub(super) fn guessed_sentences(path: &Path, needed: &[Needed]) -> Result<SentenceGuess, Error> {
+pub(super) fn guessed_sentences(path: &Path, needed: &[Vec<Needed>]) -> Result<SentenceGuess, Error> {
     check_format(path, Format::Nmea, true)?;
     let spoken = sentence_census(reader(path)?).map_err(|error| wrong(path, error))?;
     let remedy = "write ingest.toml yourself (docs/own-logs.md)";
-    let Some(guess) = SentenceGuess::of(&spoken, needed) else {
+    let of = |needed: &[Needed]| SentenceGuess::of(&spoken, needed);
+    let Some(guess) = fewest(needed, of, |guess| guess.as_ref().map_or(0, |guess| guess.missing.len()))
+    else {
         let expected = "sentences with a time: RMC, ZDA, GGA, GNS or GLL";
         let remedy = "write ingest.toml yourself, with the `format` of stamps (docs/own-logs.md)";
         return Err(refuse(path, "time", "none", expected, remedy));

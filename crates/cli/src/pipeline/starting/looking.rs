@@ -14,7 +14,7 @@ use study::refuse;
 
 use crate::failure::{WorkProgress, on_stderr};
 use crate::pipeline::starting::bags::{
-    self, BAGS, PARQUET, PERHAPS, SENTENCES, is_of_sentences, reader, wrong,
+    self, BAGS, PARQUET, PERHAPS, SENTENCES, fewest, is_of_sentences, reader, wrong,
 };
 
 /// Channels of the relative wind, of which a model needs both.
@@ -113,8 +113,7 @@ impl Looked {
         rows.sort_by(f64::total_cmp);
         let (usual_rows, head) = (rows[rows.len() / 2], seen[0].head.clone());
         let table = table(folder, &files, &seen, quiet)?;
-        let guess =
-            fewest(needed, |needed| Ok(Guess::of(&head, &table, needed)), |guess| guess.missing.len())?;
+        let guess = fewest(needed, |needed| Guess::of(&head, &table, needed), |guess| guess.missing.len());
         let Some(clock) = &guess.clock else {
             let lacking = format!("none that is called a time or increases among {}", listed(&head.columns));
             let remedy = "write ingest.toml yourself, with its `time` (docs/own-logs.md)";
@@ -131,8 +130,7 @@ impl Looked {
         needed: &[Vec<Needed>],
         quiet: bool,
     ) -> Result<Self, Error> {
-        let guessed = |needed: &[Needed]| bags::guessed(folder, &files, needed, quiet);
-        let guess = fewest(needed, guessed, |bag| bag.guess.missing.len())?;
+        let guess = bags::guessed(folder, &files, needed, quiet)?;
         let (folder, patterns, usual_s) = (folder.to_owned(), patterns(&files, &BAGS), guess.length_s);
         Ok(Self { folder, patterns, files, usual_s, found: LogGuess::Bag(guess), others })
     }
@@ -143,9 +141,7 @@ impl Looked {
         others: Vec<String>,
         needed: &[Vec<Needed>],
     ) -> Result<Self, Error> {
-        let first = folder.join(&files[0]);
-        let guess =
-            fewest(needed, |needed| bags::guessed_sentences(&first, needed), |guess| guess.missing.len())?;
+        let guess = bags::guessed_sentences(&folder.join(&files[0]), needed)?;
         let patterns = patterns(&files, &[SENTENCES.as_slice(), &PERHAPS].concat());
         let (folder, usual_s, found) = (folder.to_owned(), guess.length_s, LogGuess::Sentences(guess));
         Ok(Self { folder, patterns, files, usual_s, found, others })
@@ -272,27 +268,6 @@ impl Looked {
             LogGuess::Sentences(guess) => &guess.missing,
         }
     }
-}
-
-/// The guess for the first of `needed` that lacks nothing, or else the first of those that lack least.
-fn fewest<T>(
-    needed: &[Vec<Needed>],
-    guess: impl Fn(&[Needed]) -> Result<T, Error>,
-    missing: impl Fn(&T) -> usize,
-) -> Result<T, Error> {
-    let (first, others) =
-        needed.split_first().map_or((&[][..], needed), |(first, others)| (&first[..], others));
-    let mut best = guess(first)?;
-    for needed in others {
-        if missing(&best) == 0 {
-            break;
-        }
-        let other = guess(needed)?;
-        if missing(&other) < missing(&best) {
-            best = other;
-        }
-    }
-    Ok(best)
 }
 
 fn ends(name: &str, ends: &[&str]) -> bool {
