@@ -1,11 +1,14 @@
 use std::borrow::Cow;
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use crate::dangers::gap_to;
+use crate::traffic::between_lanes;
 use crate::{
     Area, Bounds, Called, Class, Contour, Grid, Invalid, PlacedGrid, Plane, Polygon, PolygonLayer, Spot,
+    Traffic,
 };
 
 /// Points and lines between two checks of the time limit.
@@ -45,6 +48,7 @@ pub struct Chart {
     polygons: Vec<Polygon>,
     spots: Vec<Spot>,
     contours: Vec<Contour>,
+    noted: Vec<(Option<Traffic>, Polygon)>,
     grids: Vec<PlacedGrid>,
     charted: Charted,
     known_by: KnownBy,
@@ -103,6 +107,7 @@ impl Chart {
         let uncharted = uncharted_of(layers, uncharted)?;
         let mut polygons = Vec::new();
         let (mut spots, mut contours, mut grids) = (Vec::new(), Vec::new(), Vec::new());
+        let mut noted = Vec::new();
         for layer in layers {
             let layer = match layer {
                 Layer::Polygons(layer) => layer,
@@ -120,6 +125,12 @@ impl Chart {
             }
             let lines = layer.contours.iter();
             contours.extend(lines.filter_map(|line| Contour::place(line, &plane, &area)));
+            for object in &layer.noted {
+                let areas = object.areas.iter().filter_map(|area| Polygon::place(area, &plane));
+                let marks = object.marks.iter().flat_map(|mark| Polygon::buffer(mark, &plane));
+                let near = areas.chain(marks).filter(|p| p.bounds.meets(&area));
+                noted.extend(near.map(|polygon| (object.traffic, polygon)));
+            }
             for marks in layer.marks.chunks(AT_ONCE) {
                 if !keep_going() {
                     return Ok(None);
@@ -136,7 +147,8 @@ impl Chart {
             Uncharted::Water => Charted { polygons: Vec::new(), frontier: Vec::new() },
         };
         let known_by = KnownBy::of(layers);
-        Ok(Some(Self { plane, area, uncharted, polygons, spots, contours, grids, charted, known_by }))
+        let noted = between_lanes(noted);
+        Ok(Some(Self { plane, area, uncharted, polygons, spots, contours, noted, grids, charted, known_by }))
     }
 
     /// The plane that everything is on.
@@ -160,7 +172,8 @@ impl Chart {
             let rings = polygon.rings.iter().map(|ring| size_of_val(&ring[..]) + size_of_val(ring));
             size_of_val(polygon) + rings.sum::<usize>()
         };
-        let polygons = self.polygons.iter().chain(&self.charted.polygons).map(polygon);
+        let noted = self.noted.iter().map(|(_, polygon)| polygon);
+        let polygons = self.polygons.iter().chain(&self.charted.polygons).chain(noted).map(polygon);
         let contours =
             self.contours.iter().map(|contour| size_of_val(contour) + size_of_val(&contour.line[..]));
         let places = size_of_val(&self.charted.frontier[..]) + size_of_val(&self.spots[..]);
@@ -175,6 +188,27 @@ impl Chart {
     /// Whole polygons that meet the area, in the order of the layers; those around points and lines follow a layer's own.
     pub fn polygons(&self) -> &[Polygon] {
         &self.polygons
+    }
+
+    /// Where the traffic has a direction.
+    pub fn traffic(&self) -> impl Iterator<Item = (Traffic, &Polygon)> {
+        self.noted.iter().filter_map(|(traffic, polygon)| Some(((*traffic)?, polygon)))
+    }
+
+    /// What a bridge is told of within so many metres of any of `places` (east and north \[m\]): classes and names, sorted.
+    pub fn noted_near(&self, places: &[[f64; 2]], within_m: f64) -> BTreeSet<String> {
+        let near =
+            self.noted.iter().filter(|(_, polygon)| gap_to(polygon, places, within_m).distance_m < within_m);
+        near.map(|(_, polygon)| polygon.called.to_string()).collect()
+    }
+
+    /// The chart without the areas of some classes that maneuvers or ships keep out of.
+    #[must_use]
+    pub fn without(&self, classes: &[&str]) -> Self {
+        let mut open = self.clone();
+        let closes = |p: &Polygon| matches!(p.class, Class::TransitOnly | Class::NoGo);
+        open.polygons.retain(|p| !(closes(p) && classes.contains(&p.called.what)));
+        open
     }
 
     /// Charted points in the area.

@@ -152,7 +152,7 @@ fn apart(a: &Bounds, b: &Bounds) -> f64 {
 }
 
 /// The gap to the nearest of `places`; 0 inside; may be any longer one where it is `farthest` or more.
-fn gap_to(polygon: &Polygon, places: &[[f64; 2]], farthest: f64) -> Gap {
+pub(crate) fn gap_to(polygon: &Polygon, places: &[[f64; 2]], farthest: f64) -> Gap {
     let near = places.iter().filter(|p| apart(&polygon.bounds, &Bounds { min: **p, max: **p }) < farthest);
     let gap = |place: &[f64; 2]| {
         if is_inside(polygon, *place) {

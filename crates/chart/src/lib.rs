@@ -53,6 +53,7 @@ mod reading;
 pub mod ring;
 pub mod route;
 mod rules;
+mod traffic;
 
 pub use chart::{Chart, Layer, Uncharted};
 pub use classes::{Called, Ignored, Judged, RULES, Rule, Treatment};
@@ -70,3 +71,4 @@ pub use polygons::{Area, Class, Contour, DANGER_M, Filter, LayerKind, Mark, Poly
 pub use reading::{Reading, Unread};
 pub use refusal::Invalid;
 pub use rules::{DOUBTFUL_M, Rules};
+pub use traffic::{Noted, Traffic};

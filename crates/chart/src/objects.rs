@@ -13,8 +13,10 @@ use crate::grid::FARTHEST;
 use crate::polygons::{Geometries, features, of_mark, positions, rings};
 use crate::ring::ring_fault;
 use crate::rules::Land;
+use crate::traffic::told;
 use crate::{
-    Area, Class, Contour, Ignored, Invalid, Judged, Mark, PolygonLayer, Reading, Rules, Treatment, Unread,
+    Area, Class, Contour, DANGER_M, Ignored, Invalid, Judged, Mark, Noted, PolygonLayer, Reading, Rules,
+    Traffic, Treatment, Unread,
 };
 
 /// The treatment of the objects of one class.
@@ -57,7 +59,12 @@ impl PolygonLayer {
             let tally = tallies.entry(name).or_default();
             tally.objects += 1;
             let (treatment, why) = rules.treatment(object, &land)?;
-            let treatment = layer.take(object, index, treatment, rules.radius_m(object, scale))?;
+            let radius_m = rules.radius_m(object, scale);
+            // Data about surveys have no effect, and are told of.
+            if treatment != Treatment::Avoid && (treatment, why) != (Treatment::Ignore, Ignored::Rule) {
+                layer.noted.extend(noted(object, index, radius_m.max(DANGER_M))?);
+            }
+            let treatment = layer.take(object, index, treatment, radius_m)?;
             match treatment {
                 Treatment::Avoid => tally.avoided += 1,
                 Treatment::ManeuversAvoid => tally.maneuvers_avoid += 1,
@@ -130,6 +137,34 @@ impl PolygonLayer {
         }
         Ok(treatment)
     }
+}
+
+/// What a bridge is told of an object, its points and lines with a radius \[m\]; `None` for another one.
+fn noted(object: &Feature, index: usize, radius_m: f64) -> Result<Option<Noted>, Invalid> {
+    let traffic = Traffic::of(object)?;
+    let Some(called) = told(object).or_else(|| traffic.map(|_| Called::object(object, None))) else {
+        return Ok(None);
+    };
+    let class = Class::TransitOnly;
+    let area = |rings: &Polygon| {
+        check_rings(object, rings)?;
+        Ok(Area { class, called: called.clone(), rings: rings.clone(), feature: index })
+    };
+    let mark = |positions: Vec<[f64; 2]>| Mark {
+        class,
+        called: called.clone(),
+        sounding: false,
+        positions,
+        radius_m,
+        feature: index,
+    };
+    let (areas, marks) = match &object.geometry {
+        Geometry::Area(polygons) => (polygons.iter().map(area).collect::<Result<_, Invalid>>()?, Vec::new()),
+        Geometry::Lines(lines) => (Vec::new(), lines.iter().cloned().map(mark).collect()),
+        Geometry::Points(points) => (Vec::new(), points.iter().map(|point| mark(vec![*point])).collect()),
+        Geometry::None | Geometry::Soundings(_) => return Ok(None),
+    };
+    Ok(Some(Noted { traffic, areas, marks }))
 }
 
 /// The class of an object on the chart; `None` for one without effect.

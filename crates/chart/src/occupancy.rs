@@ -267,9 +267,14 @@ impl Mask {
     }
 
     /// Closes every cell that any part of a polygon touches.
-    pub fn within(polygon: &Polygon, raster: Raster) -> Self {
-        let (edge, inside) = cells(polygon, raster);
-        Self::new(raster, edge.iter().zip(inside).map(|(edge, inside)| *edge || inside).collect())
+    pub fn within<'a>(polygons: impl IntoIterator<Item = &'a Polygon>, raster: Raster) -> Self {
+        let mut closed = vec![false; raster.nx * raster.ny];
+        for polygon in polygons {
+            let (edge, inside) = cells(polygon, raster);
+            let touched = edge.iter().zip(inside).map(|(edge, inside)| *edge || inside);
+            closed.iter_mut().zip(touched).for_each(|(closed, touched)| *closed |= touched);
+        }
+        Self::new(raster, closed)
     }
 
     /// Closes every cell that is not entirely inside of a polygon.

@@ -7,7 +7,7 @@ use serde::Deserialize;
 use crate::classes::Called;
 use crate::grid::FARTHEST;
 use crate::ring::{RingFault, ring_fault_while};
-use crate::{Crs, DepthUnit, Invalid, Reading, Unread};
+use crate::{Crs, DepthUnit, Invalid, Noted, Reading, Unread};
 
 /// Default radius of the danger around a charted point or line \[m\]: the positional accuracy of older surveys.
 pub const DANGER_M: f64 = 50.0;
@@ -77,6 +77,8 @@ pub struct PolygonLayer {
     pub marks: Vec<Mark>,
     /// Lines of one depth: for maps.
     pub contours: Vec<Contour>,
+    /// What a bridge is told of.
+    pub noted: Vec<Noted>,
     /// Features that the filter left out.
     pub filtered_out: usize,
     /// Set where an area that contains none of it is open sea and not another place.

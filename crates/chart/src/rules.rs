@@ -4,7 +4,9 @@ use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use crate::classes::{Ignored, Judged, Treatment, is, judged, of_class};
-use crate::enc::{CATDIS, Feature, Geometry, Polygon, RESTRN, VERCCL, VERCLR, VERCSA, class, class_name};
+use crate::enc::{
+    CATDIS, Feature, Geometry, ORIENT, Polygon, RESTRN, VERCCL, VERCLR, VERCSA, class, class_name,
+};
 use crate::ring::turn;
 use crate::{DANGER_M, Invalid};
 
@@ -85,6 +87,8 @@ impl Rules {
         match () {
             () if self.is_passed_under(feature)? => ignore(Ignored::PassedUnder),
             () if any(&CLOSED) => Ok((Treatment::Avoid, ignored)),
+            // Where lanes join, the chart has no direction.
+            () if named == "TSSLPT" && feature.number(ORIENT)?.is_none() => Ok((Treatment::Avoid, ignored)),
             // Of a restricted area only its restrictions are known to matter.
             () if named == "RESARE" && !restrictions.is_empty() => match any(&PASSING) {
                 true => Ok((Treatment::ManeuversAvoid, ignored)),

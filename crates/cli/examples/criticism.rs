@@ -11,7 +11,7 @@ use std::error::Error;
 
 use estimation::criticism::{Criticism, Subject, criticise, criticise_each};
 use estimation::pooled::{Judgement, Pool, StandardErrors, standard_errors};
-use numerics::distributions::student_half_width;
+use numerics::statistics::student_half_width;
 use numerics::statistics::{Z, clustered_share, wilson};
 use rayon::prelude::*;
 use regression::pooled::PooledRuns;

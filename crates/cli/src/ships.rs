@@ -146,11 +146,11 @@ pub struct NewArguments {
     /// A ship from her main dimensions, by textbook formulas, with a prior for every free parameter: length_m, beam_m, draught_m
     /// and block; if known, also density_kg_m3, speed_m_s, mass_kg, propeller_diameter_m, rudder_area_m2, rudder_height_m,
     /// rudder_rate_deg_s, x_g_m
-    #[arg(long, value_name = "KEY=VALUE,…", conflicts_with_all = ["vessel", "chart"])]
+    #[arg(long, value_name = "KEY=VALUE,…", conflicts_with = "vessel")]
     guess: Option<String>,
     /// The ship geometrically similar to --vessel, a preset, file or fitted model with forces: length_m, and density_kg_m3 of
     /// her water; draught_m, if given, is compared
-    #[arg(long, value_name = "KEY=VALUE,…", requires = "vessel", conflicts_with = "chart")]
+    #[arg(long, value_name = "KEY=VALUE,…", requires = "vessel")]
     scale: Option<String>,
     /// Folder of logs, of the ship that the others name or of one that is not known: what is in them is found by how it moves,
     /// and what was guessed is marked

@@ -7,13 +7,11 @@
 #![warn(missing_docs)]
 
 pub mod bounded;
-pub mod distributions;
 mod lane;
 pub mod lanes;
 pub mod least_squares;
 mod lu;
 mod product;
-pub mod registers;
 pub mod statistics;
 #[doc(hidden)]
 pub mod vectorized;

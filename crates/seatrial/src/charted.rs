@@ -79,13 +79,14 @@ impl ChartedTrial {
     /// while `keep_going` returns true. Their digests are noted in `provenance`.
     ///
     /// # Errors
-    /// See [`ChartedTrial::read`]; the end of the time.
+    /// See [`ChartedTrial::read`]; a lattice beyond the memory; the end of the time.
     pub fn on_charts(
         mut brief: Brief,
         (file, config): (&Path, &PlanFile),
         (budget, keep_going): (&Budget, &(dyn Fn() -> bool + Sync)),
         provenance: &mut Provenance,
     ) -> Result<Self, PlanError> {
+        brief.check_size(budget.bytes() as u64)?;
         let (plane, bounds) = brief.sight()?;
         let means = Means { area: (&plane, &bounds), budget, keep_going };
         let charts = read_charts(file, config, &means, provenance).map_err(|error| match error {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use estimation::criticism::{Criticism, Suspect, number};
 use estimation::fitting::{Channels, Estimates, Fit, Prior, Problem, Unfit};
-use numerics::distributions::student_half_width;
+use numerics::statistics::student_half_width;
 use numerics::{dot, quadratic};
 use refusal::{Invalid, foreign};
 use ship::forces::{Channel, Forces, LateralSum, Parameter};

@@ -2612,12 +2612,17 @@ class PassageLeg:
     xtd_port_m: float
     #: The same to starboard \[m\].
     xtd_starboard_m: float
-    #: Least charted depth along the nominal track, at the chart's datum; absent where none is charted \[m\].
+    #: Least charted depth between its cross-track distances, at the chart's datum; absent where none is charted \[m\].
     least_depth_m: float | None = None
-    #: The same at the tide's least level, under the keel; absent without `hull.draught_m`, too \[m\].
+    #: How much deeper she is at the speed of this leg; absent without `hull.block_coefficient` \[m\].
+    squat_m: float | None = None
+    #: What remains under the keel at the tide's least level; absent without `hull.draught_m`, too \[m\].
     under_keel_m: float | None = None
     #: The danger nearest to the nominal track of the reference point.
     nearest: NearestDanger | None = None
+    #: Charted things near the nominal track that a bridge knows of: whom to call, what lies on the ground, where others
+    #: meet.
+    passes: list[str] = field(default_factory=list)
     #: What is done at its waypoint before going on, such as a turn on the spot.
     then: list[str]
 
@@ -3899,6 +3904,10 @@ class VoyageLeg:
     end_error_m: float
     #: Largest modulus of every input, in its unit.
     largest_inputs: dict[str, float]
+    #: What the bridge is told of a maneuver; absent of a move.
+    order: str | None = None
+    #: Where the nominal vessel's inputs change in a maneuver; none where they change all the time.
+    wheel_over: list[WheelOver] = field(default_factory=list)
     #: If it fails: her way to the nearest place where she may wait, from the end of this leg; absent where there is
     #: none.
     abort: AbortTrack | None = None
@@ -3920,6 +3929,22 @@ class WarningSummary:
     count: int
     #: In words.
     text: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class WheelOver:
+    """An order of a maneuver: when and where the nominal vessel carries it out."""
+
+    #: When \[s\].
+    start_s: float
+    #: Longitude.
+    longitude_deg: float
+    #: Latitude.
+    latitude_deg: float
+    #: True heading.
+    heading_deg: float
+    #: The inputs from there on, in their units.
+    inputs: dict[str, float]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -35,6 +35,8 @@ pub type Attribute = (u16, &'static str);
 pub const CATCOV: Attribute = (18, "CATCOV");
 /// Whether a distance mark is there (2 to 5) or drawn only (1).
 pub const CATDIS: Attribute = (21, "CATDIS");
+/// Category of the zone of confidence: 1 A1, 2 A2, 3 B, 4 C, 5 D, 6 not assessed.
+pub const CATZOC: Attribute = (72, "CATZOC");
 /// Least depth of an area \[m\].
 pub const DRVAL1: Attribute = (87, "DRVAL1");
 /// Unit of depths in an area: 1 metres, 2 fathoms and feet, 3 feet, 4 fathoms and fractions.
@@ -43,8 +45,12 @@ pub const DUNITS: Attribute = (89, "DUNITS");
 pub const HUNITS: Attribute = (96, "HUNITS");
 /// Name.
 pub const OBJNAM: Attribute = (116, "OBJNAM");
+/// Direction: of a lane's traffic, of a light \[deg, true\].
+pub const ORIENT: Attribute = (117, "ORIENT");
 /// Restrictions: 7 entry prohibited, 8 entry restricted, 14 area to be avoided, and others.
 pub const RESTRN: Attribute = (131, "RESTRN");
+/// Traffic: 1 inbound, 2 outbound, 3 one-way, 4 two-way.
+pub const TRAFIC: Attribute = (172, "TRAFIC");
 /// Depth of a contour \[m\].
 pub const VALDCO: Attribute = (174, "VALDCO");
 /// Depth over a danger \[m\].
@@ -65,9 +71,9 @@ pub const HORDAT: Attribute = (400, "HORDAT");
 pub const QUAPOS: Attribute = (402, "QUAPOS");
 
 /// All of these.
-pub const ALL: [Attribute; 16] = [
-    CATCOV, CATDIS, DRVAL1, DUNITS, HUNITS, OBJNAM, RESTRN, VALDCO, VALSOU, VERCLR, VERCCL, VERCSA, VERDAT,
-    WATLEV, HORDAT, QUAPOS,
+pub const ALL: [Attribute; 19] = [
+    CATCOV, CATDIS, CATZOC, DRVAL1, DUNITS, HUNITS, OBJNAM, ORIENT, RESTRN, TRAFIC, VALDCO, VALSOU, VERCLR,
+    VERCCL, VERCSA, VERDAT, WATLEV, HORDAT, QUAPOS,
 ];
 
 // Object classes of S-57 (edition 3.1, appendix A): code and acronym.

@@ -18,4 +18,5 @@ mod real_charts;
 mod routes;
 mod support;
 mod tiff_metadata;
+mod traffic;
 mod xml;

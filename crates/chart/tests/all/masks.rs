@@ -39,7 +39,7 @@ fn law_free_cells_lie_outside_of_a_polygon_or_inside_of_it_as_a_whole() {
     let (polygon, rings) = notched();
     let raster = Raster::covering(&square(1400.0), 37.0).unwrap();
     let one = Footprint::swept(&[[1.0, 0.0], [-1.0, 1.0], [-1.0, -1.0]], &[(18.0, 18.0, 0.0)], 37.0).unwrap();
-    let (within, beyond) = (Mask::within(&polygon, raster), Mask::beyond(&polygon, raster));
+    let (within, beyond) = (Mask::within([&polygon], raster), Mask::beyond(&polygon, raster));
     let mut free = [0, 0, 0];
     for (col, row) in (0..raster.ny).flat_map(|row| (0..raster.nx).map(move |col| (col, row))) {
         let points = (0..=8).flat_map(|a| (0..=8).map(move |b| [a, b].map(|part| f64::from(part) / 8.0)));

@@ -42,5 +42,6 @@ mod speed_limit;
 mod tables;
 mod tide;
 mod time_limits;
+mod traffic;
 mod units;
 mod waters;

@@ -1,4 +1,4 @@
-use numerics::distributions::log_chi_square_tail;
+use numerics::statistics::log_chi_square_tail;
 use numerics::{LANES, Lane};
 use refusal::listed;
 use ship::engine::Compiled;

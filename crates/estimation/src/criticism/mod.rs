@@ -16,7 +16,7 @@ mod score;
 mod verdict;
 
 use numerics::Lane;
-use numerics::distributions::student_half_width;
+use numerics::statistics::student_half_width;
 use regression::pooled::{Whiteness, whiteness};
 use ship::engine::{RunView, SideBySide};
 use ship::model::Model;

@@ -1,8 +1,8 @@
 use std::f64::consts::TAU;
 
 use libm::cos;
-use numerics::distributions::{chi_square_tail, log_chi_square_tail, normal_tails};
 use numerics::statistics::median;
+use numerics::statistics::{chi_square_tail, log_chi_square_tail, normal_tails};
 use numerics::{quadratic_of_inverse, times};
 use ship::engine::RunView;
 use ship::model::Model;

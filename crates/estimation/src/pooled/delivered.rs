@@ -1,8 +1,8 @@
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-use numerics::distributions::student_half_width;
 use numerics::statistics::Z;
+use numerics::statistics::student_half_width;
 use numerics::symmetric;
 use regression::pooled::{AnyParts, Part, PartView, Regression, Unread};
 use schemars::JsonSchema;

@@ -1,6 +1,6 @@
 use std::marker::PhantomData;
 
-use numerics::registers::{BLOCK, Block, part, parts, put};
+use numerics::lanes::{BLOCK, Block, part, parts, put};
 use numerics::{LANES, Lane};
 use pulp::{Simd, WithSimd};
 

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use ship::engine::{Command, Program, Progress, Seen};
+use ship::engine::{Command, Program, Progress, Seen, Spoken};
 use ship::model::Vessel;
 
 use super::{Sensors, Settings, Standard, steps};
@@ -73,6 +73,7 @@ struct Sequence {
     every_s: Option<f64>,
     sensors: Sensors,
     rate_hz: f64,
+    spoken: Spoken,
 }
 
 /// The helm that holds yaw rates.
@@ -112,6 +113,7 @@ impl Orders {
             every_s: None,
             sensors: Sensors::Own,
             rate_hz: vessel.sample_rate_hz,
+            spoken: spoken(standard, vessel),
         };
         match standard {
             Standard::ZigZagTest(test) => {
@@ -211,7 +213,58 @@ pub(crate) fn changes(settings: &Settings, vessel: &Vessel) -> Vec<f64> {
     row
 }
 
+/// A standard maneuver as a bridge orders it: angles in degrees, other inputs in their units.
+fn spoken(standard: Standard, vessel: &Vessel) -> Spoken {
+    // To a tenth.
+    let degrees = |rad: f64| format!("{}", (10.0 * rad.to_degrees()).round() / 10.0);
+    let (settings, inputs) = (standard.settings().1, vessel.model.input_variables());
+    let of = |(name, value): (&String, &f64)| match inputs.iter().find(|input| input.name == *name) {
+        Some(input) if input.unit == "rad" => format!("{}°", degrees(*value)),
+        Some(input) => format!("{value} {}", input.unit),
+        None => value.to_string(),
+    };
+    let all: Vec<String> = match settings.len() {
+        1 => settings.iter().map(of).collect(),
+        _ => settings.iter().map(|one| format!("{} {}", one.0, of(one))).collect(),
+    };
+    let helm = all.join(", ");
+    let (what, has_side, how) = match standard {
+        Standard::ZigZagTest(test) => {
+            let heading = degrees(test.heading_rad);
+            let first = helm.trim_end_matches('°');
+            let how = format!("order {helm}, reverse at {heading}° off");
+            (format!("zig-zag {first}/{heading}"), true, how)
+        }
+        Standard::TurningCircle(turn) => {
+            let how = format!("order {helm}, hold it until {}° off", degrees(turn.turn_rad));
+            ("turning circle".to_owned(), true, how)
+        }
+        Standard::PullOut(turn) => {
+            let how = format!("order {helm} for {} s, then amidships, from", turn.turn_s);
+            ("pull-out".to_owned(), true, how)
+        }
+        Standard::SpiralTest(spiral) => {
+            let how = format!("{helm} in {} steps of {} s, from", spiral.steps, spiral.dwell_s);
+            ("spiral".to_owned(), true, how)
+        }
+        Standard::ReverseSpiral(spiral) => {
+            let rate = degrees(60.0 * spiral.yaw_rate_rad_s);
+            let how = format!("{rate}°/min in {} steps of {} s, from", spiral.steps, spiral.dwell_s);
+            ("reverse spiral".to_owned(), true, how)
+        }
+        Standard::Stop(_) if helm.is_empty() => {
+            ("stop".to_owned(), false, "all engines stopped, from".to_owned())
+        }
+        Standard::Stop(_) => ("crash stop".to_owned(), false, format!("order {helm}, from")),
+    };
+    Spoken { what, has_side, how }
+}
+
 impl Program for Orders {
+    fn spoken(&self) -> Option<&Spoken> {
+        Some(&self.0.spoken)
+    }
+
     fn begin(&self) -> Box<dyn Command> {
         Box::new(Helmsman {
             program: Arc::clone(&self.0),

@@ -1,6 +1,6 @@
 //! Tails of distributions.
 
-use numerics::distributions::{chi_square_tail, log_chi_square_tail, normal_tails};
+use numerics::statistics::{chi_square_tail, log_chi_square_tail, normal_tails};
 
 #[test]
 fn law_tails_are_one_at_zero_and_none_at_infinity() {
@@ -24,7 +24,7 @@ fn oracle_half_widths_of_intervals_are_those_of_tables() {
     let few = [(1.0, 12.706_205), (2.0, 4.302_653), (3.0, 3.182_446), (8.0, 2.306_004)];
     let many = [(9.0, 2.262_157), (13.0, 2.160_369), (30.0, 2.042_272), (1e7, 1.959_964)];
     for (freedom, printed) in few.into_iter().chain(many) {
-        let found = numerics::distributions::student_half_width(freedom);
+        let found = numerics::statistics::student_half_width(freedom);
         assert!((found - printed).abs() < 2e-4 * printed, "{freedom}: {found}");
     }
 }

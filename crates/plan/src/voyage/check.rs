@@ -322,7 +322,8 @@ impl Prepared {
         let raster = task.raster(grid);
         let layers =
             self.obstacle_kinds().0.len().max(1) + usize::from(task.cost.secondary == Secondary::Clearance);
-        let masks = usize::from(!task.area.corners.is_empty()) + task.speed_limits.len();
+        let masks =
+            usize::from(!task.area.corners.is_empty()) + task.speed_limits.len() + self.directions().len();
         let around = cells_around(&raster, task.safety.margin_m);
         let read = READ_BYTES.max(self.brief.chart_bytes.into());
         let legs = self.legs.iter().map(|leg| self.bytes_of(leg)).sum::<u128>();

@@ -9,6 +9,7 @@ use ship::engine::Pose;
 
 use super::aborts::{AbortTrack, LegDrift};
 use super::clearance::compass_deg;
+use super::orders::WheelOver;
 use super::prepared::Prepared;
 use super::sailing::SailedPlan;
 use super::settled_legs::SettledLeg;
@@ -45,6 +46,12 @@ pub struct VoyageLeg {
     pub end_error_m: f64,
     /// Largest modulus of every input, in its unit.
     pub largest_inputs: BTreeMap<String, f64>,
+    /// What the bridge is told of a maneuver; absent of a move.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub order: Option<String>,
+    /// Where the nominal vessel's inputs change in a maneuver; none where they change all the time.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub wheel_over: Vec<WheelOver>,
     /// If it fails: her way to the nearest place where she may wait, from the end of this leg; absent where there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub abort: Option<AbortTrack>,
@@ -129,6 +136,8 @@ impl SailedPlan<'_> {
             speed_m_s: grid.modes[mode].speed_m_s,
             end_error_m: self.sailing.sailed.ends.get(index).map_or(0.0, |(end, _)| off(*end)),
             largest_inputs: inputs.map(|(i, v)| (v.name.clone(), largest(i))).collect(),
+            order: self.order(leg, samples),
+            wheel_over: self.wheel_over(leg, start, samples),
             abort: failure.and_then(|failure| Some(failure.abort.as_ref().ok()?.0.clone())),
             no_abort: failure.and_then(|failure| failure.abort.as_ref().err().cloned()),
             drift: failure.map(|failure| failure.drift.clone()),
@@ -350,7 +359,7 @@ pub fn round_minutes(from: f64, to: f64) -> impl Iterator<Item = f64> {
     (0..).map(move |k| (from / step).ceil() * step + f64::from(k) * step).take_while(move |at| *at <= to)
 }
 
-fn place(sample: &Sample) -> [f64; 2] {
+pub(super) fn place(sample: &Sample) -> [f64; 2] {
     [sample.pose.y, sample.pose.x]
 }
 

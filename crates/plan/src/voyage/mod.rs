@@ -12,9 +12,11 @@ mod error;
 mod follow;
 mod legs;
 mod moment_sums;
+mod orders;
 mod passage;
 mod passage_lines;
 mod prepared;
+mod room;
 mod sailing;
 mod settled_legs;
 mod solve;
@@ -32,6 +34,7 @@ pub use follow::{
 };
 pub use legs::{Primitive, TrackPart, VoyageLeg, placed, round_minutes, widest};
 pub use moment_sums::{Gathered, GatheredManeuver};
+pub use orders::WheelOver;
 pub use passage::{
     Daylight, Draft, Line, NearestDanger, Passage, PassageLeg, STRAIGHT, Tide, TideRow, append_leg,
     current_m_s,

@@ -72,12 +72,18 @@ pub struct PassageLeg {
     pub xtd_port_m: f64,
     /// The same to starboard \[m\].
     pub xtd_starboard_m: f64,
-    /// Least charted depth along the nominal track, at the chart's datum; absent where none is charted \[m\].
+    /// Least charted depth between its cross-track distances, at the chart's datum; absent where none is charted \[m\].
     pub least_depth_m: Option<f64>,
-    /// The same at the tide's least level, under the keel; absent without `hull.draught_m`, too \[m\].
+    /// How much deeper she is at the speed of this leg; absent without `hull.block_coefficient` \[m\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub squat_m: Option<f64>,
+    /// What remains under the keel at the tide's least level; absent without `hull.draught_m`, too \[m\].
     pub under_keel_m: Option<f64>,
     /// The danger nearest to the nominal track of the reference point.
     pub nearest: Option<NearestDanger>,
+    /// Charted things near the nominal track that a bridge knows of: whom to call, what lies on the ground, where others meet.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub passes: Vec<String>,
     /// What is done at its waypoint before going on, such as a turn on the spot.
     pub then: Vec<String>,
 }

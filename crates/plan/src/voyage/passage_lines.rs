@@ -5,12 +5,21 @@ use std::ops::Range;
 use chart::Dangers;
 use chart::route::Timestamp;
 
+use super::orders::first_side;
 use super::passage::{Draft, Line, NearestDanger, Passage, PassageLeg, STRAIGHT, append_leg, distance};
 use super::sailing::SailedPlan;
-use crate::{Fix, Phase, Sample, Side};
+use super::task::squat_m;
+use crate::{Fix, Phase, Sample};
 
 /// Waypoints that are nearer than this are one \[m\].
 const ONE_PLACE_M: f64 = 1.0;
+/// Distance of the places of a corridor at which depths are taken \[m\], and most of them along it and across.
+const SOUNDED_M: f64 = 10.0;
+const MOST_STEPS: f64 = 400.0;
+/// How near things are that a bridge is told of \[m\].
+const NEAR_M: f64 = 200.0;
+/// Least cross-track distance \[m\]: positions by satellite are no better, and what shows charts alarms beyond it.
+const LEAST_XTD_M: f64 = 10.0;
 /// Least distance of the positions of a track from which dangers are searched \[m\].
 const LOOKOUT_M: f64 = 5.0;
 
@@ -55,6 +64,9 @@ impl SailedPlan<'_> {
         for ([port, starboard], leg) in self.widths(&drafts, &dangers).into_iter().zip(&mut legs) {
             (leg.xtd_port_m, leg.xtd_starboard_m) = (port, starboard);
         }
+        for (draft, leg) in drafts.iter().zip(&mut legs) {
+            self.sound(&draft.line(), leg);
+        }
         let departure = self.prepared.brief.task.departure.and_then(|at| Timestamp::from_second(at).ok());
         let departure = departure.map(|at| at.to_string());
         let tide = self.prepared.brief.task.tide;
@@ -75,8 +87,9 @@ impl SailedPlan<'_> {
             sample = samples.end;
             let (from, to) = (self.prepared.node(step.from), self.prepared.node(step.to));
             let leg = &self.prepared.legs[self.sailing.legs[k]];
-            let side = leg.leg.purpose.side();
-            let what = leg.name.clone() + if side == Some(Side::Mirrored) { " (mirrored)" } else { "" };
+            let of_step = &self.sailing.sailed.samples[samples.clone()];
+            let side = first_side(of_step).map_or_else(String::new, |side| format!(", {side}"));
+            let what = leg.name.clone() + &side;
             if distance(from, to) < ONE_PLACE_M {
                 // Deviations at a waypoint count for the leg that leads there.
                 match all.last_mut() {
@@ -143,14 +156,14 @@ impl SailedPlan<'_> {
     fn bends(&self, samples: &Range<usize>) -> Vec<([f64; 2], usize)> {
         let all = &self.sailing.sailed.samples;
         let place = |k: usize| [all[k].pose.x, all[k].pose.y];
-        let within = self.floor_m().max(self.prepared.brief.task.hull.length_m);
+        let within = self.unsure_m().max(self.prepared.brief.task.hull.length_m);
         let last = samples.end.min(all.len() - 1);
         let kept = corners(place, samples.start..last, within);
         kept.iter().filter(|k| **k > samples.start && **k < last).map(|k| (place(*k), *k)).collect()
     }
 
-    /// What a cross-track distance is at least: half the beam, and twice the standard deviation of positions \[m\].
-    fn floor_m(&self) -> f64 {
+    /// Half the beam, and twice the standard deviation of positions \[m\].
+    fn unsure_m(&self) -> f64 {
         let task = &self.prepared.brief.task;
         0.5 * task.hull.beam_m + 2.0 * task.sensors.position_m
     }
@@ -175,10 +188,7 @@ impl SailedPlan<'_> {
             distance_m: nearest.distance_m,
             bearing_deg: bearing_deg(nearest.between),
         });
-        let task = &self.prepared.brief.task;
-        let least_depth_m = self.prepared.chart.least_depth_m(&places);
-        let level_m = task.tide.map_or(0.0, |tide| tide.level_m);
-        let under_keel = |(depth_m, draught_m): (f64, f64)| depth_m + level_m - draught_m;
+        let (speed_m_s, hull) = (self.speed_m_s(&draft.samples), &self.prepared.brief.task.hull);
         PassageLeg {
             what: draft.what.clone(),
             informative: draft.informative,
@@ -186,17 +196,57 @@ impl SailedPlan<'_> {
             latitude_deg,
             course_deg: line.course_deg(0).unwrap_or(0.0),
             distance_m: line.leg_m(0).unwrap_or(0.0),
-            speed_m_s: self.speed_m_s(&draft.samples),
+            speed_m_s,
             end_s: draft.samples.end as f64 / rate_hz,
             leave_s: draft.leaves as f64 / rate_hz,
             turn_radius_m: draft.turn_radius_m,
             xtd_port_m: 0.0,
             xtd_starboard_m: 0.0,
-            least_depth_m,
-            under_keel_m: least_depth_m.zip(task.hull.draught_m).map(under_keel),
+            least_depth_m: None,
+            squat_m: hull.block_coefficient.map(|block| squat_m(block, speed_m_s)),
+            under_keel_m: None,
             nearest,
+            passes: self.prepared.chart.noted_near(&places, NEAR_M).into_iter().collect(),
             then: draft.then.clone(),
         }
+    }
+
+    /// The least depth in a leg's corridor along `line`, and what remains under the keel.
+    fn sound(&self, line: &Line, leg: &mut PassageLeg) {
+        let task = &self.prepared.brief.task;
+        let across_m = leg.xtd_port_m + leg.xtd_starboard_m;
+        let steps = |length_m: f64| (length_m / SOUNDED_M).ceil().clamp(1.0, MOST_STEPS) as usize;
+        let (long, wide) = (steps(line.length_m), steps(across_m));
+        let part = |k: usize, of: usize| k as f64 / of as f64;
+        let place = |(i, j): (usize, usize)| {
+            let [north, east] =
+                line.place([line.length_m * part(i, long), across_m * part(j, wide) - leg.xtd_port_m]);
+            [east, north]
+        };
+        let places: Vec<[f64; 2]> =
+            (0..=long).flat_map(|i| (0..=wide).map(move |j| (i, j))).map(place).collect();
+        leg.least_depth_m = self.prepared.chart.least_depth_m(&places);
+        let level_m = task.tide.map_or(0.0, |tide| tide.level_m) - leg.squat_m.unwrap_or(0.0);
+        let under_keel = |(depth_m, draught_m): (f64, f64)| depth_m + level_m - draught_m;
+        leg.under_keel_m = leg.least_depth_m.zip(task.hull.draught_m).map(under_keel);
+    }
+
+    /// Legs with less water under the keel than the task asks for, in words.
+    pub(super) fn too_shallow(&self) -> Vec<String> {
+        let Some(least_m) = self.prepared.brief.task.safety.under_keel_m else { return Vec::new() };
+        let legs = self.passage().legs.into_iter().zip(1..);
+        let told = legs.filter_map(|(leg, number): (PassageLeg, usize)| {
+            let (under_m, depth_m) = leg.under_keel_m.zip(leg.least_depth_m)?;
+            let squat = leg.squat_m.map_or_else(String::new, |squat_m| format!(", squat {squat_m:.1} m"));
+            (under_m < least_m).then(|| {
+                format!(
+                    "{under_m:.1} m under the keel on leg {number} of the passage, `{}` (charted {depth_m:.1} m{squat}), less \
+                     than `safety.under_keel_m`, {least_m} m: raise `safety.transit_depth_m`",
+                    leg.what
+                )
+            })
+        });
+        told.collect()
     }
 
     /// East and north of the nominal track, thinned for the search for dangers.
@@ -225,12 +275,14 @@ impl SailedPlan<'_> {
 
     /// Cross-track distances to port and starboard of each leg \[m\].
     fn widths(&self, drafts: &[Draft], dangers: &Dangers) -> Vec<[f64; 2]> {
-        let strayed = self.strayed(drafts, self.sailing.sailed.fixes());
-        let all = self.strayed(drafts, self.sailing.runs.iter().flatten().copied());
+        // The nominal track counts beyond the ends of legs, too, as in a circle at a waypoint.
+        let strayed = self.strayed(drafts, self.sailing.sailed.fixes(), Line::away);
+        let across = |line: &Line, place: [f64; 2]| line.along(place)[1].abs();
+        let all = self.strayed(drafts, self.sailing.runs.iter().flatten().copied(), across);
         let each = drafts.iter().zip(strayed.iter().zip(&all));
         each.map(|(draft, (strayed, all))| {
             [0, 1].map(|side| {
-                let wanted = all[side].max(strayed[side]).max(self.floor_m());
+                let wanted = all[side].max(strayed[side]).max(self.unsure_m()).max(LEAST_XTD_M);
                 strayed[side].max(self.clear_m(&draft.line(), side, wanted, dangers))
             })
         })
@@ -258,8 +310,13 @@ impl SailedPlan<'_> {
         clear_m.min(wanted)
     }
 
-    /// The greatest deviations of tracks to port and starboard of each leg \[m\].
-    fn strayed(&self, drafts: &[Draft], fixes: impl Iterator<Item = Fix>) -> Vec<[f64; 2]> {
+    /// The greatest deviations of tracks to port and starboard of each leg, as `off` measures them \[m\].
+    fn strayed(
+        &self,
+        drafts: &[Draft],
+        fixes: impl Iterator<Item = Fix>,
+        off: impl Fn(&Line, [f64; 2]) -> f64,
+    ) -> Vec<[f64; 2]> {
         let mut strayed = vec![[0.0_f64; 2]; drafts.len()];
         let lines: Vec<Line> = drafts.iter().map(Draft::line).collect();
         for fix in fixes {
@@ -269,9 +326,8 @@ impl SailedPlan<'_> {
             let nearest = indices.min_by(|a, b| lines[*a].away(place).total_cmp(&lines[*b].away(place)));
             let index = nearest.unwrap_or(0);
             if let Some(line) = lines.get(index) {
-                let across = line.along(place)[1];
-                let side = usize::from(across > 0.0);
-                strayed[index][side] = strayed[index][side].max(across.abs());
+                let side = usize::from(line.along(place)[1] > 0.0);
+                strayed[index][side] = strayed[index][side].max(off(line, place));
             }
         }
         strayed

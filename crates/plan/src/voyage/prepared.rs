@@ -9,10 +9,12 @@ use refusal::Invalid;
 use ship::model::Vessel;
 use trial::Piece;
 
-use super::error::{Search, VoyageError, parameters_in_words};
+use super::clearance::cells_around;
+use super::error::{Footing, Search, VoyageError, parameters_in_words};
 use super::moment_sums::MomentSums;
 use super::settled_legs::{Dropped, LegGroup, LegSimulation, SettledLeg, Wanted, groups};
 use super::task::{Area, Brief, Task};
+use crate::lattice::{Demand, Lattice};
 use crate::{Grid, Mode, Repertoire, SampledVessel, mirror};
 
 /// The groups of legs, the legs on which all vessels settle, and the others.
@@ -212,6 +214,30 @@ impl Brief {
         let plane = self.task.area.plane()?;
         let laid = self.task.on_start(&plane, self.task.nodes(&plane)?);
         Ok((plane, self.task.sight(laid, self.drift_m(&self.wanted()?))?))
+    }
+
+    /// Refuses a lattice and a raster that exceed the memory whatever the charts have.
+    ///
+    /// # Errors
+    /// Such a task; as [`Prepared::new`], of its area.
+    pub fn check_size(&self, memory_bytes: u64) -> Result<(), VoyageError> {
+        let task = &self.task;
+        let plane = task.area.plane()?;
+        let (origin_m, [nx, ny]) = task.on_start(&plane, task.nodes(&plane)?);
+        let modes = task.modes_of(&self.vessel);
+        let grid = Grid { nx, ny, headings: task.headings, cell_m: task.cell_m, origin_m, modes };
+        let lattice = Lattice { nx, ny, layers: grid.layers() };
+        let least = Footing {
+            lattice: Demand::new(lattice, &[]),
+            cells: cells_around(&task.raster(&grid), task.safety.margin_m),
+            clearance_cells: 0,
+            other: 0,
+            check: 0,
+        };
+        match least.bytes() > memory_bytes.into() {
+            true => Err(VoyageError::TooLarge(least)),
+            false => Ok(()),
+        }
     }
 
     /// Drift by unknown currents, and three standard deviations of their changes, in the longest piece of a maneuver \[m\].

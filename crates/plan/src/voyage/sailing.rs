@@ -124,6 +124,9 @@ impl Prepared {
             sailing.check.safe = false;
             sailing.check.faults.push(format!("no abort track from step {legs}: lower `abort_room_m`"));
         }
+        let shallow = SailedPlan { prepared: self, solved: &solved, sailing: &sailing }.too_shallow();
+        sailing.check.safe &= shallow.is_empty();
+        sailing.check.faults.extend(shallow);
         Ok((solved, sailing))
     }
 

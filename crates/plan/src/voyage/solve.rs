@@ -60,7 +60,9 @@ impl Prepared {
         }
         let solution = search.plan(&problem).map_err(|why| match why {
             NoPlan::Infeasible(reason) => {
-                VoyageError::Infeasible(self.infeasible(&reason, &self.front(&problem, None, &moves, search)))
+                let front = self.front(&problem, None, &moves, search);
+                let room = self.room_by_class(&waters).unwrap_or_default();
+                VoyageError::Infeasible(self.infeasible(&reason, &front) + &room)
             }
             limit => VoyageError::NoPlan(limit),
         })?;
@@ -182,6 +184,10 @@ impl Prepared {
         }
         if self.brief.task.failing.abort == AbortRule::Required {
             text += "; legs without an abort track count as without room (`abort`)";
+        }
+        if self.chart.traffic().next().is_some() {
+            text += "; legs against the traffic of lanes and zones count as without room in them (`rules`, \
+                     `traffic.crossing_deg`)";
         }
         text += &self.moves_without_legs();
         text += &self.changes_beyond_the_lattice();

@@ -102,6 +102,8 @@ pub struct Task {
     pub on_node: bool,
     /// What becomes of her if it fails.
     pub failing: Failing,
+    /// How far from a right angle she may cross a traffic lane \[rad\].
+    pub crossing_rad: f64,
 }
 
 /// What a plan tells of a ship if it fails.
@@ -206,6 +208,15 @@ pub struct Hull {
     /// Draught \[m\], from which the passage plan computes the under-keel clearance.
     #[schemars(range(max = 200.0), extend("exclusiveMinimum" = 0.0))]
     pub draught_m: Option<f64>,
+    /// Block coefficient, by which she squats under way; without it no squat is counted.
+    #[schemars(range(min = 0.2, max = 1.0), extend("x-unit" = "1"))]
+    pub block_coefficient: Option<f64>,
+}
+
+/// Squat in open water \[m\] of a ship under way: C_B V²/100 with V in knots (C. B. Barrass, *Ship Squat and Interaction*, 2009).
+pub(super) fn squat_m(block_coefficient: f64, speed_m_s: f64) -> f64 {
+    let knots = speed_m_s * 3600.0 / 1852.0;
+    block_coefficient * knots * knots / 100.0
 }
 
 impl Hull {
@@ -243,6 +254,9 @@ pub struct Safety {
     /// Distance that the hull keeps from obstacles \[m\].
     #[schemars(range(min = 0.0, max = 1e5))]
     pub margin_m: f64,
+    /// Least water under the keel on every leg \[m\]: charted depth and tide, less draught and squat.
+    #[schemars(range(min = 0.0, max = 100.0))]
+    pub under_keel_m: Option<f64>,
     /// Bound on the unknown current \[m/s\].
     #[serde(default)]
     #[schemars(range(min = 0.0, max = MOST_CURRENT_M_S))]

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use chart::{Causes, Class, Closing, Distances, Footprint, Mask, Obstacles, Polygon};
+use chart::{Class, Distances, Footprint, Mask, Obstacles, Polygon, Traffic};
 use rayon::prelude::*;
 use refusal::Invalid;
 
@@ -30,6 +30,10 @@ pub struct Waters {
     limits: Vec<Mask>,
     /// Speed limits that each leg exceeds: indices into `limits`.
     exceeded: Vec<Vec<usize>>,
+    /// Where the traffic has each direction.
+    traffic: Vec<Mask>,
+    /// Of each leg what the nominal hull sweeps on courses that a direction does not admit: indices into `traffic`.
+    against: Vec<Vec<(usize, Footprint)>>,
     /// Every leg, with its footprint.
     legs: Vec<Arc<SettledLeg>>,
     /// Pitch of the lattice \[m\].
@@ -43,9 +47,37 @@ pub struct Waters {
 impl Waters {
     /// Whether leg `index` may start at node (i, j).
     pub fn fits(&self, index: usize, i: usize, j: usize) -> bool {
+        self.is_free(self.layer_of_leg[index], &self.legs[index].footprint, i, j)
+            && self.is_slow(index, i, j)
+            && self.is_with_traffic(index, i, j)
+    }
+
+    /// Whether leg `index` from node (i, j) exceeds no speed limit.
+    fn is_slow(&self, index: usize, i: usize, j: usize) -> bool {
         let footprint = &self.legs[index].footprint;
         let is_slow = |limit: &usize| self.limits[*limit].is_free(footprint, self.cell(i), self.cell(j));
-        self.exceeded[index].iter().all(is_slow) && self.is_free(self.layer_of_leg[index], footprint, i, j)
+        self.exceeded[index].iter().all(is_slow)
+    }
+
+    /// Whether the traffic's directions admit leg `index` from node (i, j).
+    fn is_with_traffic(&self, index: usize, i: usize, j: usize) -> bool {
+        let is_with = |(traffic, swept): &(usize, Footprint)| {
+            self.traffic[*traffic].is_free(swept, self.cell(i), self.cell(j))
+        };
+        self.against[index].iter().all(is_with)
+    }
+
+    /// The number of nodes at which leg `index` may start among other obstacles, with or without regard to the traffic.
+    pub(super) fn fits_among(&self, index: usize, obstacles: &Obstacles, with_traffic: bool) -> usize {
+        let footprint = &self.legs[index].footprint;
+        let fits = |(i, j): &(usize, usize)| {
+            let at = [self.cell(*i), self.cell(*j)];
+            obstacles.is_free(footprint, at[0], at[1])
+                && self.area.as_ref().is_none_or(|area| area.is_free(footprint, at[0], at[1]))
+                && self.is_slow(index, *i, *j)
+                && (!with_traffic || self.is_with_traffic(index, *i, *j))
+        };
+        nodes(self.nx, self.ny).filter(fits).count()
     }
 
     /// Column or row of the raster's cell north-east of the node in column or row `n`.
@@ -65,7 +97,7 @@ impl Waters {
     }
 
     /// Whether a place, east and north \[m\], is in the area.
-    fn holds(&self, place: [f64; 2]) -> bool {
+    pub(super) fn holds(&self, place: [f64; 2]) -> bool {
         let is_open = |area: &Mask| {
             let raster = self.obstacles[0].raster();
             raster.cell_at(place).is_some_and(|(col, row)| !area.closed()[row * raster.nx + col])
@@ -134,12 +166,20 @@ impl Prepared {
         let area = task.area.polygon(self.chart.plane()).map(|polygon| Mask::beyond(&polygon, raster));
         let limits = task.speed_limits.iter().filter_map(|limit| {
             let polygon = Polygon::of_corners(Class::NoGo, &limit.corners, self.chart.plane())?;
-            Some(Mask::within(&polygon, raster))
+            Some(Mask::within([&polygon], raster))
         });
+        let directions = self.directions();
+        let within = |traffic: &Traffic| {
+            let parts = self.chart.traffic().filter(|(of, _)| of == traffic);
+            Mask::within(parts.map(|(_, polygon)| polygon), raster)
+        };
+        let against = |leg: &Arc<SettledLeg>| self.against(leg, &directions, raster.cell_m);
         Ok(Waters {
             area,
             limits: limits.collect(),
             exceeded: self.legs.iter().map(|leg| self.exceeded(leg)).collect(),
+            traffic: directions.iter().map(within).collect(),
+            against: self.legs.iter().map(against).collect::<Result<_, Invalid>>()?,
             per_cell: task.raster_per_cell,
             layer_of_leg,
             node_distance_m,
@@ -280,7 +320,7 @@ impl Waiting {
 
 impl Prepared {
     /// The nodes where she may wait, at rest or in her slowest circle to either side: as far from anything that she keeps clear of
-    /// in transit as this takes, and her hull and its margin.
+    /// in transit as this takes, and her hull and its margin, and not where the traffic has a direction.
     pub(super) fn waiting(&self, keep_going: &dyn Fn() -> bool) -> Result<Waiting, VoyageError> {
         let (grid, task) = (&self.grid, &self.brief.task);
         let circle_m = 2.0 * grid.modes[0].speed_m_s / task.handling.turn_rate_rad_s;
@@ -296,60 +336,12 @@ impl Prepared {
                 true => WaitingPlace::Anchorage,
                 false => WaitingPlace::OpenWater,
             };
+            let is_routed = || self.chart.traffic().any(|(_, polygon)| is_in(&polygon));
             // Distances are rounded down.
-            (*distance_m >= needed_m * (1.0 - 1e-6)).then(kind)
+            (*distance_m >= needed_m * (1.0 - 1e-6) && !is_routed()).then(kind)
         };
         let places = distances_m.iter().enumerate().map(place).collect();
         let longer = (LONGER_S * self.brief.vessel.sample_rate_hz) as u64;
         Ok(Waiting { places, nx: grid.nx, headings: grid.headings, longer, room_m })
     }
-}
-
-/// Nodes that are looked at, evenly spread, and kinds of dangers that are named.
-const NODES: usize = 400;
-const NAMED: usize = 3;
-
-impl Prepared {
-    /// What closes the nodes for a ship in transit, in words. `room_m` is the clearance of a node, without the hull.
-    fn closed_by(&self, waters: &Waters, room_m: impl Fn([f64; 2]) -> f64) -> String {
-        let (grid, task) = (&self.grid, &self.brief.task);
-        let place = |k: usize| {
-            let at = grid.pose(k % grid.nx, k / grid.nx, 0);
-            [at.y, at.x]
-        };
-        let all = grid.nx * grid.ny;
-        let places: Vec<[f64; 2]> = (0..all).step_by(all.div_ceil(NODES)).map(place).collect();
-        let percent = |closed: usize| 100.0 * closed as f64 / places.len() as f64;
-        let reach_m = task.hull.outline().iter().map(|[x, y]| libm::hypot(*x, *y)).fold(0.0, f64::max);
-        let dangers = self.chart.dangers(task.safety.transit_depth_m);
-        let closing = dangers.closing(&places, task.safety.margin_m + reach_m);
-        let mut said: Vec<String> =
-            closing.iter().take(NAMED).map(|cause| words(cause, percent(cause.places))).collect();
-        if closing.len() > NAMED {
-            said.push(format!("{} more kinds", closing.len() - NAMED));
-        }
-        let outside = places.iter().filter(|place| !waters.holds(**place)).count();
-        if outside > 0 {
-            said.push(format!("{:.0} % by the edge (`area`)", percent(outside)));
-        }
-        let clearest_m = places.iter().map(|place| room_m(*place)).fold(0.0, f64::max);
-        if clearest_m > 0.0 {
-            said.push(format!("{clearest_m:.0} m clear at most (`safety.margin_m`)"));
-        }
-        said.join(", ")
-    }
-}
-
-/// A kind of dangers, how many nodes it closes, and what would open them.
-fn words(closing: &Closing, percent: f64) -> String {
-    let name = closing.called.name.as_ref().map_or_else(String::new, |name| format!(" {name}"));
-    let deepest = closing.called.depth_m.map_or_else(String::new, |depth| format!(" of at most {depth} m"));
-    let rule = closing.rule().map(|class| format!("`rules = {{ {class} = \"ignore\" }}`"));
-    let keys = match closing.cause {
-        Causes::SHOAL => Some("`safety.transit_depth_m`".to_owned()).into_iter().chain(rule).collect(),
-        Causes::UNCHARTED => vec!["`uncharted`".to_owned()],
-        _ => rule.into_iter().collect::<Vec<_>>(),
-    };
-    let keys = if keys.is_empty() { String::new() } else { format!(" ({})", keys.join(" or ")) };
-    format!("{percent:.0} % by {}{name}{deepest}{keys}", closing.called.what)
 }

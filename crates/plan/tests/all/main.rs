@@ -21,3 +21,4 @@ mod plan_refusals;
 mod planned;
 mod reacting;
 mod tide;
+mod traffic;

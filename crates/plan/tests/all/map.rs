@@ -30,7 +30,14 @@ fn law_round_minutes_lie_between_their_ends_and_are_few() {
 
 #[test]
 fn law_points_of_a_body_fill_its_hull_and_turn_with_it() {
-    let hull = Hull { length_m: 30.0, beam_m: 8.0, reference_m: 5.0, air_draught_m: None, draught_m: None };
+    let hull = Hull {
+        length_m: 30.0,
+        beam_m: 8.0,
+        reference_m: 5.0,
+        air_draught_m: None,
+        draught_m: None,
+        block_coefficient: None,
+    };
     let body = hull.body(3.0);
     assert_eq!(body.len(), 11 * 4);
     let ends =

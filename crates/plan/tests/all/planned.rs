@@ -97,7 +97,14 @@ pub fn mode(name: &str, speed_m_s: f64) -> Mode {
 pub fn small_brief() -> Brief {
     let (vessel, generator) = generator();
     let modes = vec![mode("half", 1.5)];
-    let hull = Hull { length_m: 30.0, beam_m: 8.0, reference_m: 0.0, air_draught_m: None, draught_m: None };
+    let hull = Hull {
+        length_m: 30.0,
+        beam_m: 8.0,
+        reference_m: 0.0,
+        air_draught_m: None,
+        draught_m: None,
+        block_coefficient: None,
+    };
     let tolerance = Tolerance {
         distance_m: 12.0,
         heading_rad: 6.0_f64.to_radians(),
@@ -122,6 +129,7 @@ pub fn small_brief() -> Brief {
             transit_depth_m: 0.0,
             trial_depth_m: 0.0,
             margin_m: 20.0,
+            under_keel_m: None,
             unknown_current_m_s: 0.05,
             parameter_error: 0.0,
             standard_errors: None,
@@ -150,6 +158,7 @@ pub fn small_brief() -> Brief {
         slot: None,
         on_node: false,
         failing: Failing { abort: AbortRule::Told, drift_s: 600.0, room_m: None },
+        crossing_rad: 0.35,
     };
     let dictionary = dictionary(&vessel, &generator);
     let layers = vec![layer(&[feature(ISLAND_DEG, "\"name\": \"Holm\"")], &LayerKind::Land)];

@@ -1,4 +1,4 @@
-use numerics::distributions::{chi_square_tail, normal_tails};
+use numerics::statistics::{chi_square_tail, normal_tails};
 use numerics::{add_outer, congruence, product, transposed};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use numerics::registers::{BLOCK, add, parts};
+use numerics::lanes::{BLOCK, add, parts};
 use numerics::{Lane, Number};
 use pulp::{Simd, WithSimd};
 use ship::engine::Compiled;

@@ -7,7 +7,7 @@ pub(crate) mod squares;
 use std::ops::Range;
 
 use numerics::Lane;
-use numerics::registers::{self, BLOCK};
+use numerics::lanes::{self, BLOCK};
 use pulp::Simd;
 
 use crate::sums::parts;
@@ -96,7 +96,7 @@ impl<'a> Column<'a> {
     /// Register `part` of the entry of sample `t`.
     #[inline(always)]
     fn at<S: Simd>(self, t: usize, part: usize) -> S::f64s {
-        registers::part::<S>(&self.0[3 * t], part)
+        lanes::part::<S>(&self.0[3 * t], part)
     }
 
     /// The entry of sample `t`.

@@ -6,7 +6,7 @@ use ship::model::{Factor, Model, Term};
 
 use super::{Column, Difference, Modulus, Product, SPAN, Signal, Signals};
 use crate::Batch;
-use numerics::registers::{parts, put};
+use numerics::lanes::{parts, put};
 
 /// The order in which the passes process the terms of a degree of freedom: first those with states, then those of inputs alone.
 pub(super) struct Order {

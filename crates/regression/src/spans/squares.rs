@@ -1,7 +1,7 @@
 //! Products of centred instruments with each other and with their neighbours.
 
 use numerics::Lane;
-use numerics::registers::{self, BLOCK, Block, add, part, parts, put};
+use numerics::lanes::{self, BLOCK, Block, add, part, parts, put};
 use pulp::{Simd, WithSimd};
 
 use super::columns::{Instrument, Kept, Zeta};
@@ -145,7 +145,7 @@ impl<T: Signal, const N: usize> Some<'_, T, N> {
     fn at<S: Simd>(&self, simd: S, block: usize, t: usize, part: usize) -> [S::f64s; N] {
         let mut now = [simd.splat_f64s(0.0); N];
         for i in 0..N {
-            let mean = registers::part::<S>(&self.means[i][t], part);
+            let mean = lanes::part::<S>(&self.means[i][t], part);
             now[i] = simd.sub_f64s(self.terms[i].at(simd, block + t, part), mean);
         }
         now
@@ -156,7 +156,7 @@ impl<T: Signal, const N: usize> Some<'_, T, N> {
     fn before<S: Simd>(&self, simd: S, part: usize) -> [S::f64s; N] {
         let mut before = [simd.splat_f64s(0.0); N];
         for (before, edge) in before.iter_mut().zip(&self.edge) {
-            *before = registers::part::<S>(edge, part);
+            *before = lanes::part::<S>(edge, part);
         }
         before
     }

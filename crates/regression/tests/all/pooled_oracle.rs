@@ -1,7 +1,7 @@
 //! Pooled estimates against numbers computed independently: `fixtures/oracle/pooled.json`.
 
 use approx::assert_relative_eq;
-use numerics::distributions::chi_square_tail;
+use numerics::statistics::chi_square_tail;
 use regression::pooled::{
     Centring, Options, Prior, Regression, diagnose, fit, residuals, sandwich, strength, whiteness,
 };

@@ -1,7 +1,7 @@
 use maud::{Markup, html};
 use study::documents::{
-    Check, Information, PlanDocument, PlanStep, Secondary, SecondaryCost, Voyage, VoyageLeg, WorstVessel,
-    WorstVessels,
+    Check, Information, PlanDocument, PlanStep, Secondary, SecondaryCost, Voyage, VoyageLeg, WheelOver,
+    WorstVessel, WorstVessels,
 };
 
 use crate::figures::palette;
@@ -26,7 +26,8 @@ pub(super) fn sheet(study: &Study, plan: &PlanDocument, voyage: &Voyage) -> Mark
                  corrections, then the recovery onto the next position. Positions (WGS\u{a0}84), headings (true) and speeds are those of \
                  the plan; times, durations and inputs are as simulated by the nominal model. "
                 @if let Some(aborts) = voyage.aborts() {
-                    "If it fails: where she may wait, from the end of the leg, dashed on the map, and what she drifts to with her                      engine stopped anywhere on it (" (aborts) "). "
+                    "If it fails: where she may wait, from the end of the leg, dashed on the map, and what she drifts to with her \
+                     engine stopped anywhere on it (" (aborts) "). "
                 }
                 b { "Not for navigation." }
                 @if !voyage.check.safe { " " b { "Unsafe: the plan fails its own check." } }
@@ -131,7 +132,10 @@ fn line(step: usize, row: &SheetRow, voyage: &Voyage, inputs: &InputColumns) -> 
             td.number { (heading(leg.heading_deg)) }
             td.number { (or_dash(Some(leg.speed_m_s).filter(|v| v.is_finite()).map(|v| format!("{v:.1}")))) }
             td.number { (knots(leg.speed_m_s)) }
-            td.wrap { (action(done, leg, &voyage.lattice)) }
+            td.wrap {
+                (action(done, leg, &voyage.lattice))
+                @for at in &leg.wheel_over { br; span.aside { (wheel_over(at, inputs)) } }
+            }
             td.number { (seconds(leg.maneuver_start_s.map(|start| start - leg.start_s))) }
             td.number { (seconds(leg.maneuver_s)) }
             td.number { (seconds(Some(leg.duration_s))) }
@@ -139,6 +143,20 @@ fn line(step: usize, row: &SheetRow, voyage: &Voyage, inputs: &InputColumns) -> 
             td.wrap { (failing(leg)) }
         }
     }
+}
+
+/// When and where an input changes, and to what: `00:04:50, 60° 08.918′ N 024° 57.211′ E, 274°: delta -20°`.
+fn wheel_over(at: &WheelOver, inputs: &InputColumns) -> String {
+    let set = inputs.all.iter().filter_map(|(name, unit, decimals)| {
+        let value = at.inputs.get(name)?;
+        Some(match unit.as_str() {
+            "rad" => format!("{name} {:.0}°", value.to_degrees()),
+            unit => format!("{name} {value:.decimals$} {unit}"),
+        })
+    });
+    let set: Vec<String> = set.collect();
+    let [north, east] = [latitude(at.latitude_deg), longitude(at.longitude_deg)];
+    format!("{}, {north} {east}, {}: {}", clock(at.start_s), heading(at.heading_deg), set.join(", "))
 }
 
 /// The number as on the map, or a grey dot for a basic move.

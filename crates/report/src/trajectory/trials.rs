@@ -127,6 +127,7 @@ fn spreads(study: &Study, planned: &[DesignSummary]) -> Markup {
 pub(super) fn passage(passage: &Passage) -> Markup {
     let with_depth = passage.legs.iter().any(|leg| leg.least_depth_m.is_some());
     let under_keel = passage.legs.iter().any(|leg| leg.under_keel_m.is_some());
+    let squats = under_keel && passage.legs.iter().any(|leg| leg.squat_m.is_some());
     let depth_head = if under_keel { ["Under keel", "[m]"] } else { ["Least depth", "[m]"] };
     html! {
         @if !passage.legs.is_empty() {
@@ -136,7 +137,8 @@ pub(super) fn passage(passage: &Passage) -> Markup {
                     "Waypoints are those of the route files: where the course or what is done changes, and where the courses of a turn cross. \
                      Courses are true, along loxodromes. XTD is as far as the simulated tracks of the check come to port and to starboard of \
                      the line; radii are those that the ship turns with. \
-                     Depths and the nearest danger are those along the nominal track; the doubt about a danger's place is taken off. "
+                     The nearest danger is that along the nominal track, with the doubt about its place taken off; depths are the least \
+                     within XTD" @if squats { ", less squat in open water (Barrass)" } ". "
                     @match &passage.departure {
                         Some(departure) => { "Times count from the departure at " (departure) "." }
                         None => {
@@ -195,7 +197,10 @@ fn line(number: usize, leg: &PassageLeg, with_depth: bool) -> Markup {
             td.number { (or_dash(leg.turn_radius_m.map(metres))) }
             @if with_depth { td.number { (or_dash(leg.under_keel_m.or(leg.least_depth_m).map(tenths))) } }
             td.danger { (nearest(leg)) }
-            td.wrap { (what.join(", ")) }
+            td.wrap {
+                (what.join(", "))
+                @if !leg.passes.is_empty() { br; span.aside { "passes " (leg.passes.join("; ")) } }
+            }
         }
     }
 }

@@ -143,6 +143,9 @@ pub(crate) fn failing(leg: &VoyageLeg) -> String {
 
 /// The action of a leg, in plain words.
 pub(crate) fn action(step: &PlanStep, leg: &VoyageLeg, lattice: &PlanLattice) -> String {
+    if let Some(order) = &leg.order {
+        return order.clone();
+    }
     if leg.informative {
         return match leg.side {
             Some(Side::Mirrored) => format!("{}, mirrored (starts to the other side)", leg.name),

@@ -109,7 +109,9 @@ fn passage_leg(what: &str, end_s: f64, turn_radius_m: Option<f64>, then: &[&str]
         xtd_port_m: 12.2,
         xtd_starboard_m: 40.6,
         least_depth_m: Some(9.26),
+        squat_m: None,
         under_keel_m: None,
+        passes: Vec::new(),
         nearest: Some(NearestDanger {
             what: "WRECKS Träholm".to_owned(),
             distance_m: 90.7,
@@ -245,6 +247,8 @@ fn leg(name: &str, side: Option<Side>, start_s: f64, duration_s: f64, speed_m_s:
         speed_m_s,
         end_error_m: 0.4,
         largest_inputs: inputs.into_iter().map(|(name, most)| (name.to_owned(), most)).collect(),
+        order: None,
+        wheel_over: Vec::new(),
         abort: Some(abort(speed_m_s)),
         no_abort: None,
         drift: Some(LegDrift {

@@ -188,6 +188,22 @@ pub trait Program: Debug + Send + Sync {
     fn tracks(&self) -> bool {
         false
     }
+
+    /// Its orders as a bridge gives them; `None` where only a table has them.
+    fn spoken(&self) -> Option<&Spoken> {
+        None
+    }
+}
+
+/// Orders as a bridge gives them: `zig-zag 20/20`, first to a side, `order 20°, reverse at 20° off` the heading at the beginning.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Spoken {
+    /// What is done.
+    pub what: String,
+    /// Whether it begins to a side.
+    pub has_side: bool,
+    /// How, up to the heading.
+    pub how: String,
 }
 
 /// A shared program.
@@ -213,6 +229,11 @@ impl Helm {
     /// Begins its commands.
     pub fn begin(&self) -> Box<dyn Command> {
         self.0.begin()
+    }
+
+    /// See [`Program::spoken`].
+    pub fn spoken(&self) -> Option<&Spoken> {
+        self.0.spoken()
     }
 
     /// See [`Program::tracks`].

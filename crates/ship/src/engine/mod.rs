@@ -12,7 +12,7 @@ mod ship;
 mod simulate;
 
 pub use command::{
-    Command, Commanded, Driving, Helm, Origin, Pose, Program, Progress, Seen, simulate_command,
+    Command, Commanded, Driving, Helm, Origin, Pose, Program, Progress, Seen, Spoken, simulate_command,
     simulate_commanded, track,
 };
 pub use compiled::{Ambient, Compiled};

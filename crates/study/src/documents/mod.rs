@@ -28,7 +28,7 @@ pub use ::design::{AccuracyOf, CriterionName, Degree};
 pub use ::plan::voyage::{
     AbortMove, AbortTrack, Check, FrontPoint, Gathered, GatheredManeuver, Information, LegDrift,
     NearestDanger, Passage, PassageLeg, Primitive, RestartPoint, Secondary, StepState, Tide, VoyageLeg,
-    WaitingPlace, WorstVessel, WorstVessels,
+    WaitingPlace, WheelOver, WorstVessel, WorstVessels,
 };
 pub use ::plan::{Ability, DerivedHandling, Handling, Side};
 pub use ::validation::comparison::{Compared, ComparedErrors, ErrorCorrelations, ErrorKind, Traced};

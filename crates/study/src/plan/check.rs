@@ -81,6 +81,10 @@ impl PlanFile {
             let given = format!("{errors} besides `parameter_error` {}", self.safety.parameter_error);
             return refuse("safety.standard_errors", given, "one of both");
         }
+        if let (Some(least_m), None) = (self.safety.under_keel_m, self.hull.draught_m) {
+            let given = format!("{least_m} without `hull.draught_m`");
+            return refuse("safety.under_keel_m", given, "the ship's draught, too");
+        }
         if self.safety.trial_depth_m < self.safety.transit_depth_m {
             return Err(Invalid::new(
                 "`safety.trial_depth_m`",

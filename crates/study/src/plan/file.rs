@@ -60,6 +60,9 @@ pub struct PlanFile {
     /// Speed limits in parts of the area.
     #[serde(default)]
     pub speed_limit: Vec<SpeedLimit>,
+    /// What the traffic's directions ask.
+    #[serde(default)]
+    pub traffic: TrafficSpec,
     /// The maneuvers to place; without any, those of the design.
     #[serde(default)]
     pub maneuver: Vec<ManeuverUse>,
@@ -250,6 +253,21 @@ impl Default for ApproachSpec {
             tolerance_m_s: None,
             tolerance_rad_s: None,
         }
+    }
+}
+
+/// What the directions of a chart's traffic lanes ask.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct TrafficSpec {
+    /// How far from a right angle the ship may cross a lane, or a zone between lanes.
+    #[schemars(range(min = 0.0, max = 45.0))]
+    pub crossing_deg: f64,
+}
+
+impl Default for TrafficSpec {
+    fn default() -> Self {
+        Self { crossing_deg: 20.0 }
     }
 }
 

@@ -25,6 +25,7 @@ pub use charts::{Charts, ChartsError, Means, chart_text, read_charts};
 pub use document::{NamedFile, Routes, map_of, of_problem, of_voyage};
 pub use file::{
     ApproachSpec, AreaSpec, ChartKind, ChartSpec, KnownCurrent, PlanFile, SensorSpec, SlotSpec, TideSpec,
+    TrafficSpec,
 };
 pub use follow::{
     Begun, FollowError, FollowFiles, FollowedPlan, SoFar, read_begun, resumed, stated_place as place,

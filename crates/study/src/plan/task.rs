@@ -78,6 +78,7 @@ impl PlanFile {
             tide: None,
             on_node: false,
             failing: Failing { abort: self.abort, drift_s: self.abort_drift_s, room_m: self.abort_room_m },
+            crossing_rad: self.traffic.crossing_deg.to_radians(),
         })
     }
 }

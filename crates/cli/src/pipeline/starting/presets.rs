@@ -9,6 +9,7 @@ use files::{Error, parse_toml};
 use logs::guess::Needed;
 use refusal::Invalid;
 use ship::engine::Streams;
+use ship::forces::ShipSpec;
 use ship::model::{Vessel, VesselFile};
 use study::files::{file_name, kind_of};
 
@@ -45,7 +46,7 @@ pub struct Preset {
     /// The thrusters that its forces are made by, as `ingest.toml` has them.
     thrusters: Option<&'static str>,
     /// `plan.toml` with places to be filled in, and the side of its area \[m\]; none for a ship whose speed nothing commands.
-    plan: Option<(&'static str, f64)>,
+    plan: Option<(Cow<'static, str>, f64)>,
 }
 
 /// A preset by its folder: with a plan in an area of this side, with thrusters, with the table in this file.
@@ -60,13 +61,21 @@ macro_rules! preset {
             settings: Cow::Borrowed(include_str!(concat!("../../../presets/", $name, "/study.toml"))),
             table: [$(Some(($table, include_str!(concat!("../../../presets/", $name, "/", $table)))),)? None][0],
             thrusters: [$(Some(include_str!(concat!("../../../presets/", $name, "/", $thrusters))),)? None][0],
-            plan: [$(Some((include_str!(concat!("../../../presets/", $name, "/plan.toml.in")), $side)),)? None][0],
+            plan: first([$(Some((include_str!(concat!("../../../presets/", $name, "/plan.toml.in")), $side)),)? None]),
         }
     };
 }
 
+/// The first of those that there are, as [`Preset`] has it.
+const fn first<const N: usize>(all: [Option<(&'static str, f64)>; N]) -> Option<(Cow<'static, str>, f64)> {
+    match all[0] {
+        Some((text, side_m)) => Some((Cow::Borrowed(text), side_m)),
+        None => None,
+    }
+}
+
 /// All of them.
-pub const PRESETS: [Preset; 9] = [
+pub static PRESETS: [Preset; 9] = [
     preset!(
         "model-ship",
         "a model ship of 1 m with two azimuth thrusters aft",
@@ -125,8 +134,8 @@ impl Preset {
     }
 
     /// Its `plan.toml` with places to be filled in, and the side of the area \[m\].
-    pub(super) fn plan(&self) -> Result<(&'static str, f64), Invalid> {
-        self.plan.ok_or_else(|| {
+    pub(super) fn plan(&self) -> Result<(&str, f64), Invalid> {
+        self.plan.as_ref().map(|(text, side_m)| (&**text, *side_m)).ok_or_else(|| {
             let others = PRESETS.iter().filter(|preset| preset.plan.is_some()).map(|preset| preset.name);
             let expected =
                 format!("a ship whose speed can be commanded: {}", others.collect::<Vec<_>>().join(", "));
@@ -277,8 +286,59 @@ pub fn of_ship(file: &Path, text: &str, seed: Option<u64>) -> Result<Preset, Err
         dictionary: scaled(&of(SAILED.0)?.dictionary, SAILED).into(),
         campaign: scaled(&of(sea.0)?.campaign, sea).into(),
         settings: settings.into(),
+        // Of a ship whose speed nothing commands no speed can be planned.
+        plan: (!is_alone).then(|| scaled_plan(ship)).transpose().map_err(refuse)?,
         ..of_file
     })
+}
+
+/// Sensors of a ship at sea, and unknown currents there, at most \[m, m/s\].
+const POSITION_M: f64 = 3.0;
+const SPEED_M_S: f64 = 0.1;
+const CURRENT_M_S: f64 = 0.15;
+
+/// The plan of the ship whose maneuvers are scaled, for another length and speed, and the side of its area \[m\]. Her beam is a part
+/// of her length, depths are by her draught.
+fn scaled_plan(ship: &ShipSpec) -> Result<(Cow<'static, str>, f64), Invalid> {
+    let (template, side_m) = Preset::named(SAILED.0)?.plan()?;
+    let (length, speed) = (ship.length_m / SAILED.1, ship.speed_m_s / SAILED.2);
+    let time = length / speed;
+    let (mut text, mut section) = (String::new(), "");
+    for line in template.lines() {
+        section = if line.starts_with('[') { line } else { section };
+        let number = || {
+            let (key, rest) = line.split_once(" = ")?;
+            let number = rest.split_whitespace().next()?;
+            Some((key, number.parse::<f64>().ok()?, &rest[number.len()..]))
+        };
+        let value = number().and_then(|(key, own, rest)| {
+            let value = match (section, key) {
+                (_, "length_m") => ship.length_m,
+                (_, "draught_m") => ship.draught_m,
+                (_, "transit_depth_m") => 1.3 * ship.draught_m,
+                (_, "trial_depth_m") => 2.0 * ship.draught_m,
+                (_, "unknown_current_m_s") => (speed * own).min(CURRENT_M_S),
+                (_, "position_m") => (length * own).min(POSITION_M),
+                ("[sensors]", "speed_m_s") => (speed * own).min(SPEED_M_S),
+                (_, "cell_m" | "beam_m" | "margin_m") => length * own,
+                (_, "speed_m_s" | "std_u_m_s" | "std_v_m_s") => speed * own,
+                (_, "run_in_s") => time * own,
+                (_, "tolerance_rad_s" | "std_r_rad_s") => own / time,
+                _ => return None,
+            };
+            Some((key, value, rest))
+        });
+        _ = match value {
+            Some((key, value, rest)) => writeln!(text, "{key} = {}{rest}", rounded(value)),
+            None => writeln!(text, "{line}"),
+        };
+    }
+    Ok((text.into(), length * side_m))
+}
+
+/// To three digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
 }
 
 fn parsed(text: &str) -> Result<VesselFile, Invalid> {

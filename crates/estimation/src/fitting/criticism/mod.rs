@@ -10,8 +10,8 @@
 mod candidates;
 mod sign_test;
 
-use numerics::distributions::log_chi_square_tail;
 use numerics::scaled_inverse;
+use numerics::statistics::log_chi_square_tail;
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;

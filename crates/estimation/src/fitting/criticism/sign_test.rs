@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use numerics::distributions::log_chi_square_tail;
+use numerics::statistics::log_chi_square_tail;
 use ship::forces::{Channel, Description, Forces, Number, NumberSpec};
 
 use crate::criticism::{Absent, Suspect, sign_remedy};

@@ -1,0 +1,162 @@
+//! Plans among traffic lanes, with water under the keel, and orders for the bridge.
+
+use serde_json::json;
+
+use crate::geometry::polygons_of;
+use crate::planned::*;
+use crate::support::*;
+
+type Box = [f64; 4];
+
+const AREA: Box = [24.96, 59.98, 25.04, 60.02];
+const ISLE: Box = [24.998, 59.999, 25.002, 60.001];
+const LANE: Box = [24.99, 60.002, 25.01, 60.008];
+
+/// Objects of an electronic chart as GDAL writes them: code, attributes, edges.
+fn objects(all: &[(u32, serde_json::Value, Box)]) -> String {
+    let feature = |(code, attributes, [west, south, east, north]): &(u32, serde_json::Value, Box)| {
+        let mut properties = attributes.clone();
+        properties["OBJL"] = json!(code);
+        let ring = [[west, south], [east, south], [east, north], [west, north], [west, south]];
+        let geometry = json!({"type": "Polygon", "coordinates": [ring]});
+        json!({"type": "Feature", "properties": properties, "geometry": geometry})
+    };
+    json!({"type": "FeatureCollection", "features": all.iter().map(feature).collect::<Vec<_>>()}).to_string()
+}
+
+const DEPARE: u32 = 42;
+const FAIRWY: u32 = 51;
+const LNDARE: u32 = 71;
+const TSSLPT: u32 = 148;
+const PRCARE: u32 = 96;
+
+/// The small study on such a chart of water of 20 m with an isle, and what else there is.
+fn charted(more: &[(u32, serde_json::Value, Box)], changes: &[(&str, &str)]) -> tempfile::TempDir {
+    let folder = small_with(&[
+        (
+            "file = \"land.geojson\"\nkind = \"land\"",
+            "file = \"bay.geojson\"\nkind = \"objects\"\nrules = {}",
+        ),
+        ("margin_m = 20.0", "margin_m = 20.0\ntransit_depth_m = 5.0\ntrial_depth_m = 8.0"),
+    ]);
+    changes.iter().for_each(|(from, to)| edit(&folder, "plan.toml", from, to));
+    let usual = [(DEPARE, json!({"DRVAL1": 20.0}), AREA), (LNDARE, json!({}), ISLE)];
+    put(&folder, "bay.geojson", &objects(&[&usual[..], more].concat()));
+    folder
+}
+
+fn lane(orient: impl serde::Serialize) -> (u32, serde_json::Value, Box) {
+    (TSSLPT, json!({"ORIENT": orient, "OBJNAM": "Off Holm"}), LANE)
+}
+
+#[test]
+fn law_a_plan_goes_along_a_lane_or_across_and_does_nothing_else_in_it() {
+    for towards in [0.0_f64, 90.0, 200.0] {
+        let folder = charted(&[lane(towards)], &[]);
+        run(&folder, PLAN).succeeds();
+        let planned = Planned::of(&folder);
+        let lane = polygons_of(&objects(&[lane(towards)])).remove(0);
+        let track = &planned.track;
+        let mut last = 0;
+        for row in 0..track.place.len() {
+            let [a, b] = [track.place[last], track.place[row]];
+            let [east, north] = [b[0] - a[0], b[1] - a[1]];
+            if east.hypot(north) < 20.0 {
+                continue;
+            }
+            if lane.holds(a) && lane.holds(b) {
+                let off = (east.atan2(north).to_degrees() - towards).rem_euclid(360.0);
+                let off = off.min(360.0 - off);
+                assert!(off < 50.0 || (off - 90.0).abs() < 25.0, "{off} from {towards} in row {row}");
+            }
+            last = row;
+        }
+    }
+}
+
+#[test]
+fn directions_that_are_none_are_refused_or_kept_out_of() {
+    let folder = charted(&[lane(400.0)], &[]);
+    refused(
+        &folder,
+        3,
+        PLAN,
+        &["bay.geojson", "TSSLPT feature 2, `ORIENT`", "400", "rules = { TSSLPT = \"avoid\" }"],
+    );
+    edit(&folder, "plan.toml", "rules = {}", "rules = { TSSLPT = \"avoid\" }");
+    run(&folder, PLAN).succeeds();
+    // Without a direction she keeps out, and that is told.
+    let folder = charted(&[lane("")], &[]);
+    run(&folder, PLAN).succeeds();
+    let classes = json(&folder, "plan.json")["data"]["charts"][0]["classes"]["TSSLPT"].clone();
+    assert_eq!((&classes["avoided"], &classes["objects"]), (&json!(1), &json!(1)));
+    for wrong in ["-1.0", "46.0", "nan"] {
+        let folder = charted(&[], &[("[start]", &format!("[traffic]\ncrossing_deg = {wrong}\n[start]"))]);
+        refused(&folder, 3, PLAN, &["plan.toml", "crossing_deg"]);
+    }
+}
+
+#[test]
+fn a_refusal_counts_the_room_that_each_class_takes_and_leaving_it_out_proves_it() {
+    let zones =
+        [(FAIRWY, json!({}), [24.96, 59.98, 25.0, 60.02]), (PRCARE, json!({}), [25.0, 59.98, 25.04, 60.02])];
+    let folder = charted(&zones, &[]);
+    let told = run(&folder, PLAN)
+        .refuses(4, &["`zig-zag-steep` has room for 0 moves, without FAIRWY ", "without PRCARE "]);
+    let without = told.stderr.split("without FAIRWY ").nth(1).unwrap();
+    let moves: u32 = without.split(|c: char| !c.is_ascii_digit()).next().unwrap().parse().unwrap();
+    assert!(moves > 0);
+    edit(&folder, "plan.toml", "rules = {}", "rules = { FAIRWY = \"ignore\" }");
+    run(&folder, PLAN).succeeds();
+    let primitives = Planned::of(&folder).voyage()["primitives"].clone();
+    let fits = primitives.as_array().unwrap().iter().filter(|p| p["maneuver"] == "zig-zag-steep");
+    assert_eq!(fits.map(|p| p["fits"].as_u64().unwrap()).sum::<u64>(), u64::from(moves));
+}
+
+#[test]
+fn water_under_the_keel_is_depth_less_draught_and_squat_and_too_little_is_refused() {
+    let hull = "beam_m = 8.0\ndraught_m = 3.0\nblock_coefficient = 0.8";
+    let folder = charted(&[], &[("beam_m = 8.0", hull)]);
+    run(&folder, PLAN).succeeds();
+    let passage = Planned::of(&folder).voyage()["passage"].clone();
+    for leg in passage["legs"].as_array().unwrap() {
+        let number = |key: &str| leg[key].as_f64().unwrap();
+        // Barrass in open water, by hand.
+        let knots = number("speed_m_s") / 0.514_444;
+        assert!((number("squat_m") - 0.008 * knots * knots).abs() < 1e-6);
+        assert!((number("under_keel_m") - (20.0 - 3.0 - number("squat_m"))).abs() < 1e-9);
+        for side in ["xtd_port_m", "xtd_starboard_m"] {
+            assert!(number(side) >= 10.0);
+        }
+    }
+    edit(&folder, "plan.toml", "margin_m = 20.0", "margin_m = 20.0\nunder_keel_m = 16.95");
+    let what = ["m under the keel on leg", "charted 20.0 m, squat", "`safety.under_keel_m`, 16.95 m"];
+    refused(&folder, 4, PLAN, &what);
+    edit(&folder, "plan.toml", "under_keel_m = 16.95", "under_keel_m = 16.9");
+    run(&folder, PLAN).succeeds();
+    edit(&folder, "plan.toml", "draught_m = 3.0\n", "");
+    refused(&folder, 3, PLAN, &["safety.under_keel_m", "without `hull.draught_m`"]);
+}
+
+#[test]
+fn the_bridge_is_told_the_side_the_heading_and_where_the_helm_goes_over() {
+    let planned = small_planned();
+    let mut told = 0;
+    for leg in planned.voyage()["legs"].as_array().unwrap() {
+        let Some(order) = leg["order"].as_str() else {
+            assert!(leg["informative"] == false && leg.get("wheel_over").is_none());
+            continue;
+        };
+        told += 1;
+        assert!(!order.contains("mirrored") && order.ends_with('°'), "{order}");
+        let at = leg["wheel_over"].as_array().unwrap();
+        assert_eq!(at[0]["start_s"], leg["maneuver_start_s"]);
+        let heading = at[0]["heading_deg"].as_f64().unwrap().round() % 360.0;
+        assert!(order.ends_with(&format!("from {heading:03.0}°")), "{order}, {heading}");
+        let starts: Vec<f64> = at.iter().map(|at| at["start_s"].as_f64().unwrap()).collect();
+        assert!(starts.len() > 2 && starts.is_sorted());
+    }
+    assert_eq!(told, 2);
+    let routes = planned.text("route.rtz");
+    assert!(!routes.contains("mirrored"));
+}
