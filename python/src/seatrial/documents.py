@@ -900,6 +900,24 @@ class DegreeTrust:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Departures:
+    """Departures for which a plan holds, the planned one among them: the tide is no worse than what it counts with,
+    and the slowest vessel of the check is back in the slot. All in UTC.
+    """
+
+    #: The earliest.
+    earliest: str
+    #: What closes it before.
+    before: str
+    #: The latest.
+    latest: str
+    #: What closes it after.
+    after: str
+    #: The one with most water under the keel, the earliest of equals; absent without a tide.
+    best: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class DerivedHandling:
     """How a vessel of these abilities is handled where nobody says otherwise."""
 
@@ -2570,6 +2588,8 @@ class Passage:
     departure: str | None = None
     #: The tide that the plan counts with; absent without a table.
     tide: Tide | None = None
+    #: Departures for which the same plan holds; absent where nothing says when it may be.
+    departures: Departures | None = None
     #: Longitude of the first waypoint.
     longitude_deg: float
     #: Latitude of the first waypoint.

@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod anywhere;
 mod logs;
 mod observed;
 #[allow(dead_code)]

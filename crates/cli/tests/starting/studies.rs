@@ -54,30 +54,34 @@ fn every_preset_comes_to_its_page_by_two_commands_in_trials_of_its_own_length() 
     PRESETS.iter().for_each(|preset| come_to_its_page(preset, ""));
 }
 
-/// Of terms, and of forces, whose priors pull every estimate the same way: medians of 60 and 24 trials lie near the medians that the
-/// design foretold.
+/// Of terms: medians of 30 trials lie near the medians that the design foretold.
 #[test]
 fn law_trials_have_the_errors_that_their_design_foretold() {
-    for (preset, trials, end, within) in
-        [("model-ship", 60, "report", [0.75, 1.3]), ("mariner", 24, "validate", [0.6, 1.6])]
-    {
-        let folder = tempfile::tempdir().unwrap();
-        run(&folder, &format!("new mine --vessel {preset}")).succeeds();
-        run(&folder, &format!("run mine --quiet --stage {end} --set campaign.realizations={trials}"))
-            .succeeds();
-        let foretold = json(&folder, "out/mine/design.json")["data"]["sequence"]["foretold"].clone();
-        let found = json(&folder, "out/mine/validation.json")["data"]["scored"]["designs"][0].clone();
-        assert_eq!(found["design"], "optimized");
-        for error in ["parameter_error", "simulation_error"] {
-            let [foretold, found] =
-                [&foretold[error], &found[error]["median"]].map(|own| own.as_f64().unwrap());
-            let ratio = found / foretold;
-            assert!(within[0] < ratio && ratio < within[1], "{preset}: {error} {found}, foretold {foretold}");
-        }
-        if end == "report" {
-            let page = String::from_utf8(bytes(&folder, "out/mine/report.html")).unwrap();
-            assert!(page.contains("Before the trial the design foretold"), "{preset}");
-        }
+    have_the_errors_foretold("model-ship", 30, "report", [0.7, 1.4]);
+}
+
+/// Of forces, whose priors pull every estimate the same way.
+#[test]
+#[ignore = "long: `make nightly` runs it"]
+fn law_trials_of_a_ship_with_forces_have_the_errors_that_their_design_foretold() {
+    have_the_errors_foretold("mariner", 24, "validate", [0.6, 1.6]);
+}
+
+fn have_the_errors_foretold(preset: &str, trials: u32, end: &str, within: [f64; 2]) {
+    let folder = tempfile::tempdir().unwrap();
+    run(&folder, &format!("new mine --vessel {preset}")).succeeds();
+    run(&folder, &format!("run mine --quiet --stage {end} --set campaign.realizations={trials}")).succeeds();
+    let foretold = json(&folder, "out/mine/design.json")["data"]["sequence"]["foretold"].clone();
+    let found = json(&folder, "out/mine/validation.json")["data"]["scored"]["designs"][0].clone();
+    assert_eq!(found["design"], "optimized");
+    for error in ["parameter_error", "simulation_error"] {
+        let [foretold, found] = [&foretold[error], &found[error]["median"]].map(|own| own.as_f64().unwrap());
+        let ratio = found / foretold;
+        assert!(within[0] < ratio && ratio < within[1], "{preset}: {error} {found}, foretold {foretold}");
+    }
+    if end == "report" {
+        let page = String::from_utf8(bytes(&folder, "out/mine/report.html")).unwrap();
+        assert!(page.contains("Before the trial the design foretold"), "{preset}");
     }
 }
 

@@ -231,9 +231,9 @@ fn spoken(standard: Standard, vessel: &Vessel) -> Spoken {
     let (what, has_side, how) = match standard {
         Standard::ZigZagTest(test) => {
             let heading = degrees(test.heading_rad);
-            let first = helm.trim_end_matches('°');
+            let first = helm.strip_suffix('°').map_or_else(String::new, |helm| format!("{helm}/"));
             let how = format!("order {helm}, reverse at {heading}° off");
-            (format!("zig-zag {first}/{heading}"), true, how)
+            (format!("zig-zag {first}{heading}"), true, how)
         }
         Standard::TurningCircle(turn) => {
             let how = format!("order {helm}, hold it until {}° off", degrees(turn.turn_rad));

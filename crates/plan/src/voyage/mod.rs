@@ -36,8 +36,8 @@ pub use legs::{Primitive, TrackPart, VoyageLeg, placed, round_minutes, widest};
 pub use moment_sums::{Gathered, GatheredManeuver};
 pub use orders::WheelOver;
 pub use passage::{
-    Daylight, Draft, Line, NearestDanger, Passage, PassageLeg, STRAIGHT, Tide, TideRow, append_leg,
-    current_m_s,
+    Daylight, Departures, Draft, Line, NearestDanger, Passage, PassageLeg, STRAIGHT, Tide, TideRow, Times,
+    append_leg, current_m_s,
 };
 pub use prepared::{AT_REST, Prepared};
 pub use sailing::{Information, SailedPlan, Sailing};

@@ -78,6 +78,8 @@ impl SailedPlan<'_> {
                 changes.push(k);
             }
         }
+        // What ends the maneuver is no order.
+        changes.retain(|k| *k == 0 || k + 1 < open.len());
         if changes.len() > MOST_ORDERS || 4 * changes.len() > open.len() {
             return Vec::new();
         }
@@ -93,7 +95,7 @@ impl SailedPlan<'_> {
                 longitude_deg,
                 latitude_deg,
                 heading_deg: self.prepared.true_deg(sample.pose),
-                inputs: inputs.map(|(input, value)| (input.name.clone(), *value)).collect(),
+                inputs: inputs.map(|(input, value)| (input.name.clone(), *value + 0.0)).collect(),
             }
         };
         changes.iter().map(of).collect()

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use chart::Plane;
+use chart::route::Timestamp;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +19,9 @@ pub struct Passage {
     pub departure: Option<String>,
     /// The tide that the plan counts with; absent without a table.
     pub tide: Option<Tide>,
+    /// Departures for which the same plan holds; absent where nothing says when it may be.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub departures: Option<Departures>,
     /// Longitude of the first waypoint.
     pub longitude_deg: f64,
     /// Latitude of the first waypoint.
@@ -133,6 +137,102 @@ pub struct Tide {
     pub spread_m_s: f64,
 }
 
+/// Departures for which a plan holds, the planned one among them: the tide is no worse than what it counts with, and the slowest vessel
+/// of the check is back in the slot. All in UTC.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Departures {
+    /// The earliest.
+    pub earliest: String,
+    /// What closes it before.
+    pub before: String,
+    /// The latest.
+    pub latest: String,
+    /// What closes it after.
+    pub after: String,
+    /// The one with most water under the keel, the earliest of equals; absent without a tide.
+    pub best: Option<String>,
+}
+
+/// When trials may be: a table of tides and a slot.
+#[derive(Clone, Debug, Default)]
+pub struct Times {
+    /// The tide, in ascending order; empty if it is not known.
+    pub table: Vec<TideRow>,
+    /// The key and the time that the slot begins with, and ends with \[s since 1970, UTC\].
+    pub bounds: [Option<(&'static str, f64)>; 2],
+}
+
+/// Steps between departures that are tried, and how far from the planned one \[s\].
+const TRIED_S: f64 = 60.0;
+const FARTHEST_S: f64 = 2.0 * 86_400.0;
+
+impl Departures {
+    /// Around `departure_s`, for a trial that lasts so long and counts with `tide`; `None` where nothing limits it.
+    pub fn around(times: &Times, tide: Option<&Tide>, departure_s: f64, lasts_s: f64) -> Option<Self> {
+        if times.table.is_empty() && times.bounds.iter().all(Option::is_none) {
+            return None;
+        }
+        let closed = |at_s: f64| times.closed(tide, at_s, lasts_s);
+        let last = |way: f64| {
+            let mut steps = (1..).map(|k| departure_s + way * TRIED_S * f64::from(k));
+            let why = steps.find_map(|at_s| match closed(at_s) {
+                None if (at_s - departure_s).abs() > FARTHEST_S => {
+                    Some((at_s, "nothing within two days".to_owned()))
+                }
+                why => Some((at_s, why?)),
+            });
+            let (at_s, why) = why.unwrap_or((departure_s, String::new()));
+            (at_s - way * TRIED_S, why)
+        };
+        let ((earliest_s, before), (latest_s, after)) = (last(-1.0), last(1.0));
+        let level_m = |at_s: f64| {
+            Tide::worst(&times.table, at_s, lasts_s).map_or(f64::NEG_INFINITY, |tide| tide.level_m)
+        };
+        let steps = (0..).map(|k| earliest_s + TRIED_S * f64::from(k)).take_while(|at_s| *at_s <= latest_s);
+        let best = steps.map(|at_s| (at_s, level_m(at_s))).reduce(|a, b| if b.1 > a.1 { b } else { a });
+        let (earliest, latest) = (utc(earliest_s), utc(latest_s));
+        let best = best.filter(|_| tide.is_some()).map(|(at_s, _)| utc(at_s));
+        Some(Self { earliest, before, latest, after, best })
+    }
+}
+
+impl Times {
+    /// Why a trial that lasts so long cannot begin at a time by what the plan counts with; `None` if it can.
+    fn closed(&self, tide: Option<&Tide>, at_s: f64, lasts_s: f64) -> Option<String> {
+        match self.bounds {
+            [Some((key, begins_s)), _] if at_s < begins_s => return Some(format!("`{key}`")),
+            [_, Some((key, ends_s))] if at_s + lasts_s > ends_s => return Some(format!("`{key}`")),
+            _ => {}
+        }
+        let tide = tide?;
+        let Some(all) = within(&self.table, at_s, lasts_s) else {
+            return Some("the table of tides ends".to_owned());
+        };
+        all.iter().find_map(|row| {
+            let [north, east] = [0, 1].map(|k: usize| row.stream_m_s[k] - tide.stream_m_s[k]);
+            if row.level_m < tide.level_m - 1e-9 {
+                return Some(format!("level {:.2} m at {}", row.level_m, utc(row.at_s)));
+            }
+            let speed = libm::hypot(row.stream_m_s[0], row.stream_m_s[1]);
+            let is_other = libm::hypot(north, east) > tide.spread_m_s + 1e-9;
+            is_other.then(|| format!("stream {speed:.2} m/s at {}", utc(row.at_s)))
+        })
+    }
+}
+
+/// A time of day, to the second.
+fn utc(at_s: f64) -> String {
+    Timestamp::from_second(at_s.round() as i64).map_or_else(|_| format!("{at_s} s"), |at| at.to_string())
+}
+
+/// The rows of a table at both ends of a trial and within it; `None` where it does not cover that.
+fn within(table: &[TideRow], departure_s: f64, lasts_s: f64) -> Option<Vec<TideRow>> {
+    let ends = [departure_s, departure_s + lasts_s];
+    let inner = table.iter().filter(|row| ends[0] < row.at_s && row.at_s < ends[1]).copied();
+    Some([at(table, ends[0])?, at(table, ends[1])?].into_iter().chain(inner).collect())
+}
+
 /// North and east of a current of `speed_m_s` towards a compass direction \[m/s\].
 pub fn current_m_s(speed_m_s: f64, towards_deg: f64) -> [f64; 2] {
     let (sin, cos) = libm::sincos(towards_deg.to_radians());
@@ -143,9 +243,7 @@ impl Tide {
     /// The worst case of a table of ascending times, interpolated linearly, over `slot_s` from `departure_s`.
     /// `None` where the table does not cover it.
     pub fn worst(table: &[TideRow], departure_s: f64, slot_s: f64) -> Option<Self> {
-        let ends = [departure_s, departure_s + slot_s];
-        let inner = table.iter().filter(|row| ends[0] < row.at_s && row.at_s < ends[1]).copied();
-        let all: Vec<TideRow> = [at(table, ends[0])?, at(table, ends[1])?].into_iter().chain(inner).collect();
+        let all = within(table, departure_s, slot_s)?;
         let level_m = all.iter().map(|row| row.level_m).fold(f64::INFINITY, f64::min);
         let stream_m_s = [0, 1].map(|c: usize| {
             let of = all.iter().map(|row| row.stream_m_s[c]);

@@ -6,7 +6,9 @@ use chart::Dangers;
 use chart::route::Timestamp;
 
 use super::orders::first_side;
-use super::passage::{Draft, Line, NearestDanger, Passage, PassageLeg, STRAIGHT, append_leg, distance};
+use super::passage::{
+    Departures, Draft, Line, NearestDanger, Passage, PassageLeg, STRAIGHT, append_leg, distance,
+};
 use super::sailing::SailedPlan;
 use super::task::squat_m;
 use crate::{Fix, Phase, Sample};
@@ -67,11 +69,17 @@ impl SailedPlan<'_> {
         for (draft, leg) in drafts.iter().zip(&mut legs) {
             self.sound(&draft.line(), leg);
         }
+        let task = &self.prepared.brief.task;
+        let departures = task.departure.and_then(|at| {
+            let check = &self.sailing.check;
+            let lasts_s = check.sailed_quantiles_s[2].max(check.sailed_s);
+            Departures::around(&task.times, task.tide.as_ref(), at as f64, lasts_s)
+        });
         let departure = self.prepared.brief.task.departure.and_then(|at| Timestamp::from_second(at).ok());
         let departure = departure.map(|at| at.to_string());
         let tide = self.prepared.brief.task.tide;
         let leave_s = leaves as f64 / rate_hz;
-        Passage { departure, tide, longitude_deg, latitude_deg, before, leave_s, legs }
+        Passage { departure, tide, departures, longitude_deg, latitude_deg, before, leave_s, legs }
     }
 
     fn geographic(&self, [north, east]: [f64; 2]) -> (f64, f64) {

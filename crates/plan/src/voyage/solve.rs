@@ -273,6 +273,9 @@ impl Prepared {
     }
 }
 
+/// The unit of costs in seconds of ships whose samples are not whole multiples of it \[s\].
+const TICK_S: f64 = 0.01;
+
 /// The lattice's actions, and the legs of their moves.
 #[derive(Clone, Debug)]
 pub struct Moves {
@@ -286,12 +289,16 @@ impl Moves {
     /// Groups legs by name; costs follow `rule`.
     pub(super) fn new(legs: &[Arc<SettledLeg>], wanted: &[Wanted], rule: &CostRule, rate_hz: f64) -> Self {
         let mut moves = Self { actions: Vec::new(), legs: Vec::new() };
+        // Sums of costs are exact in a common unit, which samples of 0.6762 s lack.
+        let per_sample = 1.0 / rate_hz / TICK_S;
+        let is_tidy = (per_sample - per_sample.round()).abs() < 1e-9;
         let classes = if rule.secondary == Secondary::Clearance { CLEARANCE_CLASSES } else { 1 };
         for (index, leg) in legs.iter().enumerate() {
             let action = moves.action(leg, wanted);
             // The time of a maneuver that reacts differs by vessel: the cost bounds it.
             let reacts = leg.leg.purpose.piece().is_some_and(|piece| wanted[piece].piece.helm.is_some());
             let seconds = if reacts { leg.longest as f64 / rate_hz } else { leg.seconds(rate_hz) };
+            let seconds = if is_tidy { seconds } else { (seconds / TICK_S).round() * TICK_S };
             for class in 0..classes {
                 let cost = cost(leg, rule, class, seconds);
                 let Leg { from, di, dj, to, .. } = leg.leg;

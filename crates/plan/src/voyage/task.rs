@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use ship::engine::{Changes, Helm, MOST_CURRENT_M_S, Measurement, Run, Streams};
 use ship::model::Vessel;
 
-use super::passage::Tide;
+use super::passage::{Tide, Times};
 use crate::sampled_vessel::Doubt;
 use crate::{Approach, DerivedHandling, Deviations, Handling, Mode, SampledVessel, Sensors};
 
@@ -98,6 +98,8 @@ pub struct Task {
     pub tide: Option<Tide>,
     /// When it has to be over; `None` if only the tide limits it.
     pub slot: Option<Slot>,
+    /// When such trials may be.
+    pub times: Times,
     /// Whether the lattice is moved so that its start is a node.
     pub on_node: bool,
     /// What becomes of her if it fails.

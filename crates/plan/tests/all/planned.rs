@@ -7,7 +7,7 @@ use chart::{Layer, LayerKind, PolygonLayer, Uncharted};
 use maneuver::Generator;
 use plan::voyage::{
     AbortRule, Area, Brief, CostRule, Failing, Goal, Hull, ManeuverUse, Place, Prepared, Primary, Safety,
-    SailedPlan, Sailing, Search, Secondary, Shares, Solved, SpeedLimit, Task, Tide,
+    SailedPlan, Sailing, Search, Secondary, Shares, Solved, SpeedLimit, Task, Tide, Times,
 };
 use plan::{Approach, DerivedHandling, Deviations, Handling, Mode, Sensors, Tolerance};
 use ship::engine::{Changes, Run};
@@ -156,6 +156,7 @@ pub fn small_brief() -> Brief {
         cost: CostRule::default(),
         tide: None,
         slot: None,
+        times: Times::default(),
         on_node: false,
         failing: Failing { abort: AbortRule::Told, drift_s: 600.0, room_m: None },
         crossing_rad: 0.35,

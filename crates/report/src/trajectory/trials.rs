@@ -1,5 +1,7 @@
 use maud::{Markup, html};
-use study::documents::{Bounds, DesignScores, DesignSummary, ParameterSummary, Passage, PassageLeg};
+use study::documents::{
+    Bounds, Departures, DesignScores, DesignSummary, ParameterSummary, Passage, PassageLeg,
+};
 
 use crate::number::{exact, median, or_dash, parameter_share, q90, simulation_share, three, three_or_dash};
 use crate::parts::{HtmlTable, missing};
@@ -149,6 +151,7 @@ pub(super) fn passage(passage: &Passage) -> Markup {
                         " Charted depths count with a tide of " (three(tide.level_m)) "\u{a0}m, its least over the "
                         (minutes(tide.slot_s)) " of the slot."
                     }
+                    @if let Some(departures) = &passage.departures { " " (may_depart(departures)) }
                 }
                 div.scroll { table.compact.tight.sheet {
                     thead {
@@ -203,6 +206,16 @@ fn line(number: usize, leg: &PassageLeg, with_depth: bool) -> Markup {
             }
         }
     }
+}
+
+/// For which departures the plan holds, and what closes it.
+fn may_depart(departures: &Departures) -> String {
+    let Departures { earliest, before, latest, after, best } = departures;
+    let best =
+        best.as_ref().map_or_else(String::new, |best| format!("; most water under the keel at {best}"));
+    format!(
+        "The plan holds for departures from {earliest} (before: {before}) to {latest} (after: {after}){best}."
+    )
 }
 
 /// When the ship goes on, if that is later than when she arrives.

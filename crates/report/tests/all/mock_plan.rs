@@ -188,6 +188,7 @@ fn voyage() -> Voyage {
         passage: Passage {
             departure: Some("2026-06-01T08:00:00Z".to_owned()),
             tide: Some(Tide { slot_s: 3600.0, level_m: -0.4, stream_m_s: [0.1, 0.0], spread_m_s: 0.05 }),
+            departures: None,
             longitude_deg: 24.95,
             latitude_deg: 60.148,
             before: Vec::new(),

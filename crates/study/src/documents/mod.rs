@@ -26,7 +26,7 @@ use trial::moments::malformed;
 // Types of the scientific crates that documents use.
 pub use ::design::{AccuracyOf, CriterionName, Degree};
 pub use ::plan::voyage::{
-    AbortMove, AbortTrack, Check, FrontPoint, Gathered, GatheredManeuver, Information, LegDrift,
+    AbortMove, AbortTrack, Check, Departures, FrontPoint, Gathered, GatheredManeuver, Information, LegDrift,
     NearestDanger, Passage, PassageLeg, Primitive, RestartPoint, Secondary, StepState, Tide, VoyageLeg,
     WaitingPlace, WheelOver, WorstVessel, WorstVessels,
 };

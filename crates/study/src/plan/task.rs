@@ -5,7 +5,9 @@ use std::path::Path;
 
 use chart::route::Timestamp;
 use files::{Digest, Error, Provenance};
-use plan::voyage::{Area, Brief, Daylight, ErrorsFrom, Failing, Slot, Task, Tide, TideRow, current_m_s};
+use plan::voyage::{
+    Area, Brief, Daylight, ErrorsFrom, Failing, Slot, Task, Tide, TideRow, Times, current_m_s,
+};
 use plan::{Approach, DerivedHandling, Deviations, Handling, Tolerance};
 use refusal::Invalid;
 use ship::engine::{Helm, MOST_CURRENT_M_S};
@@ -47,8 +49,11 @@ impl PlanFile {
         self.check_sensors(&approach.tolerance)?;
         let area = self.area.area()?;
         let departure = self.departure.as_deref().map(|at| second("departure", at)).transpose()?;
+        let bounds = self.slot(&area, departure)?;
+        let until = |(key, at_s): (&'static str, f64)| Some(Slot { key, lasts_s: at_s - departure? as f64 });
         Ok(Task {
-            slot: self.slot(&area, departure)?,
+            slot: bounds[1].and_then(until),
+            times: Times { table: Vec::new(), bounds },
             area,
             cell_m: self.cell_m,
             headings: self.headings,
@@ -165,7 +170,8 @@ pub fn in_tide(
         let remedy = "take a longer table, or another `departure` or `until`";
         Error::refuse(&path, "table", format!("{first} to {last}"), expected, remedy)
     })?;
-    Ok(task.with_tide(tide))
+    let times = Times { table, bounds: task.times.bounds };
+    Ok(Task { times, ..task.with_tide(tide) })
 }
 
 /// A time in seconds since 1970, in words.
@@ -228,9 +234,14 @@ fn no_table(error: csv::Error) -> Invalid {
 }
 
 impl PlanFile {
-    /// The end of the slot for a trial that begins at `departure` \[s since 1970, UTC\], if `[slot]` has one.
-    pub(super) fn slot(&self, area: &Area, departure: Option<i64>) -> Result<Option<Slot>, Invalid> {
-        let Some(spec) = &self.slot else { return Ok(None) };
+    /// The keys and times \[s since 1970, UTC\] that the slot of a trial that begins at `departure` begins and ends with, where
+    /// `[slot]` has them.
+    pub(super) fn slot(
+        &self,
+        area: &Area,
+        departure: Option<i64>,
+    ) -> Result<[Option<(&'static str, f64)>; 2], Invalid> {
+        let Some(spec) = &self.slot else { return Ok([None; 2]) };
         let time = |key: &str, text: &Option<String>| {
             text.as_ref().map(|text| second(key, text)).transpose().map(|at| at.map(|at| at as f64))
         };
@@ -268,7 +279,7 @@ impl PlanFile {
             (_, Some((key, at))) if departure >= at => {
                 outside(format!("before {}, by `{key}`", in_words(at)))
             }
-            _ => Ok(ends.map(|(key, at)| Slot { key, lasts_s: at - departure })),
+            _ => Ok([begins, ends]),
         }
     }
 }

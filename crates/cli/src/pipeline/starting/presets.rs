@@ -272,7 +272,7 @@ pub fn of_ship(file: &Path, text: &str, seed: Option<u64>) -> Result<Preset, Err
         let lines = text.lines().filter(|line| !line.starts_with("approach = "));
         let mut scaled = String::new();
         for line in lines {
-            scaled += &scaled_line(line, speed_m_s, time, rudder);
+            scaled += &scaled_line(line, [speed_m_s, own_m_s], time, rudder);
             if is_alone && line.starts_with("speed_m_s = ") {
                 _ = writeln!(scaled, "approach = {{ {rudder} = 0.0 }}");
             }
@@ -287,7 +287,7 @@ pub fn of_ship(file: &Path, text: &str, seed: Option<u64>) -> Result<Preset, Err
         campaign: scaled(&of(sea.0)?.campaign, sea).into(),
         settings: settings.into(),
         // Of a ship whose speed nothing commands no speed can be planned.
-        plan: (!is_alone).then(|| scaled_plan(ship)).transpose().map_err(refuse)?,
+        plan: (!is_alone).then(|| scaled_plan(ship, vessel.is_guess())).transpose().map_err(refuse)?,
         ..of_file
     })
 }
@@ -296,44 +296,70 @@ pub fn of_ship(file: &Path, text: &str, seed: Option<u64>) -> Result<Preset, Err
 const POSITION_M: f64 = 3.0;
 const SPEED_M_S: f64 = 0.1;
 const CURRENT_M_S: f64 = 0.15;
+/// Error of the speed of the ship whose maneuvers are scaled \[m/s\].
+const SAILED_M_S: f64 = 0.02;
 
 /// The plan of the ship whose maneuvers are scaled, for another length and speed, and the side of its area \[m\]. Her beam is a part
-/// of her length, depths are by her draught.
-fn scaled_plan(ship: &ShipSpec) -> Result<(Cow<'static, str>, f64), Invalid> {
+/// of her length, depths are by her draught. Of a guess vessels within half of her priors' deviations are planned for: all of them would
+/// hardly be steered by one autopilot.
+fn scaled_plan(ship: &ShipSpec, is_guess: bool) -> Result<(Cow<'static, str>, f64), Invalid> {
     let (template, side_m) = Preset::named(SAILED.0)?.plan()?;
     let (length, speed) = (ship.length_m / SAILED.1, ship.speed_m_s / SAILED.2);
     let time = length / speed;
     let (mut text, mut section) = (String::new(), "");
     for line in template.lines() {
         section = if line.starts_with('[') { line } else { section };
+        if is_guess && line.starts_with("parameter_error") {
+            text += "standard_errors = 0.5            # vessels within so many standard deviations of her priors, jointly: 2, once \
+                     she is identified\n";
+            continue;
+        }
         let number = || {
             let (key, rest) = line.split_once(" = ")?;
             let number = rest.split_whitespace().next()?;
             Some((key, number.parse::<f64>().ok()?, &rest[number.len()..]))
         };
-        let value = number().and_then(|(key, own, rest)| {
+        let value = number().and_then(|(key, given, rest)| {
             let value = match (section, key) {
                 (_, "length_m") => ship.length_m,
                 (_, "draught_m") => ship.draught_m,
                 (_, "transit_depth_m") => 1.3 * ship.draught_m,
                 (_, "trial_depth_m") => 2.0 * ship.draught_m,
-                (_, "unknown_current_m_s") => (speed * own).min(CURRENT_M_S),
-                (_, "position_m") => (length * own).min(POSITION_M),
-                ("[sensors]", "speed_m_s") => (speed * own).min(SPEED_M_S),
-                (_, "cell_m" | "beam_m" | "margin_m") => length * own,
-                (_, "speed_m_s" | "std_u_m_s" | "std_v_m_s") => speed * own,
-                (_, "run_in_s") => time * own,
-                (_, "tolerance_rad_s" | "std_r_rad_s") => own / time,
+                (_, "unknown_current_m_s") => (speed * given).min(CURRENT_M_S),
+                (_, "position_m") => (length * given).min(POSITION_M),
+                ("[sensors]", "speed_m_s") => (speed * given).min(SPEED_M_S),
+                (_, "cell_m" | "beam_m" | "margin_m") => length * given,
+                (_, "speed_m_s") => {
+                    let value = at_speed(given, [ship.speed_m_s, SAILED.2]);
+                    return Some((key, value.to_string(), rest));
+                }
+                (_, "std_u_m_s" | "std_v_m_s") => speed * given,
+                (_, "run_in_s") => time * given,
+                (_, "tolerance_rad_s" | "std_r_rad_s") => given / time,
                 _ => return None,
             };
-            Some((key, value, rest))
+            Some((key, rounded(value).to_string(), rest))
         });
         _ = match value {
-            Some((key, value, rest)) => writeln!(text, "{key} = {}{rest}", rounded(value)),
+            Some((key, value, rest)) => writeln!(text, "{key} = {value}{rest}"),
             None => writeln!(text, "{line}"),
         };
+        if line.starts_with("tolerance_cells") {
+            // Three standard deviations of what is measured.
+            let tolerance = 3.0 * (speed * SAILED_M_S).min(SPEED_M_S);
+            _ = writeln!(
+                text,
+                "tolerance_m_s = {}            # by which vessels may miss a speed",
+                rounded(tolerance.max(0.1))
+            );
+        }
     }
     Ok((text.into(), length * side_m))
+}
+
+/// A speed of a ship whose own is the second one, for one whose own is the first \[m/s\].
+fn at_speed(speed: f64, [speed_m_s, own_m_s]: [f64; 2]) -> f64 {
+    if speed == own_m_s { speed_m_s } else { rounded(speed * speed_m_s / own_m_s) }
 }
 
 /// To three digits.
@@ -346,14 +372,26 @@ fn parsed(text: &str) -> Result<VesselFile, Invalid> {
         .map_err(|e: toml::de::Error| Invalid::new("file", e.message(), "a vessel.toml", "correct it"))
 }
 
-/// A line of a preset, for another speed \[m/s\], by a factor on times and with another name of the rudder.
-fn scaled_line(line: &str, speed_m_s: f64, time: f64, rudder: &str) -> String {
+/// A line of a preset, for another speed than its own \[m/s\], by a factor on times and with another name of the rudder.
+fn scaled_line(line: &str, [speed_m_s, own_m_s]: [f64; 2], time: f64, rudder: &str) -> String {
     let number = |key: &str| {
         let rest = line.strip_prefix(key)?.strip_prefix(" = ")?;
         let text = rest.split_whitespace().next()?;
         Some((text.parse::<f64>().ok()?, &rest[text.len()..]))
     };
     let timed = ["duration_s", "turn_s", "dwell_s"].into_iter().find_map(|key| Some((key, number(key)?)));
+    let scaled = |speed: f64| at_speed(speed, [speed_m_s, own_m_s]);
+    let words = line.strip_prefix("description = \"from ").and_then(|words| words.strip_suffix(" m/s\""));
+    let speeds =
+        words.and_then(|words| words.split_once(" to ")).map(|(from, to)| [from, to].map(str::parse));
+    if let Some([Ok(from), Ok(to)]) = speeds {
+        return format!("description = \"from {} to {} m/s\"\n", scaled(from), scaled(to));
+    }
+    if let Some((key, (speed, rest))) =
+        ["from_m_s", "to_m_s"].into_iter().find_map(|key| Some((key, number(key)?)))
+    {
+        return format!("{key} = {}{rest}\n", scaled(speed));
+    }
     match (timed, number("speed_m_s")) {
         (Some((key, (seconds, rest))), _) => format!("{key} = {:.1}{rest}\n", (time * seconds).round()),
         (None, Some((_, rest))) => format!("speed_m_s = {speed_m_s}{rest}\n"),
