@@ -1,11 +1,9 @@
 use std::borrow::Cow;
-use std::collections::{BTreeSet, HashSet};
+use std::collections::HashSet;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::dangers::gap_to;
-use crate::traffic::between_lanes;
 use crate::{
     Area, Bounds, Called, Class, Contour, Grid, Invalid, PlacedGrid, Plane, Polygon, PolygonLayer, Spot,
     Traffic,
@@ -195,11 +193,8 @@ impl Chart {
         self.noted.iter().filter_map(|(traffic, polygon)| Some(((*traffic)?, polygon)))
     }
 
-    /// What a bridge is told of within so many metres of any of `places` (east and north \[m\]): classes and names, sorted.
-    pub fn noted_near(&self, places: &[[f64; 2]], within_m: f64) -> BTreeSet<String> {
-        let near =
-            self.noted.iter().filter(|(_, polygon)| gap_to(polygon, places, within_m).distance_m < within_m);
-        near.map(|(_, polygon)| polygon.called.to_string()).collect()
+    pub(crate) fn noted(&self) -> &[(Option<Traffic>, Polygon)] {
+        &self.noted
     }
 
     /// The chart without the areas of some classes that maneuvers or ships keep out of.
@@ -332,6 +327,24 @@ fn uncharted_of(layers: &[Layer], declared: Option<Uncharted>) -> Result<Unchart
 fn charted(polygons: &[Polygon], grids: &[PlacedGrid]) -> Charted {
     let known = polygons.iter().filter(|p| matches!(p.class, Class::Land | Class::Depth { .. })).cloned();
     Charted::new(known.chain(grids.iter().filter(|g| g.has_depth).filter_map(frame)).collect())
+}
+
+/// Gives every zone the direction of the lane that is nearest to it.
+fn between_lanes(mut all: Vec<(Option<Traffic>, Polygon)>) -> Vec<(Option<Traffic>, Polygon)> {
+    let of_lane = |(traffic, polygon): &(Option<Traffic>, Polygon)| match traffic {
+        Some(Traffic::Lane(towards)) => Some((*towards, polygon.clone())),
+        _ => None,
+    };
+    let lanes: Vec<(f64, Polygon)> = all.iter().filter_map(of_lane).collect();
+    for (traffic, polygon) in &mut all {
+        let Some(Traffic::Zone(of)) = traffic else { continue };
+        let least = |a: &Polygon, b: &Polygon| {
+            b.rings.iter().flatten().map(|place| -a.inside_m(*place)).fold(f64::INFINITY, f64::min)
+        };
+        let gap_m = |lane: &Polygon| least(lane, polygon).min(least(polygon, lane));
+        *of = lanes.iter().min_by(|a, b| gap_m(&a.1).total_cmp(&gap_m(&b.1))).map(|(towards, _)| *towards);
+    }
+    all
 }
 
 type Directed = [[u64; 2]; 2];

@@ -1,6 +1,6 @@
 //! The dangers along a track: the nearest one, and the least depth.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::classes::{Judged, judged};
 use crate::enc::class;
@@ -54,6 +54,15 @@ impl Chart {
             each_strip(grid, least_depth_m, |strip, cause| polygons.push((strip.clone(), cause)));
         }
         Dangers { chart: self, polygons }
+    }
+
+    /// What a bridge is told of within so many metres of any of `places` (east and north \[m\]): classes and names, sorted.
+    pub fn noted_near(&self, places: &[[f64; 2]], within_m: f64) -> BTreeSet<String> {
+        let near = self
+            .noted()
+            .iter()
+            .filter(|(_, polygon)| gap_to(polygon, places, within_m).distance_m < within_m);
+        near.map(|(_, polygon)| polygon.called.to_string()).collect()
     }
 
     /// The least depth \[m\] charted at any of `places` (east and north \[m\]); `None` where no depth is charted.
@@ -152,7 +161,7 @@ fn apart(a: &Bounds, b: &Bounds) -> f64 {
 }
 
 /// The gap to the nearest of `places`; 0 inside; may be any longer one where it is `farthest` or more.
-pub(crate) fn gap_to(polygon: &Polygon, places: &[[f64; 2]], farthest: f64) -> Gap {
+fn gap_to(polygon: &Polygon, places: &[[f64; 2]], farthest: f64) -> Gap {
     let near = places.iter().filter(|p| apart(&polygon.bounds, &Bounds { min: **p, max: **p }) < farthest);
     let gap = |place: &[f64; 2]| {
         if is_inside(polygon, *place) {

@@ -7,7 +7,7 @@ use serde::Deserialize;
 use crate::classes::Called;
 use crate::grid::FARTHEST;
 use crate::ring::{RingFault, ring_fault_while};
-use crate::{Crs, DepthUnit, Invalid, Noted, Reading, Unread};
+use crate::{Crs, DepthUnit, Invalid, Reading, Traffic, Unread};
 
 /// Default radius of the danger around a charted point or line \[m\]: the positional accuracy of older surveys.
 pub const DANGER_M: f64 = 50.0;
@@ -120,6 +120,17 @@ pub struct Mark {
     pub radius_m: f64,
     /// Index of the feature in the file.
     pub feature: usize,
+}
+
+/// An object that a bridge is told of; its points and lines have the radius of their marks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Noted {
+    /// Its traffic, if that has a direction.
+    pub traffic: Option<Traffic>,
+    /// Its areas.
+    pub areas: Vec<Area>,
+    /// Its points and lines.
+    pub marks: Vec<Mark>,
 }
 
 /// A depth contour: it is drawn, and blocks nothing by itself.

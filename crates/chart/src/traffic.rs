@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use crate::enc::{CATZOC, Feature, ORIENT, TRAFIC, class_name};
-use crate::{Area, Called, Invalid, Mark, Polygon};
+use crate::{Called, Invalid};
 
 /// Largest angle between a course and a direction that it follows \[rad\].
 const ALONG_RAD: f64 = FRAC_PI_4;
@@ -28,17 +28,6 @@ const TOLD: [&str; 22] = [
     "SUBTLN", "FERYRT", "FAIRWY", "ISTZNE", "PRCARE", "DWRTPT", "TWRTPT", "TSSLPT", "TSSRON", "TSSCRS",
     "ACHARE", "ACHBRT",
 ];
-
-/// An object that a bridge is told of; its points and lines have the radius of their marks.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Noted {
-    /// Its traffic, if that has a direction.
-    pub traffic: Option<Traffic>,
-    /// Its areas.
-    pub areas: Vec<Area>,
-    /// Its points and lines.
-    pub marks: Vec<Mark>,
-}
 
 /// What a bridge is told of an object, whether or not its traffic has a direction: its name, or how good the survey is there.
 pub(crate) fn told(feature: &Feature) -> Option<Called> {
@@ -90,22 +79,4 @@ impl Traffic {
             Self::Zone(towards) => towards.is_some_and(crosses),
         }
     }
-}
-
-/// Gives every zone the direction of the lane that is nearest to it.
-pub(crate) fn between_lanes(mut all: Vec<(Option<Traffic>, Polygon)>) -> Vec<(Option<Traffic>, Polygon)> {
-    let of_lane = |(traffic, polygon): &(Option<Traffic>, Polygon)| match traffic {
-        Some(Traffic::Lane(towards)) => Some((*towards, polygon.clone())),
-        _ => None,
-    };
-    let lanes: Vec<(f64, Polygon)> = all.iter().filter_map(of_lane).collect();
-    for (traffic, polygon) in &mut all {
-        let Some(Traffic::Zone(of)) = traffic else { continue };
-        let least = |a: &Polygon, b: &Polygon| {
-            b.rings.iter().flatten().map(|place| -a.inside_m(*place)).fold(f64::INFINITY, f64::min)
-        };
-        let gap_m = |lane: &Polygon| least(lane, polygon).min(least(polygon, lane));
-        *of = lanes.iter().min_by(|a, b| gap_m(&a.1).total_cmp(&gap_m(&b.1))).map(|(towards, _)| *towards);
-    }
-    all
 }

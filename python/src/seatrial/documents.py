@@ -2627,8 +2627,8 @@ class PassageLeg:
     #: Radius of the ship's turn onto the next leg \[m\]; absent where it does not turn under way.
     turn_radius_m: float | None = None
     #: Cross-track distance to port of the line between the waypoints \[m\]: as far as the nominal track and those of
-    #: the check that are kept come, at least what positions and the hull are uncertain by, and no farther than the
-    #: water is clear, unless the nominal track comes there.
+    #: the check that are kept come, at least 10 m and what positions and the hull are uncertain by, and no farther than
+    #: the water is clear, unless the nominal track comes there.
     xtd_port_m: float
     #: The same to starboard \[m\].
     xtd_starboard_m: float

@@ -318,6 +318,8 @@ fn positions(points: &[[f64; 2]], least: usize, thing: &str) -> Result<Vec<Posit
 }
 
 const GPX_NAMESPACE: &str = "http://www.topografix.com/GPX/1/1";
+/// Of the elements by which OpenCPN knows speeds and departures.
+const OPENCPN: &str = "http://www.opencpn.org";
 
 /// Routes and tracks as GPX 1.1: an `rte` per route, then a `trk` of one segment per track, which have the departure of the first
 /// route.
@@ -330,11 +332,17 @@ pub fn gpx(routes: &[&Route], tracks: &[Track]) -> Result<String, Invalid> {
     tracks.iter().try_for_each(Track::check)?;
     document(|xml| {
         let attributes = [("version", "1.1"), ("creator", "seatrial"), ("xmlns", GPX_NAMESPACE)];
+        let attributes = attributes.into_iter().chain([("xmlns:opencpn", OPENCPN)]);
         let root = xml.create_element("gpx").with_attributes(attributes);
         root.write_inner_content(|xml| {
             for route in routes {
                 xml.create_element("rte").write_inner_content(|xml| {
                     element(xml, "name", &route.name)?;
+                    if let Some(departure) = route.instant(0) {
+                        xml.create_element("extensions").write_inner_content(|xml| {
+                            element(xml, "opencpn:planned_departure", &departure)
+                        })?;
+                    }
                     (0..route.waypoints.len()).try_for_each(|index| route_point(xml, route, index))
                 })?;
             }
@@ -373,7 +381,26 @@ fn route_point(xml: &mut Xml, route: &Route, index: usize) -> io::Result<()> {
         if let Some(speed) = waypoint.speed_m_s.filter(|_| index > 0) {
             element(xml, "cmt", &format!("{:.1} kn on the leg to here", speed / KNOT_M_S))?;
         }
-        if waypoint.note.is_empty() { Ok(()) } else { element(xml, "desc", &waypoint.note) }
+        if !waypoint.note.is_empty() {
+            element(xml, "desc", &waypoint.note)?;
+        }
+        by_opencpn(xml, route, index)
+    });
+    written.map(|_| ())
+}
+
+/// The speed of the leg that ends at a waypoint, and when the ship leaves it if she stays, as OpenCPN reads them.
+fn by_opencpn(xml: &mut Xml, route: &Route, index: usize) -> io::Result<()> {
+    let speed = route.waypoints[index].speed_m_s.filter(|_| index > 0).map(knots);
+    let leave = route.leave(index).map(|leave| leave.trim_end_matches('Z').to_owned());
+    if speed.is_none() && leave.is_none() {
+        return Ok(());
+    }
+    let written = xml.create_element("extensions").write_inner_content(|xml| {
+        let properties = [("planned_speed", &speed), ("etd", &leave)];
+        let given = properties.iter().filter_map(|(name, value)| Some((*name, value.as_deref()?)));
+        xml.create_element("opencpn:rte_properties").with_attributes(given).write_empty()?;
+        Ok(())
     });
     written.map(|_| ())
 }

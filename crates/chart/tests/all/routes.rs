@@ -94,7 +94,10 @@ fn gpx_keeps_the_rules_of_version_1_1() {
     let rte = root.one("rte");
     assert_eq!(rte.one("name").text, "sea trial \"A&B\"");
     assert_eq!(rte.all("rtept").len(), 3);
-    assert_eq!(names(rte.all("rtept")[1]), ["name", "cmt", "desc"], "the schema's order");
+    assert_eq!(names(rte.all("rtept")[1]), ["name", "cmt", "desc", "extensions"], "the schema's order");
+    let by_opencpn = rte.all("rtept")[1].one("extensions").one("opencpn:rte_properties");
+    assert!((by_opencpn.number("planned_speed") - 10.0).abs() < 1e-6, "knots");
+    assert_eq!(root.get("xmlns:opencpn"), Some("http://www.opencpn.org"));
     assert_eq!(rte.all("rtept")[1].one("cmt").text, "10.0 kn on the leg to here");
     assert_eq!(rte.all("rtept")[2].one("name").text, "goal < home");
     let written = root.one("trk").one("trkseg").all("trkpt");
@@ -140,7 +143,11 @@ fn gpx_tells_the_times_of_a_departure() {
     let track = Track { name: "zig-zag".to_owned(), points, clock_s: [60.0, 0.5] };
     let root = read(&gpx(&[&timed()], &[track]).unwrap());
     let route = root.one("rte").all("rtept");
-    assert_eq!(names(route[1]), ["time", "name", "cmt", "desc"], "the schema's order");
+    let departure = &root.one("rte").one("extensions").one("opencpn:planned_departure").text;
+    assert_eq!((names(root.one("rte"))[1], departure.as_str()), ("extensions", "2026-06-01T08:00:00Z"));
+    let leaves = route[2].one("extensions").one("opencpn:rte_properties").get("etd");
+    assert_eq!(leaves, Some("2026-06-01T09:10:00"));
+    assert_eq!(names(route[1]), ["time", "name", "cmt", "desc", "extensions"], "the schema's order");
     assert_eq!(route[1].one("cmt").text, "10.0 kn on the leg to here");
     assert_eq!(route[2].one("time").text, "2026-06-01T09:02:05Z");
     let times: Vec<&str> =

@@ -13,10 +13,10 @@ use super::error::{Footing, Search, VoyageError};
 use super::prepared::Prepared;
 use super::settled_legs::SettledLeg;
 use super::solve::Moves;
-use super::task::{ErrorsFrom, Secondary, key_of};
+use super::task::{Brief, ErrorsFrom, Secondary, key_of};
 use super::worst::{Searched, WorstVessels};
 use crate::lattice::{Demand, Lattice};
-use crate::{Fix, Sample, SampledVessel, Used};
+use crate::{Fix, Grid, Sample, SampledVessel, Used};
 
 /// Tracks that are kept for drawing.
 const TRACKS: u32 = 200;
@@ -286,6 +286,32 @@ const WRITTEN_BYTES: u128 = 12 << 20;
 
 /// Most uses of a maneuver that are budgeted for before the search, which refuses more.
 const MOST_USES: u32 = 1000;
+
+impl Brief {
+    /// Refuses a lattice and a raster that exceed the memory whatever the charts have.
+    ///
+    /// # Errors
+    /// Such a task; as [`Prepared::new`], of its area.
+    pub fn check_size(&self, memory_bytes: u64) -> Result<(), VoyageError> {
+        let task = &self.task;
+        let plane = task.area.plane()?;
+        let (origin_m, [nx, ny]) = task.on_start(&plane, task.nodes(&plane)?);
+        let modes = task.modes_of(&self.vessel);
+        let grid = Grid { nx, ny, headings: task.headings, cell_m: task.cell_m, origin_m, modes };
+        let lattice = Lattice { nx, ny, layers: grid.layers() };
+        let least = Footing {
+            lattice: Demand::new(lattice, &[]),
+            cells: cells_around(&task.raster(&grid), task.safety.margin_m),
+            clearance_cells: 0,
+            other: 0,
+            check: 0,
+        };
+        match least.bytes() > memory_bytes.into() {
+            true => Err(VoyageError::TooLarge(least)),
+            false => Ok(()),
+        }
+    }
+}
 
 /// Refuses a footing that exceeds `memory_bytes`.
 fn fits(footing: Footing, memory_bytes: u64) -> Result<(), VoyageError> {

@@ -9,7 +9,7 @@ use ship::engine::Pose;
 
 use super::aborts::{AbortTrack, LegDrift};
 use super::clearance::compass_deg;
-use super::orders::WheelOver;
+use super::orders::{WheelOver, place};
 use super::prepared::Prepared;
 use super::sailing::SailedPlan;
 use super::settled_legs::SettledLeg;
@@ -357,10 +357,6 @@ pub fn round_minutes(from: f64, to: f64) -> impl Iterator<Item = f64> {
     let steps = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0, 60.0].map(|minutes| minutes / 60.0);
     let step = steps.into_iter().find(|step| (to - from) / step <= 6.0).unwrap_or(1.0);
     (0..).map(move |k| (from / step).ceil() * step + f64::from(k) * step).take_while(move |at| *at <= to)
-}
-
-pub(super) fn place(sample: &Sample) -> [f64; 2] {
-    [sample.pose.y, sample.pose.x]
 }
 
 /// East and north \[m\] of `points` of a ship at `pose`, x forward and y to starboard of its reference point \[m\].

@@ -6,7 +6,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::engine::{Helm, Spoken};
 
-use super::legs::place;
 use super::prepared::Prepared;
 use super::sailing::SailedPlan;
 use super::settled_legs::SettledLeg;
@@ -100,4 +99,9 @@ impl SailedPlan<'_> {
         };
         changes.iter().map(of).collect()
     }
+}
+
+/// East and north of a sample.
+pub(super) fn place(sample: &Sample) -> [f64; 2] {
+    [sample.pose.y, sample.pose.x]
 }

@@ -71,7 +71,7 @@ pub struct PassageLeg {
     /// Radius of the ship's turn onto the next leg \[m\]; absent where it does not turn under way.
     pub turn_radius_m: Option<f64>,
     /// Cross-track distance to port of the line between the waypoints \[m\]: as far as the nominal track and those of the check
-    /// that are kept come, at least what positions and the hull are uncertain by, and no farther than the water is clear,
+    /// that are kept come, at least 10 m and what positions and the hull are uncertain by, and no farther than the water is clear,
     /// unless the nominal track comes there.
     pub xtd_port_m: f64,
     /// The same to starboard \[m\].

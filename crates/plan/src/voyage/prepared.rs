@@ -9,12 +9,10 @@ use refusal::Invalid;
 use ship::model::Vessel;
 use trial::Piece;
 
-use super::clearance::cells_around;
-use super::error::{Footing, Search, VoyageError, parameters_in_words};
+use super::error::{Search, VoyageError, parameters_in_words};
 use super::moment_sums::MomentSums;
 use super::settled_legs::{Dropped, LegGroup, LegSimulation, SettledLeg, Wanted, groups};
 use super::task::{Area, Brief, Task};
-use crate::lattice::{Demand, Lattice};
 use crate::{Grid, Mode, Repertoire, SampledVessel, mirror};
 
 /// The groups of legs, the legs on which all vessels settle, and the others.
@@ -216,30 +214,6 @@ impl Brief {
         Ok((plane, self.task.sight(laid, self.drift_m(&self.wanted()?))?))
     }
 
-    /// Refuses a lattice and a raster that exceed the memory whatever the charts have.
-    ///
-    /// # Errors
-    /// Such a task; as [`Prepared::new`], of its area.
-    pub fn check_size(&self, memory_bytes: u64) -> Result<(), VoyageError> {
-        let task = &self.task;
-        let plane = task.area.plane()?;
-        let (origin_m, [nx, ny]) = task.on_start(&plane, task.nodes(&plane)?);
-        let modes = task.modes_of(&self.vessel);
-        let grid = Grid { nx, ny, headings: task.headings, cell_m: task.cell_m, origin_m, modes };
-        let lattice = Lattice { nx, ny, layers: grid.layers() };
-        let least = Footing {
-            lattice: Demand::new(lattice, &[]),
-            cells: cells_around(&task.raster(&grid), task.safety.margin_m),
-            clearance_cells: 0,
-            other: 0,
-            check: 0,
-        };
-        match least.bytes() > memory_bytes.into() {
-            true => Err(VoyageError::TooLarge(least)),
-            false => Ok(()),
-        }
-    }
-
     /// Drift by unknown currents, and three standard deviations of their changes, in the longest piece of a maneuver \[m\].
     pub(super) fn drift_m(&self, wanted: &[Wanted]) -> f64 {
         let longest = wanted.iter().map(|wanted| wanted.piece.samples).max().unwrap_or(0);
@@ -281,7 +255,7 @@ impl Task {
     }
 
     /// South-western corner of the lattice's cells (east, north) \[m\], and the number of nodes eastward and northward.
-    fn nodes(&self, plane: &Plane) -> Result<([f64; 2], [usize; 2]), Invalid> {
+    pub(super) fn nodes(&self, plane: &Plane) -> Result<([f64; 2], [usize; 2]), Invalid> {
         let corners = match self.area.polygon(plane) {
             Some(polygon) => polygon.rings.concat(),
             None => self.area.box_corners().map(|[lon, lat]| plane.to_plane(lon, lat)).into(),
@@ -306,7 +280,11 @@ impl Task {
     }
 
     /// The same lattice, moved by up to half a cell if its start has to be a node, and cropped to the area.
-    fn on_start(&self, plane: &Plane, (mut min, mut size): ([f64; 2], [usize; 2])) -> ([f64; 2], [usize; 2]) {
+    pub(super) fn on_start(
+        &self,
+        plane: &Plane,
+        (mut min, mut size): ([f64; 2], [usize; 2]),
+    ) -> ([f64; 2], [usize; 2]) {
         let start = plane.to_plane(self.start.longitude_deg, self.start.latitude_deg);
         for k in 0..2 {
             let cells = (start[k] - min[k]) / self.cell_m - 0.5;
@@ -320,7 +298,7 @@ impl Task {
     }
 
     /// The speed modes, slowest first; at rest first of all where the vessel can turn on the spot.
-    fn modes_of(&self, vessel: &Vessel) -> Vec<Mode> {
+    pub(super) fn modes_of(&self, vessel: &Vessel) -> Vec<Mode> {
         let rest = can_hold(vessel).then(|| Mode { name: AT_REST.to_owned(), speed_m_s: 0.0 });
         let mut modes: Vec<Mode> = rest.into_iter().chain(self.modes.iter().cloned()).collect();
         modes.sort_by(|a, b| a.speed_m_s.total_cmp(&b.speed_m_s));
@@ -338,7 +316,7 @@ impl Task {
 
 impl Area {
     /// A plane about its centre.
-    fn plane(&self) -> Result<Plane, Invalid> {
+    pub(super) fn plane(&self) -> Result<Plane, Invalid> {
         let [lon, lat] = self.centre_deg();
         Plane::new(lon, lat)
     }

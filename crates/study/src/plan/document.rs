@@ -10,11 +10,11 @@ use crate::documents::{
     CostUnit, DroppedMove, MapArea, MapCellClass, MapCells, MapClass, MapContour, MapDocument, MapFrame,
     MapLine, MapMargin, MapMeridian, MapName, MapParallel, MapPlace, MapPurpose, MapRaster, MapRuns, MapSpot,
     MapSwept, MapSymbol, MapTrack, MapTrackKind, Passage, PlanDocument, PlanHandling, PlanLattice, PlanPose,
-    PlanStatus, PlanStep, SecondaryCost, Voyage, VoyageLeg,
+    PlanStatus, PlanStep, SecondaryCost, Voyage,
 };
 use plan::lattice::{Pose, Problem, Solution, Status, Step};
 use plan::voyage::{Check, Prepared, SailedPlan, Solved, TrackPart};
-use plan::{Sailed, Sample, Side};
+use plan::{Sailed, Sample};
 
 /// The plan of a lattice problem.
 pub fn of_problem(problem: &Problem, solution: &Solution) -> PlanDocument {
@@ -421,15 +421,6 @@ impl Routes<'_> {
         if self.voyage.check.safe { name.to_owned() } else { format!("{name} (unsafe)") }
     }
 
-    /// The action of a leg, in words, with the prefix in an unsafe plan.
-    fn what(&self, leg: &VoyageLeg) -> String {
-        let label = self.label();
-        match leg.side {
-            Some(Side::Mirrored) => format!("{label}{} (mirrored)", leg.name),
-            _ => format!("{label}{}", leg.name),
-        }
-    }
-
     fn place(&self, sample: &Sample) -> [f64; 2] {
         self.position([sample.pose.y, sample.pose.x])
     }
@@ -509,7 +500,8 @@ impl Routes<'_> {
             }
             let properties = json!({
                 "step": k + 1,
-                "name": self.what(leg),
+                "name": format!("{}{}", self.label(), leg.name),
+                "order": leg.order,
                 "action": step.action,
                 "variant": step.variant,
                 "informative": leg.informative,
