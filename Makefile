@@ -232,9 +232,7 @@ smoke:
 
 # The small study and the README's commands run the programs that the unit tests have just run: nothing is compiled twice.
 .PHONY: test
-test: format-check
-	$(MAKE) -j2 clippy test-programs
-	$(MAKE) unit
+test: format-check clippy unit
 	$(MAKE) BIN=target/debug surface-check smoke readme-check page-check
 	$(MAKE) -j2 BIN=target/debug book-check results-check
 
@@ -242,14 +240,9 @@ test: format-check
 format-check:
 	$(CARGO) fmt --all --check
 
-# In a folder of its own: beside the test programs, which leave a processor idle where a crate is one unit
 .PHONY: clippy
 clippy:
-	$(CARGO) clippy --workspace --all-targets --locked --target-dir target/clippy -- -D warnings
-
-.PHONY: test-programs
-test-programs:
-	$(TESTS) --no-run
+	$(CARGO) clippy --workspace --all-targets --locked -- -D warnings
 
 .PHONY: unit
 unit:

@@ -95,6 +95,7 @@ pub fn peak_mib(folder: &TempDir, line: &str) -> (Option<i32>, f64) {
 /// A vessel with very uncertain parameters: after the first round there is no plan, so the first one is used.
 #[cfg(target_os = "linux")]
 #[test]
+#[ignore = "long: `make nightly` runs it"]
 fn law_a_plan_that_is_kept_although_unsafe_keeps_to_the_memory() {
     let folder = small_with(&[
         ("runs = 4", "runs = 64\nparameter_error = 0.7"),

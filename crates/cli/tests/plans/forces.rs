@@ -118,6 +118,7 @@ fn a_plan_of_the_otter_keeps_its_margin_and_says_what_its_errors_are() {
 }
 
 #[test]
+#[ignore = "long: `make nightly` runs it"]
 fn law_the_promised_information_is_that_of_moments() {
     let folder = otter();
     // As tables, all maneuvers have the inputs of the dictionary; by 4 headings legs would end too far off.
@@ -189,6 +190,7 @@ fn law_threads_do_not_change_the_plan_of_a_ship_with_forces() {
 }
 
 #[test]
+#[ignore = "long: `make nightly` runs it"]
 fn law_half_of_the_errors_need_no_more_moves() {
     let (_, plan) = planned();
     let folder = otter();

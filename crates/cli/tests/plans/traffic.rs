@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use crate::geometry::polygons_of;
+use crate::geometry::{Polygon, local_m, polygons_of};
 use crate::planned::*;
 use crate::support::*;
 
@@ -29,6 +29,8 @@ const FAIRWY: u32 = 51;
 const LNDARE: u32 = 71;
 const TSSLPT: u32 = 148;
 const PRCARE: u32 = 96;
+const ACHARE: u32 = 4;
+const UNSARE: u32 = 154;
 
 /// The small study on such a chart of water of 20 m with an isle, and what else there is.
 fn charted(more: &[(u32, serde_json::Value, Box)], changes: &[(&str, &str)]) -> tempfile::TempDir {
@@ -49,28 +51,86 @@ fn lane(orient: impl serde::Serialize) -> (u32, serde_json::Value, Box) {
     (TSSLPT, json!({"ORIENT": orient, "OBJNAM": "Off Holm"}), LANE)
 }
 
+/// A strip from south to north between the start and the room for maneuvers.
+const STRIP: Box = [24.9875, 59.98, 24.9925, 60.02];
+
+/// The courses of a track in `polygon` over ground, each over 20 m, from the direction \[deg\].
+fn off(places: &[[f64; 2]], polygon: &Polygon, towards: f64) -> Vec<f64> {
+    let (mut all, mut last) = (Vec::new(), places[0]);
+    for place in places {
+        let [east, north] = local_m(last, *place);
+        if east.hypot(north) < 20.0 {
+            continue;
+        }
+        if polygon.holds(last) && polygon.holds(*place) {
+            let turned = (east.atan2(north).to_degrees() - towards).rem_euclid(360.0);
+            all.push(turned.min(360.0 - turned));
+        }
+        last = *place;
+    }
+    all
+}
+
 #[test]
-fn law_a_plan_goes_along_a_lane_or_across_and_does_nothing_else_in_it() {
-    for towards in [0.0_f64, 90.0, 200.0] {
-        let folder = charted(&[lane(towards)], &[]);
+fn law_plans_and_abort_tracks_go_along_a_lane_or_across_it_and_never_against_it() {
+    let lane = |towards: f64| (TSSLPT, json!({"ORIENT": towards}), STRIP);
+    let to_the_east =
+        "kind = \"places\"\nplaces = [{ longitude_deg = 25.012, latitude_deg = 60.004, heading_deg = 90.0 }]";
+    for towards in [0.0, 90.0, 190.0] {
+        let folder = charted(&[lane(towards)], &[("kind = \"home\"", to_the_east)]);
         run(&folder, PLAN).succeeds();
         let planned = Planned::of(&folder);
-        let lane = polygons_of(&objects(&[lane(towards)])).remove(0);
-        let track = &planned.track;
-        let mut last = 0;
-        for row in 0..track.place.len() {
-            let [a, b] = [track.place[last], track.place[row]];
-            let [east, north] = [b[0] - a[0], b[1] - a[1]];
-            if east.hypot(north) < 20.0 {
-                continue;
-            }
-            if lane.holds(a) && lane.holds(b) {
-                let off = (east.atan2(north).to_degrees() - towards).rem_euclid(360.0);
-                let off = off.min(360.0 - off);
-                assert!(off < 50.0 || (off - 90.0).abs() < 25.0, "{off} from {towards} in row {row}");
-            }
-            last = row;
+        let strip = polygons_of(&objects(&[lane(towards)])).remove(0);
+        let courses = off(&planned.track.place, &strip, towards);
+        // Straight over it.
+        assert!(courses.len() > 8, "{courses:?}");
+        let aborts: serde_json::Value = serde_json::from_str(planned.text("aborts.geojson")).unwrap();
+        let aborts = aborts["features"].as_array().unwrap().iter().filter_map(|feature| {
+            let geometry = &feature["geometry"];
+            let line = || serde_json::from_value::<Vec<[f64; 2]>>(geometry["coordinates"].clone()).unwrap();
+            (geometry["type"] == "LineString").then(line)
+        });
+        let aborts: Vec<Vec<[f64; 2]>> = aborts.collect();
+        assert!(!aborts.is_empty());
+        for off in aborts.iter().flat_map(|line| off(line, &strip, towards)).chain(courses) {
+            assert!(off < 50.0 || (off - 90.0).abs() < 25.0, "{off} from {towards}");
         }
+        // She waits in no lane.
+        for leg in planned.voyage()["legs"].as_array().unwrap() {
+            let abort = &leg["abort"];
+            if abort["moves"].as_array().is_some_and(|moves| !moves.is_empty()) {
+                let place = ["longitude_deg", "latitude_deg"].map(|key| abort[key].as_f64().unwrap());
+                assert!(!strip.holds(place), "{abort}");
+            }
+        }
+    }
+    let folder = charted(&[lane(270.0)], &[("kind = \"home\"", to_the_east)]);
+    refused(&folder, 4, PLAN, &["against the traffic", "`traffic.crossing_deg`"]);
+}
+
+#[test]
+fn she_waits_at_anchorages_that_are_deep_enough_and_never_where_nothing_is_surveyed() {
+    let roads: Box = [24.982, 59.9925, 24.993, 59.9985];
+    let places = |more: &[(u32, serde_json::Value, Box)]| {
+        let folder = charted(more, &[]);
+        run(&folder, PLAN).succeeds();
+        let legs = Planned::of(&folder).voyage()["legs"].clone();
+        let place = |leg: &serde_json::Value| {
+            let abort = leg.get("abort")?;
+            let place = ["longitude_deg", "latitude_deg"].map(|key| abort[key].as_f64().unwrap());
+            Some((abort["kind"] == "anchorage", place))
+        };
+        legs.as_array().unwrap().iter().filter_map(place).collect::<Vec<_>>()
+    };
+    let anchorage = (ACHARE, json!({"OBJNAM": "Roads"}), roads);
+    let within = |[x, y]: [f64; 2]| roads[0] <= x && x <= roads[2] && roads[1] <= y && y <= roads[3];
+    let deep = places(std::slice::from_ref(&anchorage));
+    assert!(deep.iter().any(|(is_anchorage, _)| *is_anchorage), "{deep:?}");
+    assert!(deep.iter().all(|(is_anchorage, place)| *is_anchorage == within(*place)), "{deep:?}");
+    for closed in [(DEPARE, json!({"DRVAL1": 2.0}), roads), (UNSARE, json!({}), roads)] {
+        let shallow = places(&[anchorage.clone(), closed]);
+        let outside = |(is_anchorage, place): &(bool, [f64; 2])| !is_anchorage && !within(*place);
+        assert!(!shallow.is_empty() && shallow.iter().all(outside), "{shallow:?}");
     }
 }
 

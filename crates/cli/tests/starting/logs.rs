@@ -255,6 +255,7 @@ fn logs_of_a_ship_with_forces_come_to_their_page_by_two_commands() {
 }
 
 #[test]
+#[ignore = "long: `make nightly` runs it"]
 fn five_logs_and_a_wind_without_direction_give_the_core_of_a_ship_without_forces() {
     let folder = tempfile::tempdir().unwrap();
     run(&folder, "new coaster --vessel coaster").succeeds();
