@@ -56,7 +56,7 @@ impl Chart {
         Dangers { chart: self, polygons }
     }
 
-    /// What a bridge is told of within so many metres of any of `places` (east and north \[m\]): classes and names, sorted.
+    /// Classes and names, sorted, of the objects near any of `places` (east and north \[m\]) that the crew has to know about.
     pub fn noted_near(&self, places: &[[f64; 2]], within_m: f64) -> BTreeSet<String> {
         let near = self
             .noted()

@@ -13,7 +13,7 @@ use crate::grid::FARTHEST;
 use crate::polygons::{Geometries, features, of_mark, positions, rings};
 use crate::ring::ring_fault;
 use crate::rules::Land;
-use crate::traffic::told;
+use crate::traffic::label;
 use crate::{
     Area, Class, Contour, DANGER_M, Ignored, Invalid, Judged, Mark, Noted, PolygonLayer, Reading, Rules,
     Traffic, Treatment, Unread,
@@ -60,7 +60,7 @@ impl PolygonLayer {
             tally.objects += 1;
             let (treatment, why) = rules.treatment(object, &land)?;
             let radius_m = rules.radius_m(object, scale);
-            // Data about surveys have no effect, and are told of.
+            // The crew has to know about some objects without effect, too.
             if treatment != Treatment::Avoid && (treatment, why) != (Treatment::Ignore, Ignored::Rule) {
                 layer.noted.extend(noted(object, index, radius_m.max(DANGER_M))?);
             }
@@ -139,10 +139,10 @@ impl PolygonLayer {
     }
 }
 
-/// What a bridge is told of an object, its points and lines with a radius \[m\]; `None` for another one.
+/// An object that the crew has to know about, its points and lines with a radius \[m\]; `None` for another one.
 fn noted(object: &Feature, index: usize, radius_m: f64) -> Result<Option<Noted>, Invalid> {
     let traffic = Traffic::of(object)?;
-    let Some(called) = told(object).or_else(|| traffic.map(|_| Called::object(object, None))) else {
+    let Some(called) = label(object).or_else(|| traffic.map(|_| Called::object(object, None))) else {
         return Ok(None);
     };
     let class = Class::TransitOnly;

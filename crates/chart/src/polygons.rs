@@ -77,7 +77,7 @@ pub struct PolygonLayer {
     pub marks: Vec<Mark>,
     /// Lines of one depth: for maps.
     pub contours: Vec<Contour>,
-    /// What a bridge is told of.
+    /// Objects that the crew has to know about.
     pub noted: Vec<Noted>,
     /// Features that the filter left out.
     pub filtered_out: usize,
@@ -122,7 +122,7 @@ pub struct Mark {
     pub feature: usize,
 }
 
-/// An object that a bridge is told of; its points and lines have the radius of their marks.
+/// An object that the crew has to know about; its points and lines have the radius of their marks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Noted {
     /// Its traffic, if that has a direction.

@@ -1,4 +1,4 @@
-//! Objects that a bridge is told of, and where the traffic has a direction: lanes, zones that separate them, ways for one direction.
+//! Objects that the crew has to know about, and where the traffic has a direction: lanes, zones that separate them, ways for one direction.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -21,23 +21,23 @@ pub enum Traffic {
     Zone(Option<f64>),
 }
 
-/// Classes that a bridge is told of where it passes them, besides those with traffic: whom to call, what lies on the ground,
+/// Classes that the crew has to know about where the ship passes them, besides those with traffic: whom to call, what lies on the ground,
 /// where others meet.
-const TOLD: [&str; 22] = [
+const NOTED: [&str; 22] = [
     "PILBOP", "RDOCAL", "CBLSUB", "CBLARE", "PIPSOL", "PIPARE", "SPLARE", "DMPGRD", "CTNARE", "MIPARE",
     "SUBTLN", "FERYRT", "FAIRWY", "ISTZNE", "PRCARE", "DWRTPT", "TWRTPT", "TSSLPT", "TSSRON", "TSSCRS",
     "ACHARE", "ACHBRT",
 ];
 
-/// What a bridge is told of an object, whether or not its traffic has a direction: its name, or how good the survey is there.
-pub(crate) fn told(feature: &Feature) -> Option<Called> {
+/// What an object is called that the crew has to know about, whether or not its traffic has a direction.
+pub(crate) fn label(feature: &Feature) -> Option<Called> {
     match class_name(feature.class)? {
         "M_QUAL" => {
             let category = *feature.list(CATZOC).first()?;
             let letter = ZONES.get(usize::from(category).checked_sub(1)?)?;
             Some(Called { name: Some((*letter).into()), ..Called::plain("zone of confidence") })
         }
-        name => TOLD.contains(&name).then(|| Called::object(feature, None)),
+        name => NOTED.contains(&name).then(|| Called::object(feature, None)),
     }
 }
 

@@ -15,7 +15,7 @@ pub use jiff::Timestamp;
 /// A nautical mile \[m\].
 const NAUTICAL_MILE_M: f64 = 1852.0;
 /// A knot \[m/s\].
-const KNOT_M_S: f64 = NAUTICAL_MILE_M / 3600.0;
+pub const KNOT_M_S: f64 = NAUTICAL_MILE_M / 3600.0;
 
 /// Of WGS84's ellipsoid.
 const ECCENTRICITY: f64 = 0.081_819_190_842_621_49;

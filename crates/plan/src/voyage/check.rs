@@ -16,7 +16,7 @@ use super::solve::Moves;
 use super::task::{Brief, ErrorsFrom, Secondary, key_of};
 use super::worst::{Searched, WorstVessels};
 use crate::lattice::{Demand, Lattice};
-use crate::{Fix, Grid, Sample, SampledVessel, Used};
+use crate::{Fix, Sample, SampledVessel, Used};
 
 /// Tracks that are kept for drawing.
 const TRACKS: u32 = 200;
@@ -294,11 +294,8 @@ impl Brief {
     /// Such a task; as [`Prepared::new`], of its area.
     pub fn check_size(&self, memory_bytes: u64) -> Result<(), VoyageError> {
         let task = &self.task;
-        let plane = task.area.plane()?;
-        let (origin_m, [nx, ny]) = task.on_start(&plane, task.nodes(&plane)?);
-        let modes = task.modes_of(&self.vessel);
-        let grid = Grid { nx, ny, headings: task.headings, cell_m: task.cell_m, origin_m, modes };
-        let lattice = Lattice { nx, ny, layers: grid.layers() };
+        let grid = task.grid(&self.vessel, task.laid(&task.area.plane()?)?);
+        let lattice = Lattice { nx: grid.nx, ny: grid.ny, layers: grid.layers() };
         let least = Footing {
             lattice: Demand::new(lattice, &[]),
             cells: cells_around(&task.raster(&grid), task.safety.margin_m),

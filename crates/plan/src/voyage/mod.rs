@@ -37,7 +37,7 @@ pub use moment_sums::{Gathered, GatheredManeuver};
 pub use orders::WheelOver;
 pub use passage::{
     Daylight, Departures, Draft, Line, NearestDanger, Passage, PassageLeg, STRAIGHT, Tide, TideRow, Times,
-    append_leg, current_m_s,
+    append_leg, current_m_s, utc,
 };
 pub use prepared::{AT_REST, Prepared};
 pub use sailing::{Information, SailedPlan, Sailing};

@@ -88,7 +88,7 @@ impl SailedPlan<'_> {
             let (index, sample) = open[*k];
             let then = open.get(k + 1).map_or(sample, |(_, next)| next);
             let (longitude_deg, latitude_deg) = chart.plane().to_geographic(place(sample));
-            let inputs = model.variables[3..3 + model.inputs].iter().zip(&then.inputs);
+            let inputs = model.input_variables().iter().zip(&then.inputs);
             WheelOver {
                 start_s: (start + index) as f64 / rate_hz,
                 longitude_deg,

@@ -221,8 +221,8 @@ impl Times {
     }
 }
 
-/// A time of day, to the second.
-fn utc(at_s: f64) -> String {
+/// A time in seconds since 1970 as a time of day in UTC, to the second.
+pub fn utc(at_s: f64) -> String {
     Timestamp::from_second(at_s.round() as i64).map_or_else(|_| format!("{at_s} s"), |at| at.to_string())
 }
 

@@ -18,7 +18,7 @@ const ONE_PLACE_M: f64 = 1.0;
 /// Distance of the places of a corridor at which depths are taken \[m\], and most of them along it and across.
 const SOUNDED_M: f64 = 10.0;
 const MOST_STEPS: f64 = 400.0;
-/// How near things are that a bridge is told of \[m\].
+/// How near things are that the crew has to know about \[m\].
 const NEAR_M: f64 = 200.0;
 /// Least cross-track distance \[m\]: positions by satellite are no better, and what shows charts alarms beyond it.
 const LEAST_XTD_M: f64 = 10.0;
@@ -63,10 +63,9 @@ impl SailedPlan<'_> {
         let (longitude_deg, latitude_deg) = self.geographic(start);
         let dangers = self.prepared.chart.dangers(self.prepared.brief.task.safety.transit_depth_m);
         let mut legs: Vec<PassageLeg> = drafts.iter().map(|one| self.passage_leg(one, &dangers)).collect();
-        for ([port, starboard], leg) in self.widths(&drafts, &dangers).into_iter().zip(&mut legs) {
+        let widths = self.widths(&drafts, &dangers);
+        for ((draft, [port, starboard]), leg) in drafts.iter().zip(widths).zip(&mut legs) {
             (leg.xtd_port_m, leg.xtd_starboard_m) = (port, starboard);
-        }
-        for (draft, leg) in drafts.iter().zip(&mut legs) {
             self.sound(&draft.line(), leg);
         }
         let task = &self.prepared.brief.task;
@@ -75,9 +74,9 @@ impl SailedPlan<'_> {
             let lasts_s = check.sailed_quantiles_s[2].max(check.sailed_s);
             Departures::around(&task.times, task.tide.as_ref(), at as f64, lasts_s)
         });
-        let departure = self.prepared.brief.task.departure.and_then(|at| Timestamp::from_second(at).ok());
+        let departure = task.departure.and_then(|at| Timestamp::from_second(at).ok());
         let departure = departure.map(|at| at.to_string());
-        let tide = self.prepared.brief.task.tide;
+        let tide = task.tide;
         let leave_s = leaves as f64 / rate_hz;
         Passage { departure, tide, departures, longitude_deg, latitude_deg, before, leave_s, legs }
     }

@@ -210,7 +210,7 @@ impl Brief {
     /// As [`Prepared::new`], of counts and area.
     pub fn sight(&self) -> Result<(Plane, Bounds), VoyageError> {
         let plane = self.task.area.plane()?;
-        let laid = self.task.on_start(&plane, self.task.nodes(&plane)?);
+        let laid = self.task.laid(&plane)?;
         Ok((plane, self.task.sight(laid, self.drift_m(&self.wanted()?))?))
     }
 
@@ -240,22 +240,33 @@ impl Task {
         keep_going: &dyn Fn() -> bool,
     ) -> Result<(Chart, Grid), VoyageError> {
         let plane = self.area.plane()?;
-        let (corner, [nx, ny]) = self.on_start(&plane, self.nodes(&plane)?);
-        let bounds = self.sight((corner, [nx, ny]), drift_m)?;
+        let laid = self.laid(&plane)?;
+        let bounds = self.sight(laid, drift_m)?;
         let chart = Chart::new_while(plane, bounds, layers, self.uncharted, keep_going)?;
         let chart = chart.ok_or(VoyageError::OutOfTime("the layout of the chart"))?;
         self.area.check_shown(layers, &chart)?;
-        let modes = self.modes_of(vessel);
-        if modes.is_empty() {
+        let grid = self.grid(vessel, laid);
+        if grid.modes.is_empty() {
             let expected = "at least one, for a vessel that cannot turn on the spot";
             return Err(Invalid::new("[[speed_mode]]", "none", expected, "add one").into());
         }
+        Ok((chart, grid))
+    }
+
+    /// The lattice that is laid so.
+    pub(super) fn grid(&self, vessel: &Vessel, (corner, [nx, ny]): ([f64; 2], [usize; 2])) -> Grid {
         let origin_m = corner.map(|c| c + self.cell_m / 2.0);
-        Ok((chart, Grid { nx, ny, headings: self.headings, cell_m: self.cell_m, origin_m, modes }))
+        let (headings, cell_m, modes) = (self.headings, self.cell_m, self.modes_of(vessel));
+        Grid { nx, ny, headings, cell_m, origin_m, modes }
+    }
+
+    /// South-western corner and size of the lattice on a plane, cropped to the area.
+    pub(super) fn laid(&self, plane: &Plane) -> Result<([f64; 2], [usize; 2]), Invalid> {
+        Ok(self.on_start(plane, self.nodes(plane)?))
     }
 
     /// South-western corner of the lattice's cells (east, north) \[m\], and the number of nodes eastward and northward.
-    pub(super) fn nodes(&self, plane: &Plane) -> Result<([f64; 2], [usize; 2]), Invalid> {
+    fn nodes(&self, plane: &Plane) -> Result<([f64; 2], [usize; 2]), Invalid> {
         let corners = match self.area.polygon(plane) {
             Some(polygon) => polygon.rings.concat(),
             None => self.area.box_corners().map(|[lon, lat]| plane.to_plane(lon, lat)).into(),
@@ -280,11 +291,7 @@ impl Task {
     }
 
     /// The same lattice, moved by up to half a cell if its start has to be a node, and cropped to the area.
-    pub(super) fn on_start(
-        &self,
-        plane: &Plane,
-        (mut min, mut size): ([f64; 2], [usize; 2]),
-    ) -> ([f64; 2], [usize; 2]) {
+    fn on_start(&self, plane: &Plane, (mut min, mut size): ([f64; 2], [usize; 2])) -> ([f64; 2], [usize; 2]) {
         let start = plane.to_plane(self.start.longitude_deg, self.start.latitude_deg);
         for k in 0..2 {
             let cells = (start[k] - min[k]) / self.cell_m - 0.5;
@@ -298,7 +305,7 @@ impl Task {
     }
 
     /// The speed modes, slowest first; at rest first of all where the vessel can turn on the spot.
-    pub(super) fn modes_of(&self, vessel: &Vessel) -> Vec<Mode> {
+    fn modes_of(&self, vessel: &Vessel) -> Vec<Mode> {
         let rest = can_hold(vessel).then(|| Mode { name: AT_REST.to_owned(), speed_m_s: 0.0 });
         let mut modes: Vec<Mode> = rest.into_iter().chain(self.modes.iter().cloned()).collect();
         modes.sort_by(|a, b| a.speed_m_s.total_cmp(&b.speed_m_s));

@@ -85,9 +85,10 @@ impl Prepared {
         if classes.len() > 1 {
             tried.push((classes.clone(), counted(&classes)?));
         }
-        let mut text = String::new();
+        let (mut text, mut remedy) = (String::new(), None);
         for (maneuver, wanted) in self.wanted.iter().enumerate() {
             let more = tried.iter().filter(|(_, moves)| moves[maneuver] > now[maneuver]);
+            remedy = remedy.or_else(|| more.clone().next()?.0.first());
             let more = more.map(|(open, moves)| format!("without {} {}", named(open), moves[maneuver]));
             let more: Vec<String> = more.collect();
             if !more.is_empty() {
@@ -95,8 +96,8 @@ impl Prepared {
                 text += &format!("; `{name}` has room for {now} moves, {more}");
             }
         }
-        if !text.is_empty() {
-            text += " (`rules`, such as `rules = { FAIRWY = \"ignore\" }`)";
+        if let Some(class) = remedy {
+            text += &format!(" (`rules`, such as `rules = {{ {class} = \"ignore\" }}`)");
         }
         Ok(text)
     }
@@ -109,7 +110,7 @@ impl Prepared {
         let mut moves = vec![0; self.wanted.len()];
         for (index, leg) in self.legs.iter().enumerate() {
             if let Some(piece) = leg.leg.purpose.piece() {
-                moves[piece] += waters.fits_among(index, &obstacles, open.is_empty());
+                moves[piece] += waters.count_among(index, &obstacles, open.is_empty());
             }
         }
         Ok(moves)

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use chart::Layer;
+use chart::route::KNOT_M_S;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use ship::engine::{Changes, Helm, MOST_CURRENT_M_S, Measurement, Run, Streams};
@@ -217,8 +218,7 @@ pub struct Hull {
 
 /// Squat in open water \[m\] of a ship under way: C_B V²/100 with V in knots (C. B. Barrass, *Ship Squat and Interaction*, 2009).
 pub(super) fn squat_m(block_coefficient: f64, speed_m_s: f64) -> f64 {
-    let knots = speed_m_s * 3600.0 / 1852.0;
-    block_coefficient * knots * knots / 100.0
+    block_coefficient * (speed_m_s / KNOT_M_S).powi(2) / 100.0
 }
 
 impl Hull {

@@ -47,8 +47,7 @@ pub struct Waters {
 impl Waters {
     /// Whether leg `index` may start at node (i, j).
     pub fn fits(&self, index: usize, i: usize, j: usize) -> bool {
-        self.is_free(self.layer_of_leg[index], &self.legs[index].footprint, i, j)
-            && self.is_slow(index, i, j)
+        self.fits_among(index, &self.obstacles[self.layer_of_leg[index]], [i, j])
             && self.is_with_traffic(index, i, j)
     }
 
@@ -67,14 +66,15 @@ impl Waters {
         self.against[index].iter().all(is_with)
     }
 
+    /// Whether leg `index` may start at a node among some obstacles, regardless of the traffic.
+    fn fits_among(&self, index: usize, obstacles: &Obstacles, [i, j]: [usize; 2]) -> bool {
+        self.is_free_among(obstacles, &self.legs[index].footprint, i, j) && self.is_slow(index, i, j)
+    }
+
     /// The number of nodes at which leg `index` may start among other obstacles, with or without regard to the traffic.
-    pub(super) fn fits_among(&self, index: usize, obstacles: &Obstacles, with_traffic: bool) -> usize {
-        let footprint = &self.legs[index].footprint;
+    pub(super) fn count_among(&self, index: usize, obstacles: &Obstacles, with_traffic: bool) -> usize {
         let fits = |(i, j): &(usize, usize)| {
-            let at = [self.cell(*i), self.cell(*j)];
-            obstacles.is_free(footprint, at[0], at[1])
-                && self.area.as_ref().is_none_or(|area| area.is_free(footprint, at[0], at[1]))
-                && self.is_slow(index, *i, *j)
+            self.fits_among(index, obstacles, [*i, *j])
                 && (!with_traffic || self.is_with_traffic(index, *i, *j))
         };
         nodes(self.nx, self.ny).filter(fits).count()
@@ -91,9 +91,13 @@ impl Waters {
     }
 
     fn is_free(&self, layer: usize, footprint: &Footprint, i: usize, j: usize) -> bool {
+        self.is_free_among(&self.obstacles[layer], footprint, i, j)
+    }
+
+    fn is_free_among(&self, obstacles: &Obstacles, footprint: &Footprint, i: usize, j: usize) -> bool {
         let at = [self.cell(i), self.cell(j)];
         let in_area = self.area.as_ref().is_none_or(|area| area.is_free(footprint, at[0], at[1]));
-        in_area && self.obstacles[layer].is_free(footprint, at[0], at[1])
+        in_area && obstacles.is_free(footprint, at[0], at[1])
     }
 
     /// Whether a place, east and north \[m\], is in the area.

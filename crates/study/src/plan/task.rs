@@ -6,7 +6,7 @@ use std::path::Path;
 use chart::route::Timestamp;
 use files::{Digest, Error, Provenance};
 use plan::voyage::{
-    Area, Brief, Daylight, ErrorsFrom, Failing, Slot, Task, Tide, TideRow, Times, current_m_s,
+    Area, Brief, Daylight, ErrorsFrom, Failing, Slot, Task, Tide, TideRow, Times, current_m_s, utc,
 };
 use plan::{Approach, DerivedHandling, Deviations, Handling, Tolerance};
 use refusal::Invalid;
@@ -154,8 +154,8 @@ pub fn in_tide(
     };
     let until = second("tide.until", &spec.until).map_err(of_config)?;
     if until <= departure {
-        let expected = format!("a time after the departure, {}", in_words(departure as f64));
-        let given = in_words(until as f64);
+        let expected = format!("a time after the departure, {}", utc(departure as f64));
+        let given = utc(until as f64);
         return Err(Error::refuse(config_file, "`tide.until`", given, expected, "correct it"));
     }
     let path = config_file.parent().unwrap_or(Path::new("")).join(&spec.file);
@@ -163,20 +163,13 @@ pub fn in_tide(
     provenance.inputs.insert("tide".to_owned(), Digest::of_bytes(&bytes));
     let table = table(&bytes).map_err(|invalid| Error::invalid(&path, invalid))?;
     let tide = Tide::worst(&table, departure as f64, (until - departure) as f64).ok_or_else(|| {
-        let [first, last] =
-            [table.first(), table.last()].map(|row| in_words(row.map_or(0.0, |row| row.at_s)));
-        let expected =
-            format!("one that covers {} to {}", in_words(departure as f64), in_words(until as f64));
+        let [first, last] = [table.first(), table.last()].map(|row| utc(row.map_or(0.0, |row| row.at_s)));
+        let expected = format!("one that covers {} to {}", utc(departure as f64), utc(until as f64));
         let remedy = "take a longer table, or another `departure` or `until`";
         Error::refuse(&path, "table", format!("{first} to {last}"), expected, remedy)
     })?;
     let times = Times { table, bounds: task.times.bounds };
     Ok(Task { times, ..task.with_tide(tide) })
-}
-
-/// A time in seconds since 1970, in words.
-fn in_words(at_s: f64) -> String {
-    Timestamp::from_second(at_s as i64).map_or_else(|_| format!("{at_s} s"), |at| at.to_string())
 }
 
 /// The rows of a table, whose times ascend.
@@ -204,7 +197,7 @@ fn table(bytes: &[u8]) -> Result<Vec<TideRow>, Invalid> {
         let line = record.position().map_or(0, csv::Position::line);
         let row = row(&record, &places, line)?;
         if rows.last().is_some_and(|last| last.at_s >= row.at_s) {
-            let (found, expected) = (in_words(row.at_s), "a later time than in the line before");
+            let (found, expected) = (utc(row.at_s), "a later time than in the line before");
             return Err(Invalid::new(format!("line {line}, `time`"), found, expected, "sort the table"));
         }
         rows.push(row);
@@ -253,8 +246,8 @@ impl PlanFile {
         if let (Some(from), Some(until)) = (from, until)
             && until <= from
         {
-            let expected = format!("a time after `slot.from`, {}", in_words(from));
-            return Err(Invalid::new("`slot.until`", in_words(until), expected, "correct one of them"));
+            let expected = format!("a time after `slot.from`, {}", utc(from));
+            return Err(Invalid::new("`slot.until`", utc(until), expected, "correct one of them"));
         }
         let Some(departure) = departure.map(|at| at as f64) else {
             let remedy = "say when the trial begins, such as departure = \"2026-06-01T08:00:00Z\"";
@@ -270,15 +263,11 @@ impl PlanFile {
         let ends = ends.min_by(|a, b| a.1.total_cmp(&b.1));
         let outside = |expected: String| {
             let remedy = "take another departure, or another slot";
-            Err(Invalid::new("`departure`", in_words(departure), expected, remedy))
+            Err(Invalid::new("`departure`", utc(departure), expected, remedy))
         };
         match (begins, ends) {
-            (Some((key, at)), _) if departure < at => {
-                outside(format!("{} or later, by `{key}`", in_words(at)))
-            }
-            (_, Some((key, at))) if departure >= at => {
-                outside(format!("before {}, by `{key}`", in_words(at)))
-            }
+            (Some((key, at)), _) if departure < at => outside(format!("{} or later, by `{key}`", utc(at))),
+            (_, Some((key, at))) if departure >= at => outside(format!("before {}, by `{key}`", utc(at))),
             _ => Ok([begins, ends]),
         }
     }
@@ -291,8 +280,7 @@ fn daylight(area: &Area, departure: f64) -> Result<Option<[f64; 2]>, Invalid> {
         Daylight::Between([rise, set]) => Ok(Some([rise.ceil(), set.floor()])),
         Daylight::Always => Ok(None),
         Daylight::Never => {
-            let given =
-                format!("no sunrise at latitude {latitude_deg:.1} on the day of {}", in_words(departure));
+            let given = format!("no sunrise at latitude {latitude_deg:.1} on the day of {}", utc(departure));
             let remedy = "take another day, or leave `daylight` out";
             Err(Invalid::new("`slot.daylight`", given, "a day with sun", remedy))
         }

@@ -296,8 +296,6 @@ pub fn of_ship(file: &Path, text: &str, seed: Option<u64>) -> Result<Preset, Err
 const POSITION_M: f64 = 3.0;
 const SPEED_M_S: f64 = 0.1;
 const CURRENT_M_S: f64 = 0.15;
-/// Error of the speed of the ship whose maneuvers are scaled \[m/s\].
-const SAILED_M_S: f64 = 0.02;
 
 /// The plan of the ship whose maneuvers are scaled, for another length and speed, and the side of its area \[m\]. Her beam is a part
 /// of her length, depths are by her draught. Of a guess vessels within half of her priors' deviations are planned for: all of them would
@@ -306,7 +304,7 @@ fn scaled_plan(ship: &ShipSpec, is_guess: bool) -> Result<(Cow<'static, str>, f6
     let (template, side_m) = Preset::named(SAILED.0)?.plan()?;
     let (length, speed) = (ship.length_m / SAILED.1, ship.speed_m_s / SAILED.2);
     let time = length / speed;
-    let (mut text, mut section) = (String::new(), "");
+    let (mut text, mut section, mut sensed_m_s) = (String::new(), "", 0.0_f64);
     for line in template.lines() {
         section = if line.starts_with('[') { line } else { section };
         if is_guess && line.starts_with("parameter_error") {
@@ -314,12 +312,7 @@ fn scaled_plan(ship: &ShipSpec, is_guess: bool) -> Result<(Cow<'static, str>, f6
                      she is identified\n";
             continue;
         }
-        let number = || {
-            let (key, rest) = line.split_once(" = ")?;
-            let number = rest.split_whitespace().next()?;
-            Some((key, number.parse::<f64>().ok()?, &rest[number.len()..]))
-        };
-        let value = number().and_then(|(key, given, rest)| {
+        let value = numbered(line).and_then(|(key, given, rest)| {
             let value = match (section, key) {
                 (_, "length_m") => ship.length_m,
                 (_, "draught_m") => ship.draught_m,
@@ -327,7 +320,10 @@ fn scaled_plan(ship: &ShipSpec, is_guess: bool) -> Result<(Cow<'static, str>, f6
                 (_, "trial_depth_m") => 2.0 * ship.draught_m,
                 (_, "unknown_current_m_s") => (speed * given).min(CURRENT_M_S),
                 (_, "position_m") => (length * given).min(POSITION_M),
-                ("[sensors]", "speed_m_s") => (speed * given).min(SPEED_M_S),
+                ("[sensors]", "speed_m_s") => {
+                    sensed_m_s = (speed * given).min(SPEED_M_S);
+                    sensed_m_s
+                }
                 (_, "cell_m" | "beam_m" | "margin_m") => length * given,
                 (_, "speed_m_s") => {
                     let value = at_speed(given, [ship.speed_m_s, SAILED.2]);
@@ -346,15 +342,22 @@ fn scaled_plan(ship: &ShipSpec, is_guess: bool) -> Result<(Cow<'static, str>, f6
         };
         if line.starts_with("tolerance_cells") {
             // Three standard deviations of what is measured.
-            let tolerance = 3.0 * (speed * SAILED_M_S).min(SPEED_M_S);
+            let tolerance = (3.0 * sensed_m_s).max(0.1);
             _ = writeln!(
                 text,
                 "tolerance_m_s = {}            # by which vessels may miss a speed",
-                rounded(tolerance.max(0.1))
+                rounded(tolerance)
             );
         }
     }
     Ok((text.into(), length * side_m))
+}
+
+/// The key of a line, its number, and what follows that; `None` of any other line.
+fn numbered(line: &str) -> Option<(&str, f64, &str)> {
+    let (key, rest) = line.split_once(" = ")?;
+    let number = rest.split_whitespace().next()?;
+    Some((key, number.parse().ok()?, &rest[number.len()..]))
 }
 
 /// A speed of a ship whose own is the second one, for one whose own is the first \[m/s\].
@@ -374,12 +377,6 @@ fn parsed(text: &str) -> Result<VesselFile, Invalid> {
 
 /// A line of a preset, for another speed than its own \[m/s\], by a factor on times and with another name of the rudder.
 fn scaled_line(line: &str, [speed_m_s, own_m_s]: [f64; 2], time: f64, rudder: &str) -> String {
-    let number = |key: &str| {
-        let rest = line.strip_prefix(key)?.strip_prefix(" = ")?;
-        let text = rest.split_whitespace().next()?;
-        Some((text.parse::<f64>().ok()?, &rest[text.len()..]))
-    };
-    let timed = ["duration_s", "turn_s", "dwell_s"].into_iter().find_map(|key| Some((key, number(key)?)));
     let scaled = |speed: f64| at_speed(speed, [speed_m_s, own_m_s]);
     let words = line.strip_prefix("description = \"from ").and_then(|words| words.strip_suffix(" m/s\""));
     let speeds =
@@ -387,16 +384,14 @@ fn scaled_line(line: &str, [speed_m_s, own_m_s]: [f64; 2], time: f64, rudder: &s
     if let Some([Ok(from), Ok(to)]) = speeds {
         return format!("description = \"from {} to {} m/s\"\n", scaled(from), scaled(to));
     }
-    if let Some((key, (speed, rest))) =
-        ["from_m_s", "to_m_s"].into_iter().find_map(|key| Some((key, number(key)?)))
-    {
-        return format!("{key} = {}{rest}\n", scaled(speed));
-    }
-    match (timed, number("speed_m_s")) {
-        (Some((key, (seconds, rest))), _) => format!("{key} = {:.1}{rest}\n", (time * seconds).round()),
-        (None, Some((_, rest))) => format!("speed_m_s = {speed_m_s}{rest}\n"),
-        (None, None) if line.starts_with("realizations = ") => format!("realizations = {TRIALS}\n"),
-        (None, None) => line.replace("{ delta = ", &format!("{{ {rudder} = ")) + "\n",
+    match numbered(line) {
+        Some((key @ ("from_m_s" | "to_m_s"), speed, rest)) => format!("{key} = {}{rest}\n", scaled(speed)),
+        Some((key @ ("duration_s" | "turn_s" | "dwell_s"), seconds, rest)) => {
+            format!("{key} = {:.1}{rest}\n", (time * seconds).round())
+        }
+        Some(("speed_m_s", _, rest)) => format!("speed_m_s = {speed_m_s}{rest}\n"),
+        Some(("realizations", ..)) => format!("realizations = {TRIALS}\n"),
+        _ => line.replace("{ delta = ", &format!("{{ {rudder} = ")) + "\n",
     }
 }
 
