@@ -3,7 +3,7 @@
 #   docker build --tag seatrial .
 #   docker run --rm --user "$(id -u):$(id -g)" --volume "$PWD:/work" seatrial run my-study
 #
-# On x86-64 the processor needs AVX2 and FMA. Never built yet: see CONTRIBUTING.md.
+# Never built yet: see CONTRIBUTING.md.
 FROM rust:1-bookworm AS build
 WORKDIR /source
 COPY . .

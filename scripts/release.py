@@ -5,9 +5,11 @@
     python scripts/release.py sum out/release/seatrial-0.2.0-py3-none-win_amd64.whl
     python scripts/release.py notes --version 0.2.0
 
-`check` compares the tag with Cargo.toml, CITATION.cff and CHANGELOG.md. `archive` packs the programs with README, licenses and the
-licenses of all dependencies in them, as .tar.gz or, for Windows, .zip, and writes the SHA-256 sum beside it. `sum` writes
-that of other files, such as wheels. Needs nothing but Python and cargo. Exits with 3 where a file is not as expected.
+`check` compares the tag with Cargo.toml, CITATION.cff and CHANGELOG.md. `archive` packs the programs with README, manual pages,
+completions for shells, licenses, those of all dependencies and a list of these in CycloneDX (sbom.json), as .tar.gz or, for
+Windows, .zip, and writes the SHA-256 sum beside it: the same bytes for the same programs. Programs of another system write no
+pages here: `--by` names one that does. `sum` writes that of other files, such as wheels. Needs nothing but Python and cargo.
+Exits with 3 where a file is not as expected.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ import re
 import subprocess
 import sys
 import tarfile
+import tempfile
 import tomllib
 import zipfile
 from pathlib import Path
@@ -106,6 +109,32 @@ def license_texts(packages: list[dict]) -> str:
     return "\n".join(parts)
 
 
+def sbom(packages: list[dict], target: str) -> str:
+    """The packages in the programs for `target`, in CycloneDX 1.5."""
+    def part(each: dict) -> dict:
+        name, number = each["name"], each["version"]
+        purl = f"pkg:cargo/{name}@{number}"
+        licenses = [{"expression": each["license"].replace("/", " OR ")}] if each["license"] else []
+        return {"type": "library", "bom-ref": purl, "name": name, "version": number, "purl": purl, "licenses": licenses}
+
+    whole = {"type": "application", "bom-ref": "seatrial", "name": "seatrial", "version": version()}
+    parts = [part(each) for each in packages]
+    metadata = {"component": whole, "properties": [{"name": "target", "value": target}]}
+    bom = {"bomFormat": "CycloneDX", "specVersion": "1.5", "version": 1, "metadata": metadata, "components": parts}
+    return json.dumps(bom, indent=1, ensure_ascii=False) + "\n"
+
+
+def pages(program: Path) -> dict[str, bytes]:
+    """The manual pages and the completions that `program` writes."""
+    def written(*words: str) -> bytes:
+        return subprocess.run([str(program), "completions", *words], check=True, capture_output=True).stdout
+
+    with tempfile.TemporaryDirectory() as folder:
+        written("man", folder)
+        found = {f"man/man1/{path.name}": path.read_bytes() for path in sorted(Path(folder).iterdir())}
+    return found | {f"completions/seatrial.{shell}": written(shell) for shell in ("bash", "elvish", "fish", "powershell", "zsh")}
+
+
 def tar(name: str, files: dict[str, tuple[bytes, int]]) -> bytes:
     """`files`, with their modes, in a folder `name` of a .tar.gz."""
     plain = io.BytesIO()
@@ -128,11 +157,15 @@ def zipped(name: str, files: dict[str, tuple[bytes, int]]) -> bytes:
     return whole.getvalue()
 
 
-def archive(folder: Path, target: str, out: Path) -> Path:
-    """Packs the programs in `folder` for `target` into `out`, with the sum beside."""
+def archive(folder: Path, target: str, out: Path, by: Path | None) -> Path:
+    """Packs the programs in `folder` for `target` into `out`, with the pages that the program `by` writes, and the sum beside."""
     files = {f"bin/{name}": (content, 0o755) for name, content in programs(folder, target).items()}
     files |= {name: ((TOP / name).read_bytes(), 0o644) for name in TEXTS}
-    files["LICENSES-OF-DEPENDENCIES.txt"] = (license_texts(dependencies(target)).encode(), 0o644)
+    by = by or folder / ("seatrial.exe" if "windows" in target else "seatrial")
+    files |= {name: (content, 0o644) for name, content in pages(by.absolute()).items()}
+    packages = dependencies(target)
+    files["LICENSES-OF-DEPENDENCIES.txt"] = (license_texts(packages).encode(), 0o644)
+    files["sbom.json"] = (sbom(packages, target).encode(), 0o644)
     name = f"seatrial-{version()}-{target}"
     ending, pack = (".zip", zipped) if "windows" in target else (".tar.gz", tar)
     content = pack(name, files)
@@ -162,6 +195,7 @@ def arguments() -> argparse.Namespace:
     packing.add_argument("--bin", type=Path, required=True)
     packing.add_argument("--target", required=True)
     packing.add_argument("--out", type=Path, required=True)
+    packing.add_argument("--by", type=Path)
     return parser.parse_args()
 
 
@@ -176,7 +210,7 @@ def main() -> int:
             for path in given.files:
                 print(summed(path))
         else:
-            print(archive(given.bin, given.target, given.out))
+            print(archive(given.bin, given.target, given.out, given.by))
     except Refused as refused:
         print(f"error: {refused}", file=sys.stderr)
         return 3

@@ -148,12 +148,12 @@ pub const RULES: [Rule; 20] = [
     avoid(&["BCNCAR", "BCNISD", "BCNLAT", "BCNSAW", "BCNSPP"], Judged::Body),
     ignore(&["COALNE", "RIVBNK", "CANBNK", "LAKSHR"], Judged::Land, Ignored::SaidElsewhere),
     avoid(&["BRIDGE", "CBLOHD", "PIPOHD", "CONVYR"], Judged::Clearance),
-    avoid(&["UNSARE", "RESARE"], Judged::Place),
+    avoid(&["UNSARE", "RESARE", "TSSRON"], Judged::Place),
     avoid(&["NEWOBJ"], Judged::Unknown),
     Rule {
         classes: &[
-            "FAIRWY", "TSSLPT", "TSSRON", "TSSCRS", "TSSBND", "TSELNE", "TSEZNE", "ISTZNE", "PRCARE",
-            "DWRTPT", "TWRTPT", "ACHARE", "ACHBRT", "PILBOP", "MIPARE", "SUBTLN", "SPLARE", "CTNARE",
+            "FAIRWY", "TSSLPT", "TSSCRS", "TSSBND", "TSELNE", "TSEZNE", "ISTZNE", "PRCARE", "DWRTPT",
+            "TWRTPT", "ACHARE", "ACHBRT", "PILBOP", "MIPARE", "SUBTLN", "SPLARE", "CTNARE",
         ],
         judged: Judged::Place,
         treatment: Treatment::ManeuversAvoid,

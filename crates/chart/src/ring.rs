@@ -157,7 +157,7 @@ fn exact_sign(products: [(f64, f64); 6]) -> Ordering {
     let mut used = 0;
     for (x, y) in products {
         let product = x * y;
-        for term in [x.mul_add(y, -product), product] {
+        for term in [libm::fma(x, y, -product), product] {
             let mut sum = term;
             for part in &mut parts[..used] {
                 let (total, error) = two_sum(sum, *part);

@@ -134,7 +134,8 @@ impl Common {
         name: &str,
         inputs: impl IntoIterator<Item = I>,
     ) -> Result<PathBuf, Failure> {
-        let folder = self.out.is_dir() || self.out.as_os_str().to_string_lossy().ends_with('/');
+        let folder =
+            self.out.is_dir() || self.out.as_os_str().to_string_lossy().ends_with(std::path::is_separator);
         let out = if folder { self.out.join(name) } else { self.out.clone() };
         let existing = out.canonicalize().ok();
         let same = |input: &I| existing.is_some() && input.as_ref().canonicalize().ok() == existing;

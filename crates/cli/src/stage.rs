@@ -197,7 +197,8 @@ pub fn run(task: &dyn Task, common: &Common) -> ExitCode {
     tell_panics_of_our_own();
     listen();
     set_budget(common.memory_mib);
-    let done = check_processor().and_then(|()| start_threads(common.threads)).and_then(|()| task.run(common));
+    let done =
+        check_processor(common).and_then(|()| start_threads(common.threads)).and_then(|()| task.run(common));
     let print = |summary: Summary| match common.json {
         true => on_stdout(summary.json),
         false => on_stdout(summary.line),
@@ -208,12 +209,19 @@ pub fn run(task: &dyn Task, common: &Common) -> ExitCode {
     }
 }
 
-/// Refuses a processor for which the loops over lanes were not compiled.
-fn check_processor() -> Result<(), Failure> {
+/// Says that a processor has no instructions for the loops over lanes; refuses it where they were compiled for no other.
+fn check_processor(common: &Common) -> Result<(), Failure> {
     let Some(missing) = numerics::missing_instructions() else { return Ok(()) };
-    Err(Failure::Failed(format!(
-        "processor: found no {missing}, expected them, as x86-64 processors have them since 2013; use another machine"
-    )))
+    if cfg!(debug_assertions) {
+        let expected = "them, as x86-64 processors have them since 2013; build it with --release";
+        return Err(Failure::Failed(format!("processor: found no {missing}, expected {expected}")));
+    }
+    if !common.quiet {
+        on_stderr(format!(
+            "this processor lacks {missing}: the results are the same, and take several times as long"
+        ));
+    }
+    Ok(())
 }
 
 /// Prints the requested help, or what is wrong with the command line, in one line.
@@ -315,16 +323,33 @@ fn listen() {
     let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP]) else { return };
     std::thread::spawn(move || {
         if let Some(signal) = signals.forever().next() {
-            files::abandon();
-            crate::compiler::abandon();
-            on_stderr("error: interrupted");
-            std::process::exit(128 + signal);
+            end_by(signal);
         }
     });
 }
 
 #[cfg(not(unix))]
-fn listen() {}
+fn listen() {
+    let interrupted = std::sync::Arc::default();
+    if signal_hook::flag::register(signal_hook::consts::SIGINT, std::sync::Arc::clone(&interrupted)).is_err()
+    {
+        return;
+    }
+    std::thread::spawn(move || {
+        while !interrupted.load(std::sync::atomic::Ordering::Relaxed) {
+            std::thread::sleep(std::time::Duration::from_millis(50));
+        }
+        end_by(signal_hook::consts::SIGINT);
+    });
+}
+
+/// Removes unfinished files, and ends the process as after `signal`.
+fn end_by(signal: i32) -> ! {
+    files::abandon();
+    crate::compiler::abandon();
+    on_stderr("error: interrupted");
+    std::process::exit(128 + signal);
+}
 
 /// The hand-written files that a folder given as `--study` may contain.
 const IN_STUDIES: [&str; 4] = ["vessel", "dictionary", "campaign", "reference"];

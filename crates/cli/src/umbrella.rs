@@ -167,6 +167,7 @@ impl Task for RunArguments {
             pipeline.until(stage).map_err(|e| Failure::Usage(format!("--stage: {e}")))?;
         }
         let commands = commands(&pipeline, common)?;
+        check_within(&out)?;
         std::fs::create_dir_all(&out).map_err(|e| Error::io(&out, "create", e))?;
         let Provenance { producer, .. } = common.provenance("seatrial");
         let program = std::env::current_exe().ok().and_then(|file| Digest::of_file(file).ok());

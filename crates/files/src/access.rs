@@ -6,7 +6,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, FileType, OpenOptions};
-use std::io::{self, BufReader, ErrorKind, Read};
+use std::io::{self, BufReader, ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -36,6 +36,11 @@ pub(crate) fn open_unobserved(path: &Path) -> Result<File> {
     // Another file may have taken the name since.
     refuse_special(path, file.metadata().map_err(unreadable)?.file_type())?;
     Ok(file)
+}
+
+/// `path` as it is named in files, which may be read on another system: with `/` between its parts.
+pub fn slashed(path: &Path) -> String {
+    path.to_string_lossy().replace(std::path::MAIN_SEPARATOR, "/")
 }
 
 /// Whether there is something at `path` to [`open`], or to refuse.
@@ -227,7 +232,7 @@ impl Observed {
             Self::Place(folder) => {
                 let (place, base) = (folder.canonicalize().ok()?, base.canonicalize().ok()?);
                 let below = place.strip_prefix(base).unwrap_or(&place);
-                Some(Digest::of_bytes(below.as_os_str().as_encoded_bytes()))
+                Some(Digest::of_bytes(slashed(below).as_bytes()))
             }
         }
     }
@@ -280,11 +285,25 @@ pub fn place_of(folder: &Path) -> io::Result<PathBuf> {
     folder.canonicalize()
 }
 
-/// Refuses to write at `path` if that is outside the folder of the outputs, links resolved.
+/// Names that no file has on Windows, with any ending.
+pub const DEVICES: &str = "aux con nul prn com1 com2 com3 com4 com5 com6 com7 com8 com9 lpt1 lpt2 lpt3 lpt4 lpt5 lpt6 lpt7 lpt8 lpt9";
+
+/// The part of `path` that names a device on Windows, if one does.
+pub fn device_in(path: &Path) -> Option<String> {
+    let parts = path.iter().map(|part| part.to_string_lossy().into_owned());
+    let is_device = |part: &String| {
+        let plain = part.split('.').next().unwrap_or_default().trim_end();
+        DEVICES.split(' ').any(|device| device.eq_ignore_ascii_case(plain))
+    };
+    parts.into_iter().find(is_device)
+}
+
+/// Refuses to write at `path` if that is outside the folder of the outputs, links resolved, or a device of Windows there.
 ///
 /// # Errors
 /// [`Error::Refused`] for another place.
 pub fn check_within(path: &Path) -> Result<()> {
+    refuse_device(path)?;
     let Some(within) = current().as_ref().map(|trace| trace.folders[1].clone()) else { return Ok(()) };
     // What is not there yet is created below what is.
     let whole = std::path::absolute(path).map_err(|e| Error::io(path, "create", e))?;
@@ -296,6 +315,13 @@ pub fn check_within(path: &Path) -> Result<()> {
         (format!("a place in {}", place.display()), format!("one below {}", within.display()));
     let remedy = "remove the link, or name another folder";
     Err(Error::refuse(path, "output", found, expected, remedy))
+}
+
+/// Refuses to write at a path that is a device of Windows there.
+pub(crate) fn refuse_device(path: &Path) -> Result<()> {
+    let Some(device) = device_in(path).filter(|_| cfg!(windows)) else { return Ok(()) };
+    let named = format!("`{device}`, which is a device on Windows");
+    Err(Error::refuse(path, "output", named, "the name of a file", "name it otherwise"))
 }
 
 /// Notes that the stage has written `path`.
@@ -311,13 +337,14 @@ fn observed(path: &Path, opened: Result<File>) -> Result<File> {
     if is_known(&what) {
         return opened;
     }
-    let digest = opened.as_ref().ok().and_then(|file| {
-        // From a position of its own
-        let source = Source::new(file.try_clone().ok()?).ok()?;
-        Digest::of_reader(source.from(0)).ok()
+    // Reading at a place moves the position of the file on some systems: who opens it begins at its start.
+    let mut digest = None;
+    let rewound = opened.and_then(|mut file| {
+        digest = Digest::of_reader(&file).ok();
+        file.rewind().map(|()| file).map_err(|e| Error::io(path, "read", e))
     });
     note(what, digest);
-    opened
+    rewound
 }
 
 fn observe(what: Observed) {

@@ -136,17 +136,9 @@ fn groups() -> impl Iterator<Item = f64> {
 }
 
 /// Free bytes for `folder`, or where it will be created; `None` if unknown.
-#[cfg(unix)]
 pub fn free_bytes(folder: &Path) -> Option<f64> {
-    let known = folder.ancestors().map(|at| if at == Path::new("") { Path::new(".") } else { at });
-    let disk = known.into_iter().find_map(|at| rustix::fs::statvfs(at).ok())?;
-    Some(disk.f_bavail as f64 * disk.f_frsize as f64)
-}
-
-/// Free bytes for a folder: unknown on this system.
-#[cfg(not(unix))]
-pub fn free_bytes(_: &Path) -> Option<f64> {
-    None
+    let mut known = folder.ancestors().map(|at| if at == Path::new("") { Path::new(".") } else { at });
+    known.find_map(|at| fs4::available_space(at).ok()).map(|bytes| bytes as f64)
 }
 
 #[cfg(test)]

@@ -81,6 +81,14 @@ fn shown(path: &Path) -> String {
 
 fn io_line(path: &Path, action: &str, source: &io::Error) -> String {
     let (expected, remedy) = match (action, source.kind()) {
+        // Windows: a sharing or lock violation
+        _ if cfg!(windows) && matches!(source.raw_os_error(), Some(32 | 33)) => {
+            ("a file that no other program has open", "close it there")
+        }
+        ("rename", io::ErrorKind::PermissionDenied) if cfg!(windows) => (
+            "permission to replace it",
+            "close it where it is open, change the folder's permissions or write elsewhere",
+        ),
         ("read", io::ErrorKind::NotFound) => ("an existing file", "check the path or write the file first"),
         (_, io::ErrorKind::NotFound) => ("an existing folder", "create the folder first"),
         ("read", io::ErrorKind::PermissionDenied) => ("permission to read it", "change its permissions"),

@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use tempfile::{Builder, NamedTempFile, TempPath};
 
-use crate::access::check_within;
+use crate::access::{check_within, refuse_device};
 use crate::error::{Error, Result};
 use crate::seal::Digest;
 
@@ -76,6 +76,7 @@ impl Staged {
 pub(crate) fn create_temporary(target: &Path) -> Result<NamedTempFile> {
     let folder = folder_of(target);
     let fail = |kind: io::ErrorKind, what: String| Error::io(target, "create", io::Error::new(kind, what));
+    refuse_device(target)?;
     if target.file_name().is_none() || target.is_dir() {
         return Err(fail(io::ErrorKind::IsADirectory, "a folder".to_owned()));
     }

@@ -35,12 +35,9 @@ impl Once {
     pub const fn spend(self) {}
 }
 
-/// Runs `op` as compiled for the widest vector instructions of this processor. On x86-64 that is AVX-512, or AVX2 with FMA: the
-/// version for older processors was twenty times slower, and cost compile time all the same. With debug assertions, as tests are
-/// built, AVX-512 is left out: it gives the same bits, and takes half of the time to compile.
-///
-/// # Panics
-/// Where the processor has neither. Programs check [`missing_instructions`] first.
+/// Runs `op` as compiled for the widest vector instructions of this processor: on x86-64 AVX-512, or AVX2 with FMA, or none of
+/// them, which gives the same bits and takes several times as long. With debug assertions, as tests are built, AVX-512 is left out:
+/// it takes half of the time to compile.
 #[inline(always)]
 pub fn dispatch<O: WithSimd>(op: O) -> O::Output {
     #[cfg(all(target_arch = "x86_64", not(debug_assertions)))]
@@ -59,24 +56,33 @@ pub fn dispatch_narrow<O: WithSimd>(op: O) -> O::Output {
         use pulp::Simd;
         match pulp::x86::V3::try_new() {
             Some(simd) => Simd::vectorize(simd, op),
-            None => lacking(),
+            None => any_processor(op),
         }
     }
     #[cfg(not(target_arch = "x86_64"))]
     pulp::Arch::new().dispatch(op)
 }
 
-/// Required instructions that this processor lacks.
+/// Runs `op` on a processor of x86-64 that lacks AVX2 or FMA.
+#[cfg(all(target_arch = "x86_64", not(debug_assertions)))]
+#[cold]
+#[inline(never)]
+fn any_processor<O: WithSimd>(op: O) -> O::Output {
+    pulp::Simd::vectorize(pulp::Scalar::new(), op)
+}
+
+/// Programs built for tests are compiled for one kind of processor alone, and check [`missing_instructions`] first.
+#[cfg(all(target_arch = "x86_64", debug_assertions))]
+#[cold]
+fn any_processor<O: WithSimd>(_: O) -> O::Output {
+    panic!("this processor lacks AVX2 and FMA, which programs built for tests need")
+}
+
+/// Instructions that this processor lacks, without which the programs take several times as long.
 pub fn missing_instructions() -> Option<&'static str> {
     #[cfg(target_arch = "x86_64")]
     let missing = pulp::x86::V3::try_new().is_none();
     #[cfg(not(target_arch = "x86_64"))]
     let missing = false;
     missing.then_some("AVX2 and FMA")
-}
-
-#[cfg(target_arch = "x86_64")]
-#[cold]
-fn lacking() -> ! {
-    panic!("this processor lacks AVX2 and FMA, which those of 2013 and later have")
 }

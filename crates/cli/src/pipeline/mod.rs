@@ -13,8 +13,8 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf, absolute};
 
 use files::{
-    Digest, Error, Observed, Provenance, Trace, commit, read_document, read_hand_written, stage_document,
-    trace,
+    Digest, Error, Observed, Provenance, Trace, commit, read_document, read_hand_written, slashed,
+    stage_document, trace,
 };
 use refusal::{Invalid, foreign};
 use ship::model::VesselFile;
@@ -258,7 +258,7 @@ impl Folders {
         for (name, folder) in [(OUT, &self.out), (STUDY, &self.study)] {
             for base in [absolute(folder).ok(), folder.canonicalize().ok()].into_iter().flatten() {
                 if let Ok(rest) = whole.strip_prefix(base) {
-                    return Path::new(name).join(rest).to_string_lossy().trim_end_matches('/').to_owned();
+                    return slashed(&Path::new(name).join(rest)).trim_end_matches('/').to_owned();
                 }
             }
         }
@@ -266,7 +266,7 @@ impl Folders {
         let study = self.study.canonicalize().unwrap_or_default();
         match study.strip_prefix(&whole) {
             Ok(below) => STUDY.to_owned() + &"/..".repeat(below.components().count()),
-            Err(_) => whole.to_string_lossy().into_owned(),
+            Err(_) => slashed(&whole),
         }
     }
 
@@ -276,7 +276,7 @@ impl Folders {
         let (study, out) = (study.ok()?, out.ok()?);
         let shared = study.components().zip(out.components()).take_while(|(one, other)| one == other).count();
         let rest: PathBuf = study.components().skip(shared).collect();
-        Some("../".repeat(out.components().count() - shared) + &rest.to_string_lossy())
+        Some("../".repeat(out.components().count() - shared) + &slashed(&rest))
     }
 
     /// The path that a record names `key`.

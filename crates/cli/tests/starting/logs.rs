@@ -8,14 +8,15 @@ use tempfile::TempDir;
 
 use crate::support::{craft, *};
 
-/// A folder with `logs` of the model ship's simulated trial as if they were measured, with `from` in their headers replaced by
-/// `to`.
-pub fn logged(from: &str, to: &str) -> TempDir {
+/// A folder with `logs` of the model ship's simulated trial, with every maneuver `repeats` times, as if they were measured, with `from`
+/// in their headers replaced by `to`.
+pub fn logged(repeats: u32, from: &str, to: &str) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let study = repository().join("pipelines/model-ship");
     for name in ["vessel.toml", "dictionary.toml", "logs.toml"] {
         fs::copy(study.join(name), folder.path().join(name)).unwrap();
     }
+    edit(&folder, "logs.toml", "repeats = 5", &format!("repeats = {repeats}"));
     fs::create_dir(folder.path().join("logs")).unwrap();
     run(&folder, "simulate logs --vessel vessel.toml --dictionary dictionary.toml --logs logs.toml --out logs/simulated.json")
         .succeeds();
@@ -45,9 +46,9 @@ const INGEST: &str = "run mine --out out --quiet --stage ingest";
 
 #[test]
 fn logs_come_to_their_page_by_two_commands() {
-    let folder = logged("heading", "heading");
+    let folder = logged(2, "heading", "heading");
     let ran = run(&folder, NEW).succeeds();
-    assert!(ran.stdout.contains("55 logs") && ran.stdout.contains("0 channels missing"), "{ran}");
+    assert!(ran.stdout.contains("22 logs") && ran.stdout.contains("0 channels missing"), "{ran}");
     few_candidates(&folder);
     run(&folder, "run mine --out out --quiet").succeeds();
     let page = String::from_utf8(bytes(&folder, "out/measured/report.html")).unwrap();
@@ -67,7 +68,7 @@ fn logs_come_to_their_page_by_two_commands() {
     run(&folder, "verify out --study mine").succeeds();
     fs::write(folder.path().join("mine/next/campaign.toml"), whole).unwrap();
     run(&folder, "run mine --out out --quiet").succeeds();
-    assert!(samples(&folder) > 55 * 70, "{}", samples(&folder));
+    assert!(samples(&folder) > 22 * 70, "{}", samples(&folder));
     // What is there is up to date, and a changed log is not
     let again = run(&folder, "run mine --out out --quiet").succeeds();
     assert!(again.stdout.contains(": 0 of 8 stages run"), "{again}");
@@ -80,7 +81,7 @@ fn logs_come_to_their_page_by_two_commands() {
 
 #[test]
 fn what_was_guessed_is_marked_on_its_line() {
-    let folder = logged("heading [deg]", "heading");
+    let folder = logged(5, "heading [deg]", "heading");
     run(&folder, NEW).succeeds();
     let text = String::from_utf8(bytes(&folder, "mine/ingest.toml")).unwrap();
     for line in [
@@ -119,7 +120,7 @@ fn columns_of_parquet_are_recognised() {
 
 #[test]
 fn a_column_that_is_not_placed_is_listed_and_works_once_it_is_named() {
-    let folder = logged("thruster 1 [rpm]", "port [rpm]");
+    let folder = logged(5, "thruster 1 [rpm]", "port [rpm]");
     let ran = run(&folder, NEW).succeeds();
     assert!(ran.stdout.contains("1 channels missing"), "{ran}");
     let text = String::from_utf8(bytes(&folder, "mine/ingest.toml")).unwrap();
@@ -133,11 +134,11 @@ fn a_column_that_is_not_placed_is_listed_and_works_once_it_is_named() {
 
 #[test]
 fn law_a_wrong_guess_works_once_it_is_corrected() {
-    let right = logged("heading", "heading");
+    let right = logged(5, "heading", "heading");
     run(&right, NEW).succeeds();
     run(&right, INGEST).succeeds();
     // Degrees below a turn's 6.28, and no unit: they could be radians.
-    let wrong = logged("thruster 1 [deg]", "azimuth 1");
+    let wrong = logged(5, "thruster 1 [deg]", "azimuth 1");
     run(&wrong, NEW).succeeds();
     run(&wrong, INGEST).succeeds();
     let summary = |folder: &TempDir| json(folder, "out/measured/ingest.json");
@@ -383,7 +384,7 @@ fn logs_too_short_to_show_their_steps_give_times_above_zero() {
 
 #[test]
 fn names_of_recordings_may_have_commas() {
-    let folder = logged("heading", "heading");
+    let folder = logged(2, "heading", "heading");
     let mut logs: Vec<_> =
         fs::read_dir(folder.path().join("logs")).unwrap().map(|own| own.unwrap().path()).collect();
     logs.sort();

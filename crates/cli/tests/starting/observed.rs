@@ -45,7 +45,7 @@ fn charted() -> TempDir {
 /// A study `mine` of the logs in the folder `logs`, whose next trial is designed of few maneuvers, and how it is run to its first
 /// stage.
 fn of_logs() -> TempDir {
-    let folder = logged("heading", "heading");
+    let folder = logged(2, "heading", "heading");
     run(&folder, "new mine --vessel model-ship --logs logs").succeeds();
     few_candidates(&folder);
     folder

@@ -88,3 +88,13 @@ fn a_file_has_ordinary_permissions() {
     let mode = |path| std::fs::metadata(path).unwrap().permissions().mode();
     assert_eq!(mode(path), mode(plain));
 }
+
+#[test]
+fn names_of_devices_are_seen_in_any_part_and_with_any_ending() {
+    for (path, device) in [("out/nul", "nul"), ("Con.parquet", "Con.parquet"), ("lpt1/x.json", "lpt1")] {
+        assert_eq!(files::device_in(path.as_ref()).as_deref(), Some(device), "{path}");
+    }
+    for path in ["out/null.json", "com/x.parquet", "a.con", "com10.json"] {
+        assert_eq!(files::device_in(path.as_ref()), None, "{path}");
+    }
+}

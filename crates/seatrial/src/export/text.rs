@@ -150,6 +150,7 @@ fn spelled(c: char) -> String {
 /// The base name of files and functions: the vessel's name in lower case.
 pub fn file_name(name: &str) -> String {
     let mut taken = Identifiers::reserved();
+    taken.reserve(files::DEVICES);
     match name.chars().any(|c| c.is_ascii_alphabetic()) {
         true => taken.take(&identifier(&name.to_lowercase()).chars().take(40).collect::<String>()),
         false => "vessel".to_owned(),

@@ -34,6 +34,7 @@ fn files_are_named_after_the_vessel() {
         ("船", "vessel"),
         ("", "vessel"),
         ("For", "for_2"),
+        ("Con", "con_2"),
         ("2nd ship", "x_2nd_ship"),
     ] {
         assert_eq!(file_name(name), expected);
