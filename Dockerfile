@@ -7,7 +7,7 @@
 FROM rust:1-bookworm AS build
 WORKDIR /source
 COPY . .
-RUN cargo build --release --locked -p cli \
+RUN cargo build --release --locked -p seatrial-cli \
     && mkdir /programs \
     && find target/release -maxdepth 1 -type f -executable -exec cp {} /programs/ \;
 

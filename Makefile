@@ -93,7 +93,7 @@ SOURCES := Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name 'Carg
 
 # Not the examples that no test runs: clippy checks them
 TESTS := $(CARGO) test --workspace --locked --tests
-BUILD := $(if $(filter target/debug,$(BIN)),$(TESTS) --no-run,$(CARGO) build --release --locked -p cli)
+BUILD := $(if $(filter target/debug,$(BIN)),$(TESTS) --no-run,$(CARGO) build --release --locked -p seatrial-cli)
 
 $(BIN)/.built: $(SOURCES)
 	$(BUILD)
@@ -294,7 +294,7 @@ nightly: test
 
 .PHONY: bench
 bench:
-	$(CARGO) build --release --locked -p cli --example bench
+	$(CARGO) build --release --locked -p seatrial-cli --example bench
 	@if command -v $(PYTHON) > /dev/null; then $(PYTHON) scripts/bench.py; \
 	else echo "no $(PYTHON): our own figures only; for the peers install Python 3.11 and scripts/README.md's packages"; $(BIN)/examples/bench; fi
 
@@ -343,13 +343,13 @@ oracle:
 
 .PHONY: schemas
 schemas:
-	$(CARGO) run --locked -p cli --example write_schemas -- schemas
+	$(CARGO) run --locked -p seatrial-cli --example write_schemas -- schemas
 	@if command -v $(PYTHON) > /dev/null; then $(PYTHON) scripts/python_documents.py; \
 	else echo "no $(PYTHON): python/src/seatrial/documents.py is not written again"; fi
 
 .PHONY: golden
 golden:
-	$(CARGO) test --locked -p cli --test study --test pooled -- --ignored
+	$(CARGO) test --locked -p seatrial-cli --test study --test pooled -- --ignored
 
 .PHONY: clean
 clean:

@@ -69,7 +69,7 @@ LINES = (
 def main() -> None:
     arguments = parse_arguments()
     if not arguments.ours.is_file():
-        raise SystemExit(f"{arguments.ours}: no such program; build it with `cargo build --release -p cli --example bench`")
+        raise SystemExit(f"{arguments.ours}: no such program; build it with `cargo build --release -p seatrial-cli --example bench`")
     peers = load_peers(arguments.study, arguments.ours, arguments.tables)
     ours: list[Figures] = []
     theirs: list[Figures] = []

@@ -5,18 +5,19 @@
 #
 #   sh scripts/other-systems.sh windows|arm64|2013|2008 OUT [STUDY...]      OUT: a folder for programs and outputs
 #
-# TESTS names the crates that are tested: all but that of the command line unless it is set, `TESTS=` for none. Needs Debian as
-# root, which gives compilers and emulators, and a nightly cargo, which builds the standard library from Debian's sources.
+# TESTS are the packages that are tested, such as "-p seatrial-ship": all but that of the command line unless it is set, `TESTS=`
+# for none. WHEEL=yes builds the wheel, too. Needs Debian as root, which gives compilers and emulators, and a nightly cargo, which
+# builds the standard library from Debian's sources.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 top=$(cd "$here/.." && pwd)
 kind=${1:-}
-[ $# -ge 2 ] || { sed -n '2,10s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+[ $# -ge 2 ] || { sed -n '2,11s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 mkdir -p "$2"
 out=$(cd "$2" && pwd)
 shift 2
 [ $# -gt 0 ] || set -- smoke paper pooled helsinki esso-osaka
-TESTS=${TESTS-"refusal numerics maneuver files regression ship trial logs chart design validation study report seatrial plan estimation"}
+TESTS=${TESTS---workspace --exclude seatrial-cli}
 
 # Packages $1 of Debian, unless the program $2 is there.
 have() {
@@ -55,7 +56,7 @@ C
     x86_64-w64-mingw32-gcc -shared -O1 -o "$folder/bcryptprimitives.dll" "$out/random.c" -ladvapi32
     cp "$folder/bcryptprimitives.dll" "$folder/deps/"
     export CARGO_TARGET_X86_64_PC_WINDOWS_GNU_RUNNER=/usr/lib/wine/wine64
-    built build -p cli --bin seatrial
+    built build -p seatrial-cli --bin seatrial
     wrap "$out/programs" "/usr/lib/wine/wine64 '$folder/seatrial.exe'" ;;
   arm64)
     target=aarch64-unknown-linux-gnu
@@ -63,7 +64,7 @@ C
     have qemu-user qemu-aarch64
     export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
     export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="qemu-aarch64 -L /usr/aarch64-linux-gnu"
-    built build -p cli --bin seatrial
+    built build -p seatrial-cli --bin seatrial
     wrap "$out/programs" "qemu-aarch64 -L /usr/aarch64-linux-gnu '$out/target/$target/debug/seatrial'" ;;
   2013 | 2008)
     [ "$(uname -m)" = x86_64 ] || { echo "other-systems: found $(uname -m), expected x86_64; try it there" >&2; exit 2; }
@@ -74,10 +75,13 @@ C
 esac
 [ -x "$native/seatrial" ] || { echo "other-systems: found no $native/seatrial, expected the program; build it" >&2; exit 2; }
 
-for crate in $TESTS; do
-  echo "tests of $crate"
-  built test -p "$crate" --tests
-done
+# shellcheck disable=SC2086 # words
+[ -z "$TESTS" ] || built test $TESTS --tests --no-fail-fast
+if [ -n "${WHEEL:-}" ] && [ -n "${target:-}" ]; then
+  [ -x "$out/wheel/bin/maturin" ] || { python3 -m venv "$out/wheel" && "$out/wheel/bin/pip" install --quiet "maturin>=1.9,<2"; }
+  (cd "$top/python" && RUSTUP_TOOLCHAIN=nightly RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR="$out/target" \
+    "$out/wheel/bin/maturin" build --release -Zbuild-std=std,panic_unwind --target "$target" --out "$out/wheels")
+fi
 sh "$here/same-bytes.sh" --run "$top" "$native" "$out/native" "$@"
 sh "$here/same-bytes.sh" --run "$top" "$out/programs" "$out/other" "$@"
 if cmp -s "$out/native/digests" "$out/other/digests"; then

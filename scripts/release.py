@@ -1,9 +1,9 @@
 """Makes what a release hands out: archives of the programs, and the notes of a version.
 
-    python scripts/release.py check --tag v0.2.0
+    python scripts/release.py check --tag v0.3.0
     python scripts/release.py archive --bin target/release --target x86_64-unknown-linux-gnu --out out/release
-    python scripts/release.py sum out/release/seatrial-0.2.0-py3-none-win_amd64.whl
-    python scripts/release.py notes --version 0.2.0
+    python scripts/release.py sum out/release/seatrial-0.3.0-py3-none-win_amd64.whl
+    python scripts/release.py notes --version 0.3.0
 
 `check` compares the tag with Cargo.toml, CITATION.cff and CHANGELOG.md. `archive` packs the programs with README, manual pages,
 completions for shells, licenses, those of all dependencies and a list of these in CycloneDX (sbom.json), as .tar.gz or, for
@@ -29,7 +29,7 @@ import zipfile
 from pathlib import Path
 
 TOP = Path(__file__).resolve().parent.parent
-ROOTS = ("cli",)
+ROOTS = ("seatrial-cli",)
 TEXTS = ("README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE")
 LICENSE = re.compile(r"^(licen[cs]e|copying|unlicense|notice|copyright)", re.IGNORECASE)
 # Archives of the same programs have the same bytes: all files are of 1980, the first year of a zip.
@@ -72,7 +72,7 @@ def programs(folder: Path, target: str) -> dict[str, bytes]:
     for name in ["seatrial", *sorted(each["name"] for each in bins)]:
         path = folder / f"{name}{ending}"
         if not path.is_file():
-            raise Refused(f"{path}: found no such program, expected one; cargo build --release -p cli makes it")
+            raise Refused(f"{path}: found no such program, expected one; cargo build --release -p seatrial-cli makes it")
         found[path.name] = path.read_bytes()
     return found
 

@@ -1,5 +1,5 @@
 //! Writes the JSON Schema of every document and of every hand-written file into a folder, and the page of the keys of
-//! `ingest.toml` into `docs` next to it: `cargo run -p cli --example write_schemas -- schemas`.
+//! `ingest.toml` into `docs` next to it: `cargo run -p seatrial-cli --example write_schemas -- schemas`.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

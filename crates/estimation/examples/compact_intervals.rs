@@ -3,7 +3,7 @@
 //! are counted.
 //!
 //! ```text
-//! cargo run --release -p search --example compact_intervals -- [realizations] [resamples] [white|gusts] [seed]
+//! cargo run --release -p seatrial-estimation --example compact_intervals -- [realizations] [resamples] [white|gusts] [seed]
 //! ```
 
 use std::collections::BTreeMap;

@@ -1,7 +1,7 @@
 //! How reliable verdicts and intervals are on runs whose noise is not stated: two ships under many disturbances,
 //! simulated repeatedly.
 //!
-//! `cargo run --release -p identification --example noise -- <what> <runs> <seed> [<ship or disturbance> …]` with
+//! `cargo run --release -p seatrial-estimation --example noise -- <what> <runs> <seed> [<ship or disturbance> …]` with
 //! `size`: how often the exact model is rejected, and how often intervals contain the truth, for `prediction-error`
 //! and `output-error`; `power`: how often a model that lacks two terms is rejected, and whether one of them is named
 //! first; `yaw`: the same for `r |r|` alone; `inverted`: how often each input is named that is logged with the other sign, and

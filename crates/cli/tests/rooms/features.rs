@@ -20,7 +20,7 @@ fn built(selected: &[&str]) -> BTreeSet<String> {
 fn law_a_crate_is_tested_with_what_the_workspace_has_built() {
     let all = built(&["--workspace"]);
     for one in source::crates() {
-        let own = built(&["--package", &one.name]);
+        let own = built(&["--package", &one.package]);
         let anew: Vec<&String> = own.difference(&all).collect();
         assert!(
             anew.is_empty(),

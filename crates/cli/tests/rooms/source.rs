@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 /// A crate: what it depends on, and its sources.
 pub struct Crate {
     pub name: String,
+    /// What Cargo calls it.
+    pub package: String,
     pub dependencies: Vec<String>,
     /// Lines below `src/`, comments and unit tests included.
     pub size: usize,
@@ -38,6 +40,7 @@ impl Crate {
             |(name, text): &(&str, &str)| ((*name).to_owned(), text.lines().map(str::to_owned).collect());
         Self {
             name: String::new(),
+            package: String::new(),
             dependencies: Vec::new(),
             size: 0,
             files: files.iter().map(file).collect(),
@@ -62,8 +65,10 @@ fn read(folder: &Path) -> Crate {
         size += text.lines().count();
         files.extend(code(path, text));
     });
+    let package = manifest["package"]["name"].as_str().unwrap();
     Crate {
-        name: manifest["package"]["name"].as_str().unwrap().to_owned(),
+        name: package.trim_start_matches("seatrial-").to_owned(),
+        package: package.to_owned(),
         dependencies: dependencies.map_or(Vec::new(), |table| table.keys().cloned().collect()),
         size,
         files,

@@ -1,4 +1,4 @@
-//! `cargo test -p stages --test simulated -- --ignored` writes fixtures/golden/simulated-logs.json again.
+//! `cargo test -p seatrial-cli --test simulated -- --ignored` writes fixtures/golden/simulated-logs.json again.
 
 use std::fs;
 

@@ -230,7 +230,7 @@ fn a_guess_comes_to_its_page_by_two_commands() {
     let number = |name: &str, key: &str| number(&folder, name, key);
     assert_eq!(number("mine/dictionary.toml", "speed_m_s"), number("mine/vessel.toml", "speed_m_s"));
     assert_eq!(number("mine/vessel.toml", "\"X_0\""), -number("mine/vessel.toml", "\"X_0\"").abs());
-    let short = "--set campaign.realizations=1 --set campaign.duration_s=150";
+    let short = "--set campaign.realizations=1 --set campaign.duration_s=90";
     let ran = run(&folder, &format!("run mine --quiet {short}")).succeeds();
     assert!(ran.stdout.starts_with("out/mine/report.html: "), "{ran}");
     let merit = json(&folder, "out/mine/merit.json");

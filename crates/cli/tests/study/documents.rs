@@ -91,7 +91,7 @@ fn every_unit_is_that_of_a_number() {
 #[test]
 fn json_schemas_are_those_of_the_documents() {
     let folder = repository().join("schemas");
-    let remedy = "run `make schemas`, or `cargo run -p cli --example write_schemas -- schemas`";
+    let remedy = "run `make schemas`, or `cargo run -p seatrial-cli --example write_schemas -- schemas`";
     for (id, schema) in schemas() {
         let path = folder.join(format!("{id}.schema.json"));
         let text =

@@ -1,6 +1,6 @@
 //! Frozen results, and one file of every schema version that was ever released.
 //!
-//! `cargo test -p stages --test study -- --ignored` writes fixtures/golden and fixtures/schema again.
+//! `cargo test -p seatrial-cli --test study -- --ignored` writes fixtures/golden and fixtures/schema again.
 
 use std::fs;
 use std::path::PathBuf;

@@ -1,5 +1,5 @@
 //! Noise that is not stated: which kind is found, and the verdicts on right and wrong models under it. Few runs of
-//! each; for more, `cargo run --release -p identification --example noise`.
+//! each; for more, `cargo run --release -p seatrial-estimation --example noise`.
 
 use estimation::criticism::{Criticism, NoiseKind, Subject, Verdict, criticise, criticise_each, oscillation};
 use estimation::predictor::InitialState;

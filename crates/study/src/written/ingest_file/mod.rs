@@ -392,7 +392,7 @@ const TABLES: [(&str, &str); 10] = [
 const HEAD: &str = "\
 # Keys of ingest.toml
 
-Written by `cargo run -q -p cli --example write_schemas -- schemas` from the types that read the file; not to be edited. For editors
+Written by `cargo run -q -p seatrial-cli --example write_schemas -- schemas` from the types that read the file; not to be edited. For editors
 there is the same as a JSON Schema, [schemas/ingest-toml.schema.json](../schemas/ingest-toml.schema.json). [Your own
 logs](own-logs.md) says what to do with them.
 ";
