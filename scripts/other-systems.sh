@@ -22,6 +22,7 @@ TESTS=${TESTS---workspace --exclude seatrial-cli}
 # Packages $1 of Debian, unless the program $2 is there.
 have() {
   command -v "$2" > /dev/null || [ -x "$2" ] && return
+  # shellcheck disable=SC2086 # words
   apt-get install -y -qq $1 > /dev/null || { echo "other-systems: found no $2, expected Debian's $1; install it" >&2; exit 2; }
 }
 

@@ -22,4 +22,10 @@ fn law_a_plan_in_memory_is_that_of_the_program() {
     let usual = ["track.geojson", "route.rtz", "route.gpx", "route.plan", "aborts.gpx", "aborts.geojson"];
     assert_eq!(names[..6], usual);
     assert!(names[6..].iter().all(|name| name.starts_with("abort-") && name.ends_with(".rtz")));
+    // Every route has the name of its file.
+    let others = planned.routes().unwrap().files("other-route").unwrap();
+    for (name, bytes) in others.iter().filter(|(name, _)| name.starts_with("abort-")) {
+        let called = format!("routeName=\"other-{}\"", name.trim_end_matches(".rtz"));
+        assert!(String::from_utf8_lossy(bytes).contains(&called), "{name}");
+    }
 }

@@ -358,10 +358,10 @@ impl Routes<'_> {
             ("aborts.gpx".to_owned(), gpx(&routes, &[])),
             ("aborts.geojson".to_owned(), geojson(&self.abort_features())),
         ];
+        let (before, after) = rtz_name.rsplit_once("route").unwrap_or_default();
         let single = aborts.iter().map(|(number, route)| {
-            let name = format!("abort-{number}.rtz");
-            let filed = Route { name: self.labelled(&format!("abort-{number}")), ..route.clone() };
-            (name, rtz(&filed))
+            let name = self.labelled(&format!("{before}abort-{number}{after}"));
+            (format!("abort-{number}.rtz"), rtz(&Route { name, ..route.clone() }))
         });
         let named = |(name, text): (String, Result<String, Invalid>)| match text {
             Ok(text) => Ok((name, text.into_bytes())),
