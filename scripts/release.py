@@ -1,24 +1,24 @@
-"""Makes what a release hands out: archives of the programs, and the notes of a version.
+"""Makes what a release hands out: archives of the program, and the notes of a version.
 
     python scripts/release.py check --tag v0.3.0
     python scripts/release.py archive --bin target/release --target x86_64-unknown-linux-gnu --out out/release
     python scripts/release.py sum out/release/seatrial-0.3.0-py3-none-win_amd64.whl
     python scripts/release.py notes --version 0.3.0
 
-`check` compares the tag with Cargo.toml, CITATION.cff and CHANGELOG.md. `archive` packs the programs with README, manual pages,
-completions for shells, licenses, those of all dependencies and a list of these in CycloneDX (sbom.json), as .tar.gz or, for
-Windows, .zip, and writes the SHA-256 sum beside it: the same bytes for the same programs. Programs of another system write no
-pages here: `--by` names one that does. `sum` writes that of other files, such as wheels. Needs nothing but Python and cargo.
+`check` compares the tag with Cargo.toml, CITATION.cff and CHANGELOG.md. `archive` packs the program with README, manual pages,
+completions for shells, licenses, those of all dependencies and a list of these in CycloneDX (sbom.json), as .tar.xz or, for
+Windows, .zip, and writes the SHA-256 sum beside it: the same bytes for the same program. That of another system writes no pages
+here: `--by` names one that does. `sum` writes that of other files, such as wheels. Needs nothing but Python and cargo.
 Exits with 3 where a file is not as expected.
 """
 
 from __future__ import annotations
 
 import argparse
-import gzip
 import hashlib
 import io
 import json
+import lzma
 import re
 import subprocess
 import sys
@@ -64,17 +64,12 @@ def check(tag: str) -> None:
     notes(version())
 
 
-def programs(folder: Path, target: str) -> dict[str, bytes]:
-    """The programs in `folder` by name: `seatrial`, and one for each `[[bin]]` of crates/cli."""
-    ending = ".exe" if "windows" in target else ""
-    bins = tomllib.loads((TOP / "crates/cli/Cargo.toml").read_text(encoding="utf-8"))["bin"]
-    found = {}
-    for name in ["seatrial", *sorted(each["name"] for each in bins)]:
-        path = folder / f"{name}{ending}"
-        if not path.is_file():
-            raise Refused(f"{path}: found no such program, expected one; cargo build --release -p seatrial-cli makes it")
-        found[path.name] = path.read_bytes()
-    return found
+def program(folder: Path, target: str) -> Path:
+    """The program `seatrial` in `folder`, which has all stages; those of single stages are for the repository."""
+    path = folder / ("seatrial.exe" if "windows" in target else "seatrial")
+    if not path.is_file():
+        raise Refused(f"{path}: found no such program, expected one; cargo build --release -p seatrial-cli makes it")
+    return path
 
 
 def dependencies(target: str) -> list[dict]:
@@ -136,14 +131,14 @@ def pages(program: Path) -> dict[str, bytes]:
 
 
 def tar(name: str, files: dict[str, tuple[bytes, int]]) -> bytes:
-    """`files`, with their modes, in a folder `name` of a .tar.gz."""
+    """`files`, with their modes, in a folder `name` of a .tar.xz."""
     plain = io.BytesIO()
     with tarfile.open(fileobj=plain, mode="w") as archive:
         for path, (content, mode) in files.items():
             info = tarfile.TarInfo(f"{name}/{path}")
             info.size, info.mode, info.mtime = len(content), mode, SECONDS
             archive.addfile(info, io.BytesIO(content))
-    return gzip.compress(plain.getvalue(), mtime=0)
+    return lzma.compress(plain.getvalue(), preset=9)
 
 
 def zipped(name: str, files: dict[str, tuple[bytes, int]]) -> bytes:
@@ -158,16 +153,16 @@ def zipped(name: str, files: dict[str, tuple[bytes, int]]) -> bytes:
 
 
 def archive(folder: Path, target: str, out: Path, by: Path | None) -> Path:
-    """Packs the programs in `folder` for `target` into `out`, with the pages that the program `by` writes, and the sum beside."""
-    files = {f"bin/{name}": (content, 0o755) for name, content in programs(folder, target).items()}
+    """Packs the program in `folder` for `target` into `out`, with the pages that the program `by` writes, and the sum beside."""
+    packed = program(folder, target)
+    files = {f"bin/{packed.name}": (packed.read_bytes(), 0o755)}
     files |= {name: ((TOP / name).read_bytes(), 0o644) for name in TEXTS}
-    by = by or folder / ("seatrial.exe" if "windows" in target else "seatrial")
-    files |= {name: (content, 0o644) for name, content in pages(by.absolute()).items()}
+    files |= {name: (content, 0o644) for name, content in pages((by or packed).absolute()).items()}
     packages = dependencies(target)
     files["LICENSES-OF-DEPENDENCIES.txt"] = (license_texts(packages).encode(), 0o644)
     files["sbom.json"] = (sbom(packages, target).encode(), 0o644)
     name = f"seatrial-{version()}-{target}"
-    ending, pack = (".zip", zipped) if "windows" in target else (".tar.gz", tar)
+    ending, pack = (".zip", zipped) if "windows" in target else (".tar.xz", tar)
     content = pack(name, files)
     out.mkdir(parents=True, exist_ok=True)
     path = out / f"{name}{ending}"

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import unittest
 from contextlib import redirect_stderr
+from importlib import metadata
 from pathlib import Path
 from unittest import mock
 
@@ -32,6 +33,13 @@ class Start(unittest.TestCase):
         took, loaded = min(run.stdout.strip().split(" ", 1) for run in runs)
         self.assertLess(float(took), 0.3)
         self.assertEqual(loaded, "[]")
+
+    def test_its_version_is_that_of_the_package(self) -> None:
+        try:
+            installed = metadata.version("seatrial")
+        except metadata.PackageNotFoundError:
+            self.skipTest("not installed")
+        self.assertEqual(seatrial.__version__, installed)
 
     def test_all_names_exist(self) -> None:
         for name in seatrial.__all__:

@@ -59,6 +59,8 @@ __all__ = sorted([*_PLACES, "documents"])
 def __getattr__(name: str) -> Any:
     if name == "documents":
         return import_module(".documents", __name__)
+    if name == "__version__":
+        return import_module("importlib.metadata").version(__name__)
     if name not in _PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(import_module(f".{_PLACES[name]}", __name__), name)
