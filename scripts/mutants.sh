@@ -14,5 +14,5 @@ all=$(cargo mutants --package "$package" --list | wc -l)
 parts=$(((all + ${3:-20} - 1) / ${3:-20}))
 cargo mutants --package "$package" --shard "$((${4:-1} % parts))/$parts" --sharding round-robin --output "$2" --no-times -- --tests || true
 found() { wc -l < "$2/mutants.out/$1.txt" | tr -d ' '; }
-echo "$1: of $((all / parts)) to $(((all + parts - 1) / parts)) mutants (seed ${4:-1}) $(found caught "$2") caught, $(found missed "$2") survive," \
-  "$(found timeout "$2") never end, $(found unviable "$2") do not compile"
+echo "$1, seed ${4:-1}: $(found caught "$2") caught, $(found missed "$2") survive, $(found timeout "$2") never end," \
+  "$(found unviable "$2") do not compile"
