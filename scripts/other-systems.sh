@@ -48,7 +48,7 @@ case $kind in
     export WINEPREFIX="$out/wine" WINEDEBUG=-all
     # The library asks for random bytes by a function that this wine does not have.
     folder=$out/target/$target/debug
-    mkdir -p "$folder/deps"
+    mkdir -p "$folder/deps" "$folder/examples"
     cat > "$out/random.c" <<'C'
 #include <windows.h>
 BOOLEAN NTAPI SystemFunction036(PVOID, ULONG);
@@ -56,6 +56,7 @@ __declspec(dllexport) BOOL WINAPI ProcessPrng(PBYTE data, SIZE_T size) { return 
 C
     x86_64-w64-mingw32-gcc -shared -O1 -o "$folder/bcryptprimitives.dll" "$out/random.c" -ladvapi32
     cp "$folder/bcryptprimitives.dll" "$folder/deps/"
+    cp "$folder/bcryptprimitives.dll" "$folder/examples/"
     export CARGO_TARGET_X86_64_PC_WINDOWS_GNU_RUNNER=/usr/lib/wine/wine64
     built build -p seatrial-cli --bin seatrial
     wrap "$out/programs" "/usr/lib/wine/wine64 '$folder/seatrial.exe'" ;;
