@@ -39,7 +39,7 @@ built() {
     cargo +nightly "$@" -Zbuild-std=std,panic_unwind --target "$target" --locked
 }
 
-native=$top/target/debug
+native=$top/target/debug target=
 case $kind in
   windows)
     target=x86_64-pc-windows-gnu
@@ -54,11 +54,9 @@ case $kind in
 BOOLEAN NTAPI SystemFunction036(PVOID, ULONG);
 __declspec(dllexport) BOOL WINAPI ProcessPrng(PBYTE data, SIZE_T size) { return SystemFunction036(data, (ULONG)size); }
 C
-    x86_64-w64-mingw32-gcc -shared -O1 -o "$folder/bcryptprimitives.dll" "$out/random.c" -ladvapi32
-    cp "$folder/bcryptprimitives.dll" "$folder/deps/"
-    cp "$folder/bcryptprimitives.dll" "$folder/examples/"
+    x86_64-w64-mingw32-gcc -shared -O1 -o "$out/bcryptprimitives.dll" "$out/random.c" -ladvapi32
+    for place in . deps examples; do cp "$out/bcryptprimitives.dll" "$folder/$place/"; done
     export CARGO_TARGET_X86_64_PC_WINDOWS_GNU_RUNNER=/usr/lib/wine/wine64
-    built build -p seatrial-cli --bin seatrial
     wrap "$out/programs" "/usr/lib/wine/wine64 '$folder/seatrial.exe'" ;;
   arm64)
     target=aarch64-unknown-linux-gnu
@@ -66,7 +64,6 @@ C
     have qemu-user qemu-aarch64
     export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
     export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="qemu-aarch64 -L /usr/aarch64-linux-gnu"
-    built build -p seatrial-cli --bin seatrial
     wrap "$out/programs" "qemu-aarch64 -L /usr/aarch64-linux-gnu '$out/target/$target/debug/seatrial'" ;;
   2013 | 2008)
     [ "$(uname -m)" = x86_64 ] || { echo "other-systems: found $(uname -m), expected x86_64; try it there" >&2; exit 2; }
@@ -75,11 +72,12 @@ C
     wrap "$out/programs" "qemu-x86_64 -cpu $([ "$kind" = 2013 ] && echo Haswell || echo Nehalem) '$native/seatrial'" ;;
   *) echo "other-systems: found \`$kind\`, expected windows, arm64, 2013 or 2008; name one" >&2; exit 2 ;;
 esac
+[ -z "$target" ] || built build -p seatrial-cli --bin seatrial
 [ -x "$native/seatrial" ] || { echo "other-systems: found no $native/seatrial, expected the program; build it" >&2; exit 2; }
 
 # shellcheck disable=SC2086 # words
 [ -z "$TESTS" ] || built test $TESTS --tests --no-fail-fast
-if [ -n "${WHEEL:-}" ] && [ -n "${target:-}" ]; then
+if [ -n "${WHEEL:-}" ] && [ -n "$target" ]; then
   [ -x "$out/wheel/bin/maturin" ] || { python3 -m venv "$out/wheel" && "$out/wheel/bin/pip" install --quiet "maturin>=1.9,<2"; }
   (cd "$top/python" && RUSTUP_TOOLCHAIN=nightly RUSTC=/usr/bin/rustc RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR="$out/target" \
     "$out/wheel/bin/maturin" build --release -Zbuild-std=std,panic_unwind --target "$target" --out "$out/wheels")

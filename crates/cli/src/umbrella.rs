@@ -8,7 +8,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Arg, ArgMatches, Command, CommandFactory, FromArgMatches, Parser, ValueEnum, value_parser};
 use clap_complete::Shell;
 use clap_mangen::Man;
-use files::{Digest, Error, Provenance, Staged, Trace, check_within, commit, traced};
+use files::{Digest, Error, Provenance, Staged, Trace, check_within, commit, refuse_device, traced};
 use refusal::Invalid;
 use serde_json::json;
 use study::folder::Folder;
@@ -167,7 +167,7 @@ impl Task for RunArguments {
             pipeline.until(stage).map_err(|e| Failure::Usage(format!("--stage: {e}")))?;
         }
         let commands = commands(&pipeline, common)?;
-        check_within(&out)?;
+        refuse_device(&out)?;
         std::fs::create_dir_all(&out).map_err(|e| Error::io(&out, "create", e))?;
         let Provenance { producer, .. } = common.provenance("seatrial");
         let program = std::env::current_exe().ok().and_then(|file| Digest::of_file(file).ok());

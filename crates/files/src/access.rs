@@ -298,12 +298,11 @@ pub fn device_in(path: &Path) -> Option<String> {
     parts.into_iter().find(is_device)
 }
 
-/// Refuses to write at `path` if that is outside the folder of the outputs, links resolved, or a device of Windows there.
+/// Refuses to write at `path` if that is outside the folder of the outputs, links resolved.
 ///
 /// # Errors
 /// [`Error::Refused`] for another place.
 pub fn check_within(path: &Path) -> Result<()> {
-    refuse_device(path)?;
     let Some(within) = current().as_ref().map(|trace| trace.folders[1].clone()) else { return Ok(()) };
     // What is not there yet is created below what is.
     let whole = std::path::absolute(path).map_err(|e| Error::io(path, "create", e))?;
@@ -318,7 +317,10 @@ pub fn check_within(path: &Path) -> Result<()> {
 }
 
 /// Refuses to write at a path that is a device of Windows there.
-pub(crate) fn refuse_device(path: &Path) -> Result<()> {
+///
+/// # Errors
+/// [`Error::Refused`] for such a path.
+pub fn refuse_device(path: &Path) -> Result<()> {
     let Some(device) = device_in(path).filter(|_| cfg!(windows)) else { return Ok(()) };
     let named = format!("`{device}`, which is a device on Windows");
     Err(Error::refuse(path, "output", named, "the name of a file", "name it otherwise"))

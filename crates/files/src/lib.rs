@@ -60,7 +60,7 @@ mod toml_place;
 pub use self::budget::{Budget, PROGRAM_BYTES, Work, budget, free_bytes, mib_with_program, set_budget};
 pub use access::{
     DEEPEST, DEVICES, Observed, Trace, check_within, device_in, exists, observe_names, open, place_of, read,
-    slashed, trace, traced,
+    refuse_device, slashed, trace, traced,
 };
 pub use columns::{
     Column, ColumnSpec, FloatColumn, IntegerColumn, Kind, Labels, Table, TableSchema, TextColumn,
