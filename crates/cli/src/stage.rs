@@ -330,17 +330,8 @@ fn listen() {
 
 #[cfg(not(unix))]
 fn listen() {
-    let interrupted = std::sync::Arc::default();
-    if signal_hook::flag::register(signal_hook::consts::SIGINT, std::sync::Arc::clone(&interrupted)).is_err()
-    {
-        return;
-    }
-    std::thread::spawn(move || {
-        while !interrupted.load(std::sync::atomic::Ordering::Relaxed) {
-            std::thread::sleep(std::time::Duration::from_millis(50));
-        }
-        end_by(signal_hook::consts::SIGINT);
-    });
+    // As after SIGINT elsewhere
+    let _ = ctrlc::set_handler(|| end_by(2));
 }
 
 /// Removes unfinished files, and ends the process as after `signal`.
